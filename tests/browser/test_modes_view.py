@@ -3,6 +3,7 @@
 import pytest
 from playwright.sync_api import Page, expect
 
+from pioneer3.web.control import SILENCE
 from tests.browser.support import SLACK, Product, hold, later, speed, until, wait_for_the_robot
 from tests.browser.views import open_view, stopped_after
 
@@ -35,6 +36,17 @@ def test_wander_is_started_shown_and_ended(modes: Page, product: Product, preset
     expect(modes.locator("#view-modes .mode-state")).to_have_text("Wander ended: laptop ended it.")
     expect(modes.locator("#toast")).to_contain_text("Wander ended")
     expect(modes.locator("#mode-card")).to_be_hidden()
+
+
+def test_a_mode_goes_on_while_the_browser_delays_the_timers_of_its_page(
+    modes: Page, product: Product
+) -> None:
+    modes.evaluate("for (let one = setTimeout(() => {}); one > 0; one--) clearInterval(one)")
+    modes.locator("#wander-start").click()
+    until(lambda: running(product) == "wander")
+    began = product.simulation.world.time
+    until(lambda: product.simulation.world.time > began + 2 * SILENCE)
+    assert running(product) == "wander"
 
 
 def test_the_card_on_the_map_ends_a_mode(modes: Page, product: Product) -> None:

@@ -5,8 +5,8 @@ Rules:
 1. One operator at a time has control of a robot, by a lease. The others watch.
 2. Driving a robot that nobody controls takes control, until a moment after letting go.
 3. An operator who asks for control keeps it while the client is alive and while a mode runs that
-   the operator started. A mode that a page started ends with the page, and when the page falls
-   silent.
+   the operator started. A mode that a page started ends with the page, and when the page has been
+   silent for a moment. It does not begin for a page that left or fell silent meanwhile.
 4. A take-over stops the robot first. Then the new operator has control, and the old one is told.
 5. The robot stops when its operator leaves or releases control.
 6. Of an operator's inputs a gamepad comes before the keyboard, and the keyboard before a touch.
@@ -41,6 +41,11 @@ EXPIRY = 0.5
 """Time that a velocity from a page lasts without renewal [s]."""
 KEPT = 5.0
 """An operator who asked for control and falls silent loses it after this [s]."""
+SILENCE = 2.0
+"""A mode ends when nothing was heard for this long of the page that started it [s].
+
+Pages ping twice a second, from the thread that carries out a press on stop.
+"""
 STOPPING = 3.0
 """After a take-over, commands wait for the robot to stand no longer than this [s]."""
 GOTO_TIME = 600.0
@@ -181,7 +186,8 @@ class Control:
         self._lease: Lease[Operator] = Lease()
         self._keeper: Operator | None = None
         self._mode: tuple[Operator, Stack] | None = None
-        self._heard_at = self._stopping_until = float("-inf")
+        self._heard_at: dict[Operator, float] = {}
+        self._stopping_until = float("-inf")
         self._clock = asyncio.get_running_loop().time
 
     @property
@@ -233,7 +239,9 @@ class Control:
         if holder is not None:
             self._tell(holder, f"{why}; to drive on, let go and press again")
 
-    def start_mode(self, operator: Operator, mode: Mode, *, patience: float = KEPT) -> str | None:
+    def start_mode(
+        self, operator: Operator, mode: Mode, *, patience: float = SILENCE
+    ) -> str | None:
         """Start a mode of the page or the API as :meth:`start` does."""
         if self._robot.snapshot is None:
             return "the robot is not connected"
@@ -242,22 +250,23 @@ class Control:
         )
 
     def start(
-        self, operator: Operator, mode: Stack, seconds: float, *, patience: float = KEPT
+        self, operator: Operator, mode: Stack, seconds: float, *, patience: float = SILENCE
     ) -> str | None:
         """Let `mode` drive for `seconds` at most; return the reason not to, or `None`.
 
-        It ends when :meth:`keep_alive` was not called for `operator` during `patience` [s].
-        Scripts, for which nothing calls that, pass `inf`.
+        It ends when :meth:`keep_alive` was not called for `operator` during `patience` [s], and
+        does not begin after that. Scripts, for which nothing calls it, pass `inf`.
         """
+        if self._silence(operator) > patience:
+            return _nothing_heard(operator, patience)
         if refused := self.take(operator) or self._stopping():
             return refused
         self._inputs.stop()
         self._mode = (operator, mode)
-        self._heard_at = self._clock()
         asyncio.get_running_loop().call_later(seconds, self._end, mode, "its time was over")
         refused = self._robot.arbiter.start(mode)
         if isfinite(patience):
-            self._watch_silence(mode, patience)
+            self._watch_silence(operator, mode, patience)
         return refused
 
     def goto(self, operator: Operator, request: requests.GotoPlace) -> str | None:
@@ -299,8 +308,7 @@ class Control:
 
     def keep_alive(self, operator: Operator) -> None:
         """Note that the client of `operator` is alive."""
-        if self._mode is not None and self._mode[0] is operator:
-            self._heard_at = self._clock()
+        self._heard_at[operator] = self._clock()
         if self._keeper is operator and self._lease.holder(self._clock()) is operator:
             self._lease.take(operator, self._clock(), KEPT)
 
@@ -345,6 +353,7 @@ class Control:
         self._lease.release(operator)
         if self._keeper is operator:
             self._keeper = None
+        self._heard_at.pop(operator, None)
 
     def _pass_to(self, operator: Operator) -> None:
         if holder := self._lease.holder(self._clock()):
@@ -358,15 +367,20 @@ class Control:
             return None
         return self._mode[0]
 
-    def _watch_silence(self, mode: Stack, patience: float) -> None:
-        """End `mode` once the client that started it has fallen silent."""
-        if self._mode is None or self._robot.arbiter.mode is not mode:
+    def _silence(self, operator: Operator) -> float:
+        """Return the time since the client of `operator` was heard of [s], `inf` if it is gone."""
+        return self._clock() - self._heard_at.get(operator, float("-inf"))
+
+    def _watch_silence(self, operator: Operator, mode: Stack, patience: float) -> None:
+        """End `mode` once the client of `operator`, who started it, has fallen silent."""
+        if self._robot.arbiter.mode is not mode:
             return
-        left = self._heard_at + patience - self._clock()
+        left = patience - self._silence(operator)
         if left > 0:
-            asyncio.get_running_loop().call_later(left, self._watch_silence, mode, patience)
+            again = asyncio.get_running_loop().call_later
+            again(left, self._watch_silence, operator, mode, patience)
         else:
-            self._end(mode, f"nothing was heard of {self._mode[0].name} for {patience:g} s")
+            self._end(mode, _nothing_heard(operator, patience))
 
     def _end(self, mode: Stack, why: str) -> None:
         if self._robot.arbiter.mode is mode:
@@ -382,3 +396,7 @@ class Control:
             self._stopping_until = float("-inf")
             return None
         return "the robot is still stopping"
+
+
+def _nothing_heard(operator: Operator, seconds: float) -> str:
+    return f"nothing was heard of {operator.name} for {seconds:g} s"

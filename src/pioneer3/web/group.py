@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 from pioneer3.behaviors.modes.group import GroupMode
 from pioneer3.runtime.group import stacks_of
-from pioneer3.web.control import KEPT, Operator
+from pioneer3.web.control import SILENCE, Operator
 
 if TYPE_CHECKING:
     from pioneer3.web.page import Page
@@ -47,7 +47,7 @@ def start(
     stacks = stacks_of(mode, driven, first, page.traffic)
     for name, stack in stacks.items():
         refused = views[name].control.start(
-            operator, stack, mode.seconds, patience=KEPT if waits else inf
+            operator, stack, mode.seconds, patience=SILENCE if waits else inf
         )
         if refused:
             for other in stacks:

@@ -126,7 +126,7 @@ class Browser:
             await asyncio.sleep(0.066)
 
     async def stay(self, seconds: float) -> None:
-        """Look at the page for so long: it pings, as real ones do."""
+        """Look at the page for so long: it pings, half as often as real ones do."""
         loop = asyncio.get_running_loop()
         end = loop.time() + seconds
         while loop.time() < end:

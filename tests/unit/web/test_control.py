@@ -7,7 +7,7 @@ import pytest
 
 from pioneer3.behaviors.modes import wander
 from pioneer3.geometry import STILL, Twist2
-from pioneer3.web.control import EXPIRY, KEPT, STOPPING, TERM
+from pioneer3.web.control import EXPIRY, KEPT, SILENCE, STOPPING, TERM
 from tests.unit.web.browser import Browser, Product, product
 from tests.unit.web.test_page import ANN, BOB
 
@@ -97,7 +97,7 @@ async def test_a_mode_keeps_control_for_who_started_it() -> None:
         await asyncio.sleep(10.0)
         assert the.travelled > 0.3
         assert control.holder is control.driver() is ANN
-        assert control.start(BOB, wander(), 20.0) == "ann has control"
+        assert control.start(BOB, wander(), 20.0, patience=inf) == "ann has control"
         assert control.end_mode(BOB) == "ann has control"
         await asyncio.sleep(10.1)
         assert control.holder is None
@@ -105,9 +105,27 @@ async def test_a_mode_keeps_control_for_who_started_it() -> None:
         assert the.robot.arbiter.ended.why == "its time was over"
 
 
+async def test_a_mode_does_not_begin_for_a_page_that_fell_silent_meanwhile() -> None:
+    async with product() as the:
+        the.control.keep_alive(ANN)
+        await asyncio.sleep(SILENCE + 0.1)
+        why = f"nothing was heard of ann for {SILENCE:g} s"
+        assert the.control.start(ANN, wander(), 20.0) == why
+        the.control.keep_alive(ANN)
+        assert the.control.start(ANN, wander(), 20.0) is None
+
+
+async def test_a_mode_does_not_begin_for_a_page_that_left_meanwhile() -> None:
+    async with product() as the:
+        the.control.keep_alive(ANN)
+        the.control.release(ANN)
+        assert the.control.start(ANN, wander(), 20.0) is not None
+        assert the.robot.arbiter.mode is None
+
+
 async def test_the_time_of_a_mode_ends_no_other() -> None:
     async with product() as the:
-        the.control.start(ANN, wander(), 1.0)
+        the.control.start(ANN, wander(), 1.0, patience=inf)
         the.control.start(ANN, wander(), 20.0, patience=inf)
         await asyncio.sleep(5.0)
         assert the.robot.arbiter.mode is not None

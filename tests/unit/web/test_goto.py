@@ -10,6 +10,7 @@ import pytest
 from pioneer3.behaviors.action import MODE, Desire, Goal, Situation, Stack
 from pioneer3.geometry import Pose2
 from pioneer3.maps import LineMap
+from pioneer3.web.control import SILENCE
 from pioneer3.web.scene import Scene
 from tests.unit.web.asking import Script
 from tests.unit.web.browser import Browser, playground, product
@@ -44,6 +45,22 @@ async def test_the_robot_goes_where_it_is_sent_and_says_so() -> None:
         assert hypot(here.x - 0.5, here.y + 1.0) < 0.2
         assert abs(here.theta) < 0.15
         assert (newest(ann)["mode"], newest(ann)["target"]) == (None, None)
+
+
+async def test_a_page_that_falls_silent_sends_the_robot_no_further() -> None:
+    async with playground(line_map=ROOM) as the, Browser(the.app) as ann, Browser(the.app) as bob:
+        body = the.simulation.robots[0].body
+        ann.say("goto", x=8.0, y=0.0)
+        await asyncio.sleep(SILENCE - 0.1)
+        before = body.robot_in_world.x
+        assert body.speeds[0] > 0.2
+        await bob.stay(2.0)
+        assert body.speeds[0] == 0.0
+        assert body.robot_in_world.x - before < 0.4
+        assert "nothing was heard of" in bob.snapshot["ended"]["why"]
+        ann.say("ping", t=0)  # it wakes up
+        await bob.stay(2.0)
+        assert body.speeds[0] == 0.0
 
 
 async def test_a_way_that_is_blocked_is_given_up_with_the_reason() -> None:
@@ -119,7 +136,7 @@ async def test_it_can_be_ended_and_ends_with_who_started_it() -> None:
     async with playground(line_map=ROOM) as the, Browser(the.app) as bob:
         body = the.simulation.robots[0].body
         bob.say("goto", x=6, y=0)
-        await asyncio.sleep(3.0)
+        await bob.stay(3.0)
         assert body.speeds[0] > 0.2
         bob.say("end_mode")
         await asyncio.sleep(1.0)
@@ -129,7 +146,7 @@ async def test_it_can_be_ended_and_ends_with_who_started_it() -> None:
             bob.say("release_control")
             await asyncio.sleep(SOON)
             ann.say("goto", x=6, y=0)
-            await asyncio.sleep(3.0)
+            await ann.stay(3.0)
             assert body.speeds[0] > 0.2
             bob.say("end_mode")
             await asyncio.sleep(SOON)

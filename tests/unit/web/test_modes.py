@@ -7,7 +7,7 @@ import pytest
 
 from pioneer3.geometry import Pose2
 from pioneer3.web.access.sessions import Role
-from pioneer3.web.control import KEPT
+from pioneer3.web.control import SILENCE
 from tests.support import STAYED
 from tests.unit.web.browser import Browser, playground, product
 from tests.unit.web.test_roles import arrive
@@ -73,9 +73,9 @@ async def test_a_mode_ends_when_nothing_is_heard_of_its_page() -> None:
     async with product() as the, Browser(the.app) as ann, Browser(the.app) as bob:
         ann.say("start_mode", mode=WANDER)
         await ann.stay(3.0)
-        await bob.stay(KEPT - 1.1)  # who else is there does not count
+        await bob.stay(SILENCE - 1.1)  # who else is there does not count
         assert the.speed > 0.1
-        await bob.stay(1.5)
+        await asyncio.sleep(0.1 + BRAKING)
         assert the.speed == 0.0
         assert "nothing was heard of" in bob.snapshot["ended"]["why"]
 

@@ -17,6 +17,7 @@ from pioneer3.runtime.connect import connect_async
 from pioneer3.sim.worldfile import Box
 from pioneer3.tasks import running
 from pioneer3.web.app import make_app
+from pioneer3.web.control import SILENCE
 from pioneer3.web.page import Page
 from pioneer3.web.scene import Scene
 from tests.support import SimulatedRobot
@@ -102,19 +103,23 @@ async def test_places_without_a_way_are_refused_with_the_reason() -> None:
         assert where(the) == pytest.approx(BEGIN)
 
 
+async def _plan_slowly(the: Playground, page: Browser, seconds: float) -> None:
+    """Let planning a way take so long [s]."""
+    page.say("plan_way", x=2.5, y=0.0)
+    await asyncio.sleep(2.0)
+
+    async def slowly(function: Callable[..., Any], *arguments: Any) -> Any:
+        await asyncio.sleep(seconds)
+        return function(*arguments)
+
+    navigator = the.page.robots[1].navigation._navigator
+    assert navigator is not None
+    navigator._drives.ways._in_thread = slowly
+
+
 async def test_a_stop_that_comes_before_the_way_is_found_ends_the_request() -> None:
     async with rooms() as (the, ann):
-        ann.say("plan_way", x=2.5, y=0.0)
-        await asyncio.sleep(2.0)
-
-        async def slowly(function: Callable[..., Any], *arguments: Any) -> Any:
-            await asyncio.sleep(1.0)
-            return function(*arguments)
-
-        view = the.page.robots[1]
-        navigator = view.navigation._navigator
-        assert navigator is not None
-        navigator._drives.ways._in_thread = slowly
+        await _plan_slowly(the, ann, 1.0)
         ann.say("goto", x=2.5, y=0.0)
         await asyncio.sleep(0.5)
         ann.say("stop")
@@ -123,6 +128,30 @@ async def test_a_stop_that_comes_before_the_way_is_found_ends_the_request() -> N
         assert where(the) == pytest.approx(BEGIN)
         told = ann.latest("told")["message"]
         assert told == "It does not set out: somebody stopped the robot."
+
+
+@pytest.mark.parametrize("how", ["leaves", "falls silent"])
+async def test_a_page_that_is_gone_before_the_way_is_found_sends_no_robot(how: str) -> None:
+    async with rooms() as (the, ann):
+        await _plan_slowly(the, ann, SILENCE + 0.5 if how == "falls silent" else 1.0)
+        ann.say("goto", x=2.5, y=0.0)
+        await asyncio.sleep(0.5)
+        if how == "leaves":
+            await ann.leave()
+        await asyncio.sleep(SILENCE + 1.0)
+        assert the.page.robots[1].robot.arbiter.mode is None
+        assert where(the) == pytest.approx(BEGIN)
+
+
+async def test_a_patrol_ends_when_its_page_falls_silent() -> None:
+    async with rooms() as (the, ann), Browser(the.app) as bob:
+        places = [{"x": -1.0, "y": -1.0}, {"x": -2.5, "y": -1.0}]
+        ann.say("patrol", places=places)
+        await ann.stay(6.0)
+        assert ann.snapshot["mode"] == "patrol"
+        await bob.stay(SILENCE + 0.5)
+        assert bob.snapshot["mode"] is None
+        assert "nothing was heard of" in bob.snapshot["ended"]["why"]
 
 
 def close_the_door(the: Playground) -> None:

@@ -3,7 +3,7 @@
 
 const FIRST_RETRY = 500; // ms
 const LAST_RETRY = 5000;
-const PING = 1000;
+const PING = 500; // a mode ends after 2 s without one: SILENCE of web/control.py
 const SILENCE = 4000;
 const QUEUE = 512; // bytes; velocities behind a longer queue would arrive late
 
@@ -91,8 +91,7 @@ export class Connection {
   #receive(text) {
     this.#heardAt = performance.now();
     this.#retry = FIRST_RETRY;
-    // timers of a page in the background run once a minute, but messages always arrive
-    if (this.#heardAt - this.#pingedAt > 2 * PING) this.ping();
+    this.#keepAlive(); // timers of a page in the background run once a minute, but messages always arrive
     let message;
     try {
       message = JSON.parse(text);
@@ -106,7 +105,11 @@ export class Connection {
   #check() {
     if (this.#socket === null) return;
     if (performance.now() - this.#heardAt > SILENCE) this.#lost();
-    else this.ping();
+    else this.#keepAlive();
+  }
+
+  #keepAlive() {
+    if (performance.now() - this.#pingedAt >= PING) this.ping();
   }
 
   #lost() {

@@ -5,8 +5,8 @@ import { part } from "./widgets.js";
 
 const TIMES = [["60", "1 minute"], ["300", "5 minutes"], ["900", "15 minutes"], ["3600", "1 hour"]];
 const GOING = { explore: "Looks where the map ends", goto: "Looks for the way", patrol: "Stands at a place of its patrol", "look around": "Drives until it knows where it is", follow: "Looks for somebody to follow" }; // while there is no target
-const LEAVE = "A mode runs for as long as this page is connected: close it, lose the connection or lock the phone, "
-  + "and the robot stops within 5 seconds. Another tab in front does not end it. STOP and E-STOP end it at once, for everybody.";
+const LEAVE = "A mode, a goal or a patrol goes on while this page is heard of: close it, lose the connection or lock the phone, "
+  + "and the robot stops after 2 seconds. Another tab in front does not end it. STOP and E-STOP end it at once, for everybody.";
 const RETRY = 2000; // [ms]
 
 /** A label and a choice; `options` are values, labels and perhaps hints. */
