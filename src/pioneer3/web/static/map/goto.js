@@ -143,6 +143,7 @@ export class GotoTool {
     put(byId("goto-where"), refusal ? `No way to ${where}: ${refusal}.` : question);
     put(byId("goto-go"), before ? "Patrol" : "Go");
     byId("goto-go").disabled = !this.possible || Boolean(refusal) || (added && this.stops.length < 2);
+    byId("goto-note").hidden = Boolean(refusal);
     byId("goto-any").hidden = heading === null;
     const { plans } = this.#model.selected.hello;
     byId("goto-tell").hidden = !plans || before !== "";
