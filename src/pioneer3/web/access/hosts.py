@@ -76,16 +76,26 @@ def parsed(text: str) -> IPv4Address | IPv6Address | None:
 def lan_addresses(host: str) -> list[str]:
     """Return the addresses at which a server on `host` is found, the best first.
 
-    For `0.0.0.0`, those of this machine that others can reach.
+    For `0.0.0.0`, those of all interfaces: the network of the robots often has no default route.
     """
     if host not in {"0.0.0.0", "::", ""}:
         return [host]
-    found = list(filter(None, (_towards(family, probe) for family, probe in PROBES)))
-    with suppress(OSError):
-        known = socket.getaddrinfo(socket.gethostname(), None, type=socket.SOCK_STREAM)
-        found += [str(entry[4][0]) for entry in known]
-    wanted = found if host == "::" else [a for a in found if ":" not in a]
-    return [a for a in dict.fromkeys(wanted) if not a.startswith(("127.", "::1", "fe80"))]
+    best = filter(None, (_towards(family, probe) for family, probe in PROBES))
+    found = map(ip_address, dict.fromkeys([*best, *_of_interfaces()]))
+    return [
+        str(address)
+        for address in sorted(found, key=lambda address: address.is_link_local)
+        if not address.is_loopback
+        and (address.version == 4 or (host == "::" and not address.is_link_local))
+    ]
+
+
+def _of_interfaces() -> list[str]:
+    """Return the addresses of all network interfaces of this machine."""
+    import ifaddr
+
+    numbers = (number.ip for adapter in ifaddr.get_adapters() for number in adapter.ips)
+    return [number if isinstance(number, str) else number[0] for number in numbers]
 
 
 def _towards(family: socket.AddressFamily, probe: str) -> str | None:

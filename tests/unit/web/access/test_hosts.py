@@ -2,6 +2,7 @@
 
 import pytest
 
+from pioneer3.web.access import hosts
 from pioneer3.web.access.hosts import is_from_here, is_loopback, is_own_origin
 
 HERE = {"host": "localhost:8080"}
@@ -54,3 +55,28 @@ def test_loopback_is_known() -> None:
 )
 def test_only_our_own_page_and_programs_ask(headers: dict[str, str], own: bool) -> None:
     assert is_own_origin({**HERE, **headers}) is own
+
+
+LISTED = ["127.0.0.1", "::1", "169.254.7.7", "192.168.7.2", "10.0.0.3", "fd00::2", "fe80::1"]
+
+
+@pytest.mark.parametrize(
+    ("host", "towards", "found"),
+    [
+        ("0.0.0.0", [], ["192.168.7.2", "10.0.0.3", "169.254.7.7"]),
+        ("0.0.0.0", ["10.0.0.3"], ["10.0.0.3", "192.168.7.2", "169.254.7.7"]),
+        ("::", ["10.0.0.3"], ["10.0.0.3", "192.168.7.2", "fd00::2", "169.254.7.7"]),
+        ("192.168.7.2", ["10.0.0.3"], ["192.168.7.2"]),
+    ],
+)
+def test_others_find_this_machine_on_all_interfaces_with_or_without_a_default_route(
+    monkeypatch: pytest.MonkeyPatch, host: str, towards: list[str], found: list[str]
+) -> None:
+    routes = iter([*towards, None, None])
+    monkeypatch.setattr(hosts, "_towards", lambda family, probe: next(routes))
+    monkeypatch.setattr(hosts, "_of_interfaces", lambda: LISTED)
+    assert hosts.lan_addresses(host) == found
+
+
+def test_the_interfaces_of_this_machine_are_listed() -> None:
+    assert "127.0.0.1" in hosts._of_interfaces()
