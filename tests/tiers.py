@@ -302,6 +302,7 @@ PARTS: Mapping[str, Part] = {
         "a node stops",
         {
             "test_on_ctrl_c_the_robot_is_stopped_and_told_goodbye": "a way out",
+            "test_a_publisher_that_pauses_stops_the_robot_and_drives_on": "safety",
             "test_after_a_kill_the_robot_stands_and_a_new_node_takes_over": "a way out",
         },
         packages=("ros",),

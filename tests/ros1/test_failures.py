@@ -53,6 +53,23 @@ async def test_without_a_timeout_a_publisher_that_leaves_stops_the_robot(
         await until(lambda: lab.tap.now == STILL)
 
 
+async def test_a_publisher_that_pauses_stops_the_robot_and_drives_on(lab: Lab) -> None:
+    command = ("rostopic", "pub", "-r", "10", "/RosAria/cmd_vel", "geometry_msgs/Twist")
+    publisher = await asyncio.create_subprocess_exec(*command, "{linear: {x: 0.1}}")
+    try:
+        await until(lambda: not lab.tap.now.is_zero)
+        await asyncio.sleep(1.0)
+        publisher.send_signal(signal.SIGSTOP)
+        await lab.warns("has expired: nothing came for 0.6 s, so the robot stops")
+        await until(lambda: lab.tap.now.is_zero)
+        publisher.send_signal(signal.SIGCONT)
+        await lab.warns("comes steadily again: the robot goes on")
+        await until(lambda: lab.tap.now == Twist2(0.1))
+    finally:
+        publisher.kill()
+        await publisher.wait()
+
+
 async def test_after_a_kill_the_robot_stands_and_a_new_node_takes_over(ros1: None) -> None:
     async with laboratory("_cmd_vel_timeout:=0") as lab:
         async with program("press.py", "0.3", "60"):

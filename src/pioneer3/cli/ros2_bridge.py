@@ -32,6 +32,7 @@ def bridge(
     frame_prefix: str = "",
     model: str = "p3at-sh",
     cmd_vel_timeout: Duration = 0.5,
+    resume_cmd_vel: bool = True,
     only: Names = (),
     to_ros1: Names = (),
     to_ros2: Names = (),
@@ -63,6 +64,8 @@ def bridge(
         frame_prefix: Before the frames in ROS 1, such as robot1/.
         model: Of the robot, by which its sonars are known.
         cmd_vel_timeout: A command lasts so long; 0, which is unsafe, until the next one.
+        resume_cmd_vel: Let a stream that fell silent drive again when it has come steadily for
+            0.3 s; else it needs a zero or another direction.
         only: Take this row of the table only, such as odom.
         to_ros1: Pass this topic on to ROS 1, too, such as /plan:nav_msgs/Path.
         to_ros2: Pass this topic on to ROS 2, too, such as /joy:sensor_msgs/Joy.
@@ -84,6 +87,7 @@ def bridge(
         frame_prefix=frame_prefix,
         model=model,
         timeout=cmd_vel_timeout,
+        resumes=resume_cmd_vel,
         only=only,
         to_ros1=to_ros1,
         to_ros2=to_ros2,

@@ -46,17 +46,25 @@ class Drive:
         self, seconds: float, speed: float = AHEAD, sender: Sender = SOMEBODY
     ) -> None:
         """Publish ten times a second."""
-        for _ in range(round(seconds * 10)):
+        await self.stream(seconds, speed, sender, rate=10)
+
+    async def stream(
+        self, seconds: float, speed: float = AHEAD, sender: Sender = SOMEBODY, *, rate: float
+    ) -> None:
+        """Publish `rate` times a second."""
+        for _ in range(round(seconds * rate)):
             self.say(speed, sender)
-            await asyncio.sleep(0.1)
+            await asyncio.sleep(1 / rate)
 
 
 @asynccontextmanager
-async def driven(patience: float, line_map: LineMap | None = None) -> AsyncIterator[Drive]:
+async def driven(
+    patience: float, line_map: LineMap | None = None, *, resumes: bool = True
+) -> AsyncIterator[Drive]:
     """Drive a robot by what is published, as a node does."""
     async with SimulatedRobot(line_map) as sim, connect_async(sim.open) as robot:
         warnings: list[str] = []
-        commands = Commands(robot, patience, warnings.append)
+        commands = Commands(robot, patience, resumes=resumes, warn=warnings.append)
         commands.begin()
         the = Drive(sim, robot, commands, warnings)
         await the.publish(2.0)
@@ -179,8 +187,90 @@ async def test_the_true_reason_is_told_once_and_stays(patience: float) -> None:
         assert all("the link was lost" in warning for warning in the.warnings)
 
 
-async def test_a_publisher_that_was_frozen_does_not_drive_on() -> None:
+@pytest.mark.parametrize("pause", [0.7, 1.5])
+@pytest.mark.parametrize("rate", [6, 10, 20, 50])
+async def test_a_stream_that_pauses_goes_on_after_it_has_come_steadily(
+    rate: float, pause: float
+) -> None:
     async with driven(0.6) as the:
+        for _ in range(2):
+            await the.stream(2.0, rate=rate)
+            assert the.speed == pytest.approx(AHEAD)
+            await asyncio.sleep(pause + 0.4)
+            assert the.speed == 0.0
+            await the.stream(0.25, rate=rate)
+            assert the.speed == 0.0
+        await the.stream(2.0, rate=rate)
+        assert the.speed == pytest.approx(AHEAD)
+        assert [warning.split(":")[0] for warning in the.warnings] == [
+            "cmd_vel of /somebody has expired",
+            "cmd_vel of /somebody comes steadily again",
+        ]
+
+
+async def test_a_stream_that_comes_in_clumps_goes_on_too() -> None:
+    async with driven(0.6) as the:
+        await asyncio.sleep(1.5)
+        for _ in range(10):
+            the.say(AHEAD)
+            the.say(AHEAD)
+            await asyncio.sleep(0.2)
+        assert the.speed == pytest.approx(AHEAD)
+
+
+@pytest.mark.parametrize(("count", "rate"), [(10, 1000), (100, 1000), (60, 100), (30, 30)])
+async def test_old_commands_that_are_delivered_at_once_do_not_drive(
+    count: int, rate: float
+) -> None:
+    async with driven(0.6) as the:
+        await asyncio.sleep(3.0)
+        for _ in range(count):
+            the.say(AHEAD)
+            await asyncio.sleep(1 / rate)
+            assert the.speed == 0.0
+        await asyncio.sleep(1.0)
+        assert the.speed == 0.0
+
+
+@pytest.mark.parametrize("stopped", ["stop", "emergency stop", "stop button", "lost link"])
+async def test_a_stream_that_pauses_does_not_go_on_after_another_stop(stopped: str) -> None:
+    async with driven(0.6) as the:
+        await asyncio.sleep(1.0)
+        match stopped:
+            case "stop":
+                the.robot.arbiter.stop()
+            case "emergency stop":
+                the.robot.emergency_stop()
+                the.robot.reset_emergency_stop()
+            case "stop button":
+                the.sim.body.stop_button = True
+                await asyncio.sleep(1.0)
+                the.sim.body.stop_button = False
+            case "lost link":
+                the.sim.silent = True
+                await asyncio.sleep(15.0)
+                the.sim.silent = False
+                await asyncio.sleep(5.0)
+        await begins_anew(the)
+        assert "cmd_vel is ignored" in the.warnings[-1]
+
+
+async def test_a_stream_that_pauses_goes_on_after_another_one_that_took_over() -> None:
+    async with driven(0.6) as the:
+        await asyncio.sleep(1.0)
+        for _ in range(20):
+            the.say(-0.1, SOMEBODY_ELSE)
+            await the.publish(0.1)
+        assert the.speed == pytest.approx(-0.1, abs=0.01)
+        the.say(0.0, SOMEBODY_ELSE)
+        await the.publish(0.2)
+        assert the.speed == pytest.approx(0.0, abs=0.01)
+        await the.publish(2.0)
+        assert the.speed == pytest.approx(AHEAD)
+
+
+async def test_a_publisher_that_was_frozen_does_not_drive_on_by_the_strict_rule() -> None:
+    async with driven(0.6, resumes=False) as the:
         await asyncio.sleep(4.0)
         await the.publish(5.0)
         assert the.speed == 0.0

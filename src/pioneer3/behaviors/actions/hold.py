@@ -69,6 +69,15 @@ class Hold:
         since = self._began_after if last.stalled is None else self._turned_after
         return None if since >= last.number else last.told
 
+    @property
+    def lapsed(self) -> bool:
+        """Whether this is a stream that fell silent and goes on."""
+        return self._lapsed
+
+    def resume(self) -> None:
+        """Let a stream that fell silent go on; what else stopped it still counts."""
+        self._lapsed = False
+
     def fell_silent(self, now: float) -> bool:
         """Return whether this is a stream that has just stopped coming without letting go."""
         is_late = now >= self._until and not self._lapsed

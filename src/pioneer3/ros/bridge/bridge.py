@@ -43,6 +43,7 @@ class Bridge:
         services: The services of the robot.
         robot: The side that the robot's node is on.
         timeout: How long a velocity command lasts [s]; `inf` until the next one.
+        resumes: Whether a stream of commands that fell silent goes on by itself.
         tell: Given a line for a person.
     """
 
@@ -57,11 +58,13 @@ class Bridge:
         services: Iterable[ServiceRow] = (),
         robot: Side = Side.ROS2,
         timeout: float = 0.5,
+        resumes: bool = True,
         tell: Callable[[str], None],
     ) -> None:
         self._node, self._backend, self._name, self._converter = node, backend, name, converter
         self._rows, self._services = tuple(rows), tuple(services)
         self._robot, self._timeout, self._tell = robot, timeout, tell
+        self._resumes = resumes
         self._loop = asyncio.get_running_loop()
         self._sinks: dict[tuple[Side, str], Sink] = {}
         self._sources: dict[tuple[Side, str], Source] = {}
@@ -245,7 +248,7 @@ class Bridge:
         """Return the topic that a row sends to; rows share it."""
         key = (side, row.name(side))
         if key not in self._sinks:
-            guard = CommandGuard(self._timeout) if row.commands else None
+            guard = CommandGuard(self._timeout, resumes=self._resumes) if row.commands else None
             if side is Side.ROS1:
                 type_ = self._converter.ros1.definition(row.ros1_type)
                 output = self._node.advertise(row.ros1, type_, latched=row.latched)

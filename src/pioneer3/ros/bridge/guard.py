@@ -2,8 +2,8 @@
 
 1. A command lasts for the timeout. Where no other follows, a zero does.
 2. A publisher that leaves while it drives is followed by a zero at once.
-3. A stream that fell silent and goes on is the old one: it is refused until it has a zero, as the
-   robot's node would do if that zero were not between them.
+3. A stream that fell silent and goes on is the old one: it waits until it has come steadily, or is
+   refused until it has a zero, as the robot's node would do if that zero were not between them.
 4. A publisher that left while it drove and is back, as after a broken network, is refused until it
    has a zero. A program that was started again is another publisher.
 5. A bridge that ends while somebody drives sends a zero first.
@@ -29,10 +29,12 @@ class CommandGuard:
 
     Args:
         timeout: How long a command lasts [s]; `inf` until the next one.
+        resumes: Whether a stream that fell silent goes on by itself.
     """
 
-    def __init__(self, timeout: float) -> None:
+    def __init__(self, timeout: float, *, resumes: bool = True) -> None:
         self._timeout = timeout
+        self._resumes = resumes
         self._streams: OrderedDict[object, CommandStream] = OrderedDict()
         self._waiting: dict[object, Any] = {}
         self._moving: set[object] = set()
@@ -55,7 +57,7 @@ class CommandGuard:
                 return f"{node} left while it drove; {LET_GO}"
             del self._cut_off[sender]
         if sender not in self._streams:
-            self._streams[sender] = CommandStream(node, self._timeout)
+            self._streams[sender] = CommandStream(node, self._timeout, resumes=self._resumes)
             while len(self._streams) > REMEMBERED:
                 gone, _ = self._streams.popitem(last=False)
                 self._waiting.pop(gone, None)
@@ -63,7 +65,8 @@ class CommandGuard:
         (self._moving.add if moves(message) else self._moving.discard)(sender)
         self._streams.move_to_end(sender)
         stream = self._streams[sender]
-        refusal = stream.take(twist_of(message), now, NO_STOP)
+        contested = self._driver is not None and self._driver != sender
+        refusal = stream.take(twist_of(message), now, NO_STOP, contested=contested)
         if refusal is None:
             self._waiting[sender] = message
         else:

@@ -42,6 +42,7 @@ class BridgeOptions:
         frame_prefix: Before all frames in ROS 1, such as `robot1/`.
         model: Of the robot.
         timeout: How long a velocity command lasts [s]; 0 until the next one.
+        resumes: Whether a stream of commands that fell silent goes on by itself.
         only: Names of the rows to take; empty for all.
         topics: File with further rows.
         to_ros1: Further topics, such as `/plan:nav_msgs/Path`.
@@ -58,6 +59,7 @@ class BridgeOptions:
     frame_prefix: str = ""
     model: str = "p3at-sh"
     timeout: float = 0.5
+    resumes: bool = True
     only: Sequence[str] = ()
     topics: Path | None = None
     to_ros1: Sequence[str] = ()
@@ -183,6 +185,7 @@ async def serve(options: BridgeOptions, tell: Callable[[str], None]) -> int:
                 services=table.services,
                 robot=options.robot,
                 timeout=lasting,
+                resumes=options.resumes,
                 tell=tell,
             )
             await bridge.run()

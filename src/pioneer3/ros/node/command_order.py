@@ -19,6 +19,8 @@ SLOWEST: Final = 0.2
 """A stream with a longer period [s] looks like a person who presses a key again."""
 ROOM: Final = 1.5
 """How much longer than its period the pause within a stream may be."""
+STEADY: Final = 0.3
+"""A stream that fell silent goes on after it has come steadily for this long [s]."""
 
 
 class Unpaired(NamedTuple):
@@ -90,37 +92,54 @@ class CommandStream:
     one, a little longer than the stream's period: if one comes in this time, it is the old stream,
     which is ignored until it has a zero or leads away.
 
+    If streams resume, one also goes on when it has come steadily for :data:`STEADY`: nobody else
+    drove, no pause was long, and no more came in this time than the stream's period allows, as when
+    a queue of old commands is delivered at once. A stop for any other reason still counts.
+
     Args:
         name: Shown to people.
         timeout: How long a command lasts [s]; `inf` until the next one.
+        resumes: Whether a stream that fell silent goes on by itself.
 
     Attributes:
         name: The same.
         deadline: When :meth:`due` must be called [s, as every `now`].
+        resumed: Whether the stream goes on with the last command.
     """
 
-    def __init__(self, name: str, timeout: float) -> None:
+    def __init__(self, name: str, timeout: float, *, resumes: bool) -> None:
         self.name = name
         self.deadline = inf
+        self.resumed = False
         self._timeout = timeout
+        self._resumes = resumes
+        self._settles = False
         self._hold = Hold(name, streams=isfinite(timeout))
         self._pauses: deque[float] = deque(maxlen=5)
+        self._period = 0.0
+        self._steady_since = -inf
+        self._recent: deque[float] = deque()
         self._twist = STILL
         self._at = -inf
 
     @property
     def waits(self) -> bool:
-        """Whether the last command waits until it is clear that it is not of an old stream."""
-        return isfinite(self.deadline)
+        """Whether the last command waits until it is clear that it is not an old one."""
+        return isfinite(self.deadline) or self._settles
 
-    def take(self, twist: Twist2, now: float, last: Stop) -> str | None:
-        """Take a command; return why it is ignored after the stop `last`, or `None`."""
+    def take(self, twist: Twist2, now: float, last: Stop, *, contested: bool) -> str | None:
+        """Take a command; return why it is ignored after the stop `last`, or `None`.
+
+        `contested` tells whether another publisher drives.
+        """
         came_back, pause = self._hold.fell_silent(now), now - self._at
         leaves = twist.is_zero or leads_away(twist, self._twist)
-        self._twist, self._at = twist, now
+        self._twist, self._at, self.resumed = twist, now, False
+        steady = self._is_steady(pause, now, contested=contested)
         if came_back and not self.waits and not leaves:
             if self._is_stream():
-                self.deadline = now + ROOM * median(self._pauses)
+                self._period = median(self._pauses)
+                self.deadline = now + ROOM * self._period
                 return None
             self._hold.release()
         self.deadline = inf
@@ -129,7 +148,11 @@ class CommandStream:
         else:
             self._pauses.clear()
         self._hold.set(twist, now, self._timeout, last)
-        return self._hold.ignored(last)
+        self._settles = self._resumes and self._hold.lapsed and not contested
+        if self._settles and steady:
+            self._hold.resume()
+            self._settles, self.resumed = False, True
+        return None if self._settles else self._hold.ignored(last)
 
     def due(self, now: float, last: Stop) -> Twist2 | None:
         """Return the command that has turned out to be a new one, if any."""
@@ -140,6 +163,16 @@ class CommandStream:
         self._hold.release()
         self._hold.set(self._twist, now, self._timeout, last)
         return self._twist
+
+    def _is_steady(self, pause: float, now: float, *, contested: bool) -> bool:
+        """Return whether commands have come for :data:`STEADY` in the stream's own time."""
+        if contested or pause >= min(self._timeout, ROOM * SLOWEST):
+            self._steady_since = now
+        self._recent.append(now)
+        while self._recent[0] <= now - STEADY:
+            self._recent.popleft()
+        is_burst = len(self._recent) * self._period > ROOM * STEADY + self._period
+        return now - self._steady_since >= STEADY and not is_burst
 
     def _is_stream(self) -> bool:
         return len(self._pauses) >= FEWEST - 1 and median(self._pauses) <= SLOWEST

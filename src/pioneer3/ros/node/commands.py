@@ -45,12 +45,16 @@ class Commands:
     Args:
         robot: Connected.
         timeout: How long a message lasts [s]; `inf` until the next one.
+        resumes: Whether a stream that fell silent goes on by itself.
         warn: Given a sentence when a message is refused.
     """
 
-    def __init__(self, robot: Robot, timeout: float, warn: Callable[[str], None]) -> None:
+    def __init__(
+        self, robot: Robot, timeout: float, *, resumes: bool, warn: Callable[[str], None]
+    ) -> None:
         self._robot = robot
         self._timeout = timeout
+        self._resumes = resumes
         self._warn = warn
         self._hold = Hold("cmd_vel")
         self._newest = NewestCommand()
@@ -66,6 +70,7 @@ class Commands:
         self._timer: asyncio.TimerHandle | None = None
         self._expiry: asyncio.TimerHandle | None = None
         self._expired_of: deque[str] = deque(maxlen=REMEMBERED)
+        self._resumed_of: deque[str] = deque(maxlen=REMEMBERED)
 
     def subscribe(self, topics: Iterable[CommandName], middleware: Middleware) -> None:
         """Subscribe to `topics`, in a thread."""
@@ -154,9 +159,13 @@ class Commands:
             self._refusal = str(error)
             return None
         stream = self._stream(sender)
-        self._refusal = stream.take(twist, at, self._last_stop)
+        contested = self._driver is not None and self._driver is not sender.connection
+        self._refusal = stream.take(twist, at, self._last_stop, contested=contested)
         if self._refusal is not None or stream.waits:
             return None
+        if stream.resumed and sender.node not in self._resumed_of:
+            self._resumed_of.append(sender.node)
+            self._warn(f"cmd_vel of {sender.node} comes steadily again: the robot goes on")
         return self._newest.take(twist, at, sender=sender.node, shared=topic.shared)
 
     def _check_age(self, age: float | None) -> None:
@@ -183,7 +192,10 @@ class Commands:
         """Return the stream of the publisher at the other end of a connection."""
         key = id(sender.connection)
         if key not in self._streams:  # with the sender, so that no other object gets this id
-            self._streams[key] = (sender, CommandStream(sender.node, self._timeout))
+            self._streams[key] = (
+                sender,
+                CommandStream(sender.node, self._timeout, resumes=self._resumes),
+            )
         self._streams.move_to_end(key)
         while len(self._streams) > REMEMBERED:
             self._streams.popitem(last=False)
@@ -209,6 +221,7 @@ class Commands:
 
     def _expired(self, sender: str) -> None:
         """Log the reason of a stop, once for each sender; another stop has its own reason."""
+        self._driver = None
         stopped = self._hold.ignored(self._last_stop) is not None
         if stopped or self._robot.snapshot is None or sender in self._expired_of:
             return

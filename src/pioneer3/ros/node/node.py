@@ -87,7 +87,9 @@ class RobotNode:
         self._sensors = {each.kind.name: each for each in robot.devices.sensors}
         self._sent: list[Command] = []
         self._scanned_at = -inf
-        self._commands = Commands(robot, parameters.timeout, middleware.warn)
+        self._commands = Commands(
+            robot, parameters.timeout, resumes=parameters.resumes, warn=middleware.warn
+        )
         names = [laser.name for laser in robot.lasers]
         topics = published(self._model, options, parameters.profile, names)
         self._publishing = Publishing(topics, parameters.profile, middleware)

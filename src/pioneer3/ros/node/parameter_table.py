@@ -122,6 +122,13 @@ PARAMETERS: Final = (
         " `rob_key`, which sends one message for each key press, needs it",
     ),
     Parameter(
+        name="resume_cmd_vel",
+        kind=BOOL,
+        default=True,
+        note="whether a stream that fell silent drives again when it has come steadily for 0.3 s;"
+        " else it needs a zero or another direction",
+    ),
+    Parameter(
         name="auto_enable_motors",
         kind=BOOL,
         default=True,

@@ -68,6 +68,7 @@ class NodeParameters:
         model: What the robot really is: a name, or a file; `None` for what it says.
         baud: Serial speed to try first.
         timeout: Silence of cmd_vel after which the robot stops [s]; `inf` for never.
+        resumes: Whether a stream of cmd_vel that fell silent goes on by itself.
         lab_name: The robot's name in the lab, such as `p3at_1_113`; `None` elsewhere.
         max_speed: Never to be exceeded [m/s], or `None` for the robot's own.
         max_turn_rate: Never to be exceeded [rad/s], or `None` for the robot's own.
@@ -92,6 +93,7 @@ class NodeParameters:
     model: str | None = None
     baud: int | None = None
     timeout: float = TIMEOUT[Profile.COMPATIBILITY]
+    resumes: bool = True
     lab_name: str | None = None
     max_speed: float | None = None
     max_turn_rate: float | None = None
@@ -129,6 +131,7 @@ def read_parameters(raw: RawParameters, profile: Profile | None = None) -> NodeP
         model=text(raw, "model"),
         baud=_baud(raw.get("baud", 0)),
         timeout=_timeout(raw.get("cmd_vel_timeout", TIMEOUT[profile])),
+        resumes=flag(raw, "resume_cmd_vel", default=True),
         lab_name=checked_lab_name(raw["lab_name"]) if raw.get("lab_name") else None,
         max_speed=_maximum(raw, "max_linear_velocity"),
         max_turn_rate=_maximum(raw, "max_angular_velocity"),

@@ -75,8 +75,16 @@ def test_the_last_of_two_drives() -> None:
     assert guard.left("two") is ZERO
 
 
-def test_a_stream_that_was_cut_off_goes_on_only_after_a_zero() -> None:
+def test_a_stream_that_was_cut_off_goes_on_when_it_has_come_steadily() -> None:
     guard = CommandGuard(TIMEOUT)
+    stream(guard, 1.0)
+    assert list(guard.due(1.5)) == [ZERO]
+    passed = [sent(guard, AHEAD, 4.0 + number * 0.11) for number in range(5)]
+    assert passed == [[], [], [], [AHEAD], [AHEAD]]
+
+
+def test_a_stream_that_was_cut_off_goes_on_only_after_a_zero_by_the_strict_rule() -> None:
+    guard = CommandGuard(TIMEOUT, resumes=False)
     stream(guard, 1.0)
     assert list(guard.due(1.5)) == [ZERO]
     assert guard.take(AHEAD, "keys", "/keys", 4.0) is None
