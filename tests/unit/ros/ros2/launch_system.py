@@ -14,6 +14,7 @@ from types import ModuleType
 from typing import Any
 
 import pytest
+import yaml
 
 MISSING = object()
 INSTALLED = ("nav2_bringup", "slam_toolbox")
@@ -57,8 +58,22 @@ class ReplaceString(Substitution):
 
 
 class ParameterValue:
+    """A value of this type already, or a substitution, which becomes one; nothing else."""
+
     def __init__(self, value: Any, *, value_type: type | None = None) -> None:
+        if value_type is not None and not isinstance(value, value_type | Substitution):
+            raise TypeError(f"{value!r} is not of {value_type}, and no substitution")
         self.value, self.value_type = value, value_type
+
+    def evaluate(self, context: LaunchContext) -> Any:
+        """Return the value, which is written as in YAML unless it is to be a text."""
+        if not isinstance(self.value, Substitution):
+            return self.value
+        text = self.value.perform(context)
+        read = text if self.value_type is str else yaml.safe_load(text)
+        if self.value_type is not None and not isinstance(read, self.value_type):
+            raise ValueError(f"{text!r} cannot be converted to {self.value_type}")
+        return read
 
 
 def text_of(value: Any, context: LaunchContext) -> str:
@@ -216,12 +231,8 @@ class Node(Action):
 
 def _value(value: Any, context: LaunchContext) -> Any:
     if not isinstance(value, ParameterValue):
-        return text_of(value, context)
-    text = text_of(value.value, context)
-    if value.value_type is bool:
-        return {"true": True, "false": False}[text.lower()]
-    assert value.value_type is str
-    return text
+        value = ParameterValue(value)
+    return value.evaluate(context)
 
 
 def visit(entities: Iterable[Any], context: LaunchContext) -> None:
