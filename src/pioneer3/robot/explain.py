@@ -12,6 +12,7 @@ IDLE = "Nothing is asked of it"
 _STANDING = "It stands because of "
 _EXPIRED = "The last command expired after "
 _SWITCHING_ON = "The motors are off; they are being switched on."
+_STAY_OFF = "The motors are off, and commands do not switch them on: switch them on first."
 _SENT = "The command has just been sent; the wheels do not turn yet."
 
 
@@ -78,7 +79,7 @@ def _about_the_request(pilot: Pilot, snapshot: Snapshot, now: float) -> Iterator
     if asked.is_zero:
         yield f"{IDLE}{'' if motors.enabled else ', and the motors are off'}."
     if not motors.enabled:
-        yield _SWITCHING_ON
+        yield _SWITCHING_ON if pilot.switches_on else _STAY_OFF
     if motors.stalled:
         yield "The wheels are stalled: something blocks them."
     if limits and limit(asked, limits, snapshot.bumpers).is_zero:

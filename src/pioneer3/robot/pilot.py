@@ -325,9 +325,14 @@ class Pilot:
         return not self._command.twist.is_zero
 
     @property
+    def switches_on(self) -> bool:
+        """Whether the motors are to come on, and stay on."""
+        return bool(self._motors_wanted)
+
+    @property
     def enable_failed(self) -> bool:
         """Whether ENABLE was sent often enough, and the motors did not come on."""
-        return bool(self._motors_wanted) and self._enable_tries >= ENABLE_TRIES
+        return self.switches_on and self._enable_tries >= ENABLE_TRIES
 
     def _check_pause(self, now: float) -> None:
         pause, self._checked_at = now - self._checked_at, now

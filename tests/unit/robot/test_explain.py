@@ -68,6 +68,15 @@ def test_the_command_was_just_sent() -> None:
     assert why(made, replace(ON, stamp=1.1), 1.1).startswith("The command has just been sent")
 
 
+def test_motors_that_no_command_switches_on_have_to_be_switched_on() -> None:
+    made = pilot()
+    made.auto_enable = False
+    made.drive(VelocityCommand(AHEAD, after=made.last_stop.number), 1.0)
+    off = why(made, replace(OFF, stamp=1.0), 1.0)
+    assert off.endswith("commands do not switch them on: switch them on first.")
+    assert kind_of(off) == "fault"
+
+
 def test_the_emergency_stop_comes_before_everything() -> None:
     made = pilot()
     made.emergency_stop(0.0)

@@ -79,6 +79,15 @@ def test_motors_tell_what_keeps_them(motors: Motors, level: DiagnosticLevel, wor
     assert words in condition.message
 
 
+def test_motors_that_no_command_switches_on_are_told_with_the_service_that_does() -> None:
+    kept_off = Health(info=INFO, snapshot=seen(link=FINE, motors=Motors()), auto_enable=False)
+    condition = told(kept_off)["Motors"]
+    assert condition.level is DiagnosticLevel.WARN
+    assert "enable_motors" in condition.message
+    on = replace(kept_off, snapshot=seen(link=FINE, motors=Motors(enabled=True)))
+    assert told(on)["Motors"].message == "on"
+
+
 def test_the_latch_is_an_error() -> None:
     condition = told(Health(info=INFO, snapshot=seen(), emergency=True))["Motors"]
     assert condition.level is DiagnosticLevel.ERROR

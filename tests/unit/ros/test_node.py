@@ -105,6 +105,23 @@ async def test_services_act_and_respond() -> None:
         assert (await the.call("reset_odometry")).success
 
 
+async def test_motors_that_were_switched_off_are_told_with_the_service_that_helps() -> None:
+    async with a_node(profile="standard") as the:
+        assert "next command" in (await the.call("e_stop_reset")).message
+        await the.call("disable_motors")
+        the.middleware.drive("/cmd_vel", 0.3)
+        await asyncio.sleep(0.3)
+        assert the.sim.body.speeds[0] == 0.0
+        assert "do not switch them on" in (the.robot.why_not_moving() or "")
+        for service in ("self_test", "e_stop_reset"):
+            response = await the.call(service)
+            assert response.success
+            assert "enable_motors" in response.message
+        await the.call("enable_motors")
+        await asyncio.sleep(1.0)
+        assert (await the.call("self_test")).message == "all is well"
+
+
 async def test_rosarias_profile_has_its_two_services_only() -> None:
     async with a_node() as the:
         assert set(the.middleware.services) == {"~enable_motors", "~disable_motors"}

@@ -14,6 +14,8 @@ from pioneer3.robot.supervisor import RobotInfo
 from pioneer3.state import Motors, Snapshot
 from pioneer3.units import DECIVOLT, MS
 
+ENABLE: Final = "enable_motors"
+"""Service that switches the motors on."""
 USUAL_CYCLE: Final = 0.1
 """Between two snapshots, where CONFIG does not say [s] (protocol.md 4.1)."""
 SLOW: Final = 0.85
@@ -81,6 +83,7 @@ class Health:
         snapshot: The latest one, or `None` while the link is lost.
         lost: Why it is lost, if it is.
         emergency: Whether the emergency stop is latched.
+        auto_enable: Whether a command switches the motors on.
         driver: The action that drives, or `None`.
         why_not_moving: A sentence, or `None` while the robot moves.
         refused: Why commands are ignored, or `None`.
@@ -93,6 +96,7 @@ class Health:
     snapshot: Snapshot | None
     lost: str = ""
     emergency: bool = False
+    auto_enable: bool = True
     driver: str | None = None
     why_not_moving: str | None = None
     refused: str | None = None
@@ -191,6 +195,8 @@ def _link(health: Health, now: Snapshot) -> DiagnosticStatus:
 def _motors(health: Health, now: Snapshot) -> DiagnosticStatus:
     motors, faults = now.motors, _faults(now, DRIVE)
     level, message = OK, "on" if motors.enabled else "off"
+    if not (motors.enabled or health.auto_enable):
+        level, message = WARN, f"off, and commands do not switch them on; {ENABLE} does"
     if motors.stalled:
         level, message = WARN, f"the {_stalled(motors)} stalled: something blocks them"
     if faults:

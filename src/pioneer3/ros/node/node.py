@@ -280,6 +280,7 @@ class RobotNode:
                 snapshot=robot.snapshot,
                 lost=status.message if status is not None and lost else "",
                 emergency=robot.supervisor.pilot.emergency,
+                auto_enable=robot.supervisor.pilot.auto_enable,
                 driver=robot.arbiter.driver,
                 why_not_moving=robot.why_not_moving(),
                 refused=robot.supervisor.pilot.blocked,

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Final
 from pioneer3.arcos import commands
 from pioneer3.errors import CommandError
 from pioneer3.geometry import ORIGIN
-from pioneer3.ros.messages.diagnostics import DiagnosticLevel, DiagnosticStatus
+from pioneer3.ros.messages.diagnostics import ENABLE, DiagnosticLevel, DiagnosticStatus
 from pioneer3.ros.node.middleware import QUEUE, Middleware, Response, Sender
 from pioneer3.ros.node.names import AS_STANDARD, Profile
 from pioneer3.runtime.robot import Robot
@@ -119,7 +119,9 @@ class Services:
         snapshot = self._robot.snapshot
         if snapshot is not None and snapshot.motors.stop_button:
             return Response(False, "the stop button on the robot is pressed: pull it out")
-        return Response(True, "released; the motors stay off until the next command")
+        auto_enable = self._robot.supervisor.pilot.auto_enable
+        until = "the next command" if auto_enable else f"{ENABLE} is called"
+        return Response(True, f"released; the motors stay off until {until}")
 
     def reset_odometry(self) -> Response:
         """Stop, and call the present place 0, 0, 0; the robot itself does not know."""
@@ -253,8 +255,8 @@ class Service:
 
 SERVICES: Final = (
     Service(
-        compatibility="~enable_motors",
-        standard="enable_motors",
+        compatibility=f"~{ENABLE}",
+        standard=ENABLE,
         type_name=EMPTY,
         act=lambda services, _: services.switch_motors(on=True),
     ),
@@ -264,7 +266,7 @@ SERVICES: Final = (
         type_name=EMPTY,
         act=lambda services, _: services.switch_motors(on=False),
         stops=True,
-        note="the robot stops first",
+        note=f"the robot stops first; only `{ENABLE}` brings the motors back",
     ),
     Service(
         standard="e_stop_trigger",
@@ -277,7 +279,7 @@ SERVICES: Final = (
         standard="e_stop_reset",
         type_name=TRIGGER,
         act=lambda services, _: services.reset_emergency_stop(),
-        note="the motors stay off until the next command",
+        note=f"the motors stay off until the next command; after `disable_motors` until `{ENABLE}`",
     ),
     Service(
         standard="reset_odometry",
