@@ -20,6 +20,7 @@ from pioneer3.ros.messages.update import (
     SensorUpdate,
     StateUpdate,
 )
+from pioneer3.ros.node.driving_parameters import PARAMETERS as DRIVING_PARAMETERS
 from pioneer3.ros.node.goals import STATUS_EVERY
 from pioneer3.ros.node.laser_parameters import IGNORED, PARAMETERS
 from pioneer3.ros.node.names import Profile
@@ -120,11 +121,35 @@ def services_of_ros2() -> str:
 def parameters(profiles: frozenset[Profile], mark: str) -> str:
     """Return the table of parameters that are known in one of `profiles`."""
     rows = [
-        (code(f"{mark}{each.name}"), each.otherwise or _default(each.default), each.note)
+        (
+            code(f"{mark}{each.name}"),
+            each.otherwise or _default(each.default),
+            " or ".join(map(code, each.choices)) or _range(each.low, each.high),
+            each.note,
+        )
         for each in NODE_PARAMETERS
         if each.profiles & profiles
     ]
-    return table(("name", "default", ""), rows)
+    return table(("name", "default", "values", ""), rows)
+
+
+def driving_parameters() -> str:
+    """Return the table of parameters of driving in ROS 2."""
+    rows = [
+        (
+            code(each.standard),
+            "integer" if each.whole else "double",
+            _range(each.lowest_told, each.high),
+            each.description,
+        )
+        for each in DRIVING_PARAMETERS
+        if each.standard is not None
+    ]
+    return table(("name", "type", "values", ""), rows)
+
+
+def _range(low: float | None, high: float | None) -> str:
+    return "" if low is None or high is None else f"{low:.7g} to {high:.7g}"
 
 
 def _default(value: Value) -> str:
@@ -179,6 +204,7 @@ def filled(text: str) -> str:
         "parameters": lambda: parameters(ROS1, "~"),
         "topics of ROS 2": topics_of_ros2,
         "services of ROS 2": services_of_ros2,
+        "driving parameters of ROS 2": driving_parameters,
         "parameters of ROS 2": lambda: parameters(ROS2, ""),
     }
 

@@ -209,6 +209,12 @@ async def test_parameters_are_seen_described_and_set(lab: ForeignLab) -> None:
 
     names = (await call("list_parameters"))["result"]["names"]
     assert {"max_linear_acceleration", "cmd_vel_timeout"} <= set(names)
+    unset = {"names": ["drift_factor", "max_linear_velocity"]}
+    assert [each["type"] for each in (await call("get_parameters", **unset))["values"]] == [0, 0]
+    drift, velocity = (await call("describe_parameters", **unset))["descriptors"]
+    assert drift["dynamic_typing"]
+    assert drift["integer_range"][0]["to_value"] == 32767
+    assert velocity["floating_point_range"]
     asked: dict[str, Any] = {"names": ["max_linear_acceleration", "cmd_vel_timeout"]}
     highest, timeout = (await call("describe_parameters", **asked))["descriptors"]
     assert (highest["type"], timeout["read_only"]) == (3, True)

@@ -14,6 +14,7 @@ from typing import Final
 from pioneer3 import __version__
 from pioneer3.models import RobotModel, load_model
 from pioneer3.ros.installation import NAME, TRANSDUCERS, launcher, urdf_files, write_files
+from pioneer3.ros.node.driving_parameters import PARAMETERS as DRIVING
 from pioneer3.ros.node.names import Profile
 from pioneer3.ros.node.parameter_table import Parameter, ParameterKind, parameters_in
 from pioneer3.ros.ros2.distros import DEFAULT, Distro, distro_of
@@ -166,13 +167,15 @@ def _parameters(distro: Distro) -> str:
         note = _in_ros2(parameter.note)
         lines += (f"    # {line}" for line in wrap(note, WIDTH - 6, break_on_hyphens=False))
         lines.append(f"    {_entry(parameter, distro)}")
+    lines.append("    # Parameters that may change while the node runs:")
+    lines += (f"    # {each.standard}:  # {each.description}" for each in DRIVING if each.standard)
     return "\n".join((*lines, ""))
 
 
 def _entry(parameter: Parameter, distro: Distro) -> str:
     if parameter.name == "enable_stamped_cmd_vel":
         return f"{parameter.name}: {_yaml(distro.stamped_commands)}"
-    if parameter.default is None or parameter.default == ():
+    if parameter.default is None:
         (otherwise, *_) = sorted(_in_ros2(parameter.otherwise).split("; "), key=_not_of_ros2)
         return f"# {parameter.name}:{f'  # {otherwise}' if otherwise else ''}"
     value = parameter.default

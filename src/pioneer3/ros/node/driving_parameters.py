@@ -26,8 +26,10 @@ class DrivingParameter:
         standard: Name of the parameter in today's packages, where there is one.
         low: Least value.
         high: Greatest value.
-        default: As RosAria has it; for whole numbers it leaves the robot as it is.
-        whole: Whether it is a whole number.
+        default: As RosAria has it.
+        least: Least whole number that the robot is told; all below it, such as the default, mean
+            its own. `None` for accelerations, which are no whole numbers.
+        description: Its meaning, for people, with its unit.
     """
 
     name: str
@@ -35,8 +37,24 @@ class DrivingParameter:
     low: float
     high: float
     default: float
-    whole: bool = False
+    least: int | None = None
     description: str
+
+    @property
+    def whole(self) -> bool:
+        """Whether it is a whole number."""
+        return self.least is not None
+
+    @property
+    def lowest_told(self) -> float:
+        """The least value that is no word for the robot's own, if it is a whole number."""
+        return self.low if self.least is None else self.least
+
+    def known(self, value: float) -> int | float | None:
+        """Return a value in its type; `None` where the robot has its own, which nobody knows."""
+        if self.least is None:
+            return float(value)
+        return int(value) if value >= self.least else None
 
     def bounded(self, value: object) -> float:
         """Return `value` within the bounds, whole if need be.
@@ -103,8 +121,8 @@ PARAMETERS: Final = (
         low=0,
         high=200,
         default=0,
-        whole=True,
-        description="Encoder ticks per mm; 0 is the robot's own",
+        least=1,
+        description="Encoder ticks per mm",
     ),
     DrivingParameter(
         name="DriftFactor",
@@ -112,8 +130,8 @@ PARAMETERS: Final = (
         low=-99999,
         high=32767,
         default=-99999,
-        whole=True,
-        description="Correction of the left encoder [1/8192]; -99999 is the robot's own",
+        least=-32768,
+        description="Correction of the left encoder [1/8192]",
     ),
     DrivingParameter(
         name="RevCount",
@@ -121,8 +139,8 @@ PARAMETERS: Final = (
         low=0,
         high=65535,
         default=0,
-        whole=True,
-        description="Encoder ticks of half a turn; 0 is the robot's own",
+        least=1,
+        description="Encoder ticks of half a turn",
     ),
 )
 NAMES: Final = tuple(name for each in PARAMETERS for name in (each.name, each.standard) if name)
@@ -136,8 +154,12 @@ ACCELERATIONS: Final = {
 """The limit of the driver that each one sets."""
 BRAKES: Final = {"trans_decel": 0.3, "rot_decel": 1.745}
 """Least decelerations, which every stop needs: those of firmware as it is delivered."""
-LEAST_DRIFT: Final = -32768
-"""Least value that the command can carry; all below means the robot's own."""
+COMMANDS: Final[Mapping[str, Callable[[int], Command]]] = {
+    "TicksMM": lambda value: commands.TicksMM(ticks_per_mm=value),
+    "DriftFactor": lambda value: commands.DriftFactor(correction=value),
+    "RevCount": lambda value: commands.RevCount(ticks=value),
+}
+"""The command that tells the robot each one of its wheels."""
 
 
 def parameters_of(limits: Limits, config: Config | None) -> tuple[DrivingParameter, ...]:
@@ -203,14 +225,8 @@ def changed(limits: Limits, values: Values) -> Limits:
 
 def to_send(values: Values) -> list[Command]:
     """Return the commands that tell the robot of its wheels; none for values that are its own."""
-    sent: list[Command] = []
-    if values["TicksMM"] > 0:
-        sent.append(commands.TicksMM(ticks_per_mm=int(values["TicksMM"])))
-    if values["DriftFactor"] >= LEAST_DRIFT:
-        sent.append(commands.DriftFactor(correction=int(values["DriftFactor"])))
-    if values["RevCount"] > 0:
-        sent.append(commands.RevCount(ticks=int(values["RevCount"])))
-    return sent
+    told = {each.name: each.known(values[each.name]) for each in PARAMETERS if each.whole}
+    return [COMMANDS[name](int(value)) for name, value in told.items() if value is not None]
 
 
 class DrivingParameters:

@@ -83,10 +83,10 @@ PARAMETERS: Final = (
     Parameter(
         name="baud",
         kind=INTEGER,
-        default=0,
         low=0,
         high=1_000_000,
-        note="speed of the serial port to try first, 0 for any; `--baud` comes first",
+        otherwise="any",
+        note="speed of the serial port to try first; `--baud` comes first",
     ),
     Parameter(
         name="profile",
@@ -271,7 +271,6 @@ PARAMETERS: Final = (
     Parameter(
         name="wheel_joint_names",
         kind=STRINGS,
-        default=(),
         otherwise="`[front_left_wheel_joint, ...]`",
         note="left before right, front before rear",
     ),
@@ -323,10 +322,10 @@ PARAMETERS: Final = (
     Parameter(
         name="camera_view_deg",
         kind=DOUBLE,
-        default=0.0,
         low=0.0,
         high=179.0,
-        note="its angle from left to right [degrees], if it does not tell that; 0: not known",
+        otherwise="not known",
+        note="its angle from left to right [degrees], if it does not tell that",
     ),
     Parameter(
         name="use_sim_time",

@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from difflib import get_close_matches
-from math import inf, isfinite, radians
+from math import inf, radians
 from typing import Final
 
 from pioneer3.errors import ConfigError
@@ -129,8 +129,8 @@ def read_parameters(raw: RawParameters, profile: Profile | None = None) -> NodeP
         profile=profile,
         port=_port(raw.get("port")),
         model=text(raw, "model"),
-        baud=_baud(raw.get("baud", 0)),
-        timeout=_timeout(raw.get("cmd_vel_timeout", TIMEOUT[profile])),
+        baud=_baud(raw),
+        timeout=_timeout(raw, profile),
         resumes=flag(raw, "resume_cmd_vel", default=True),
         lab_name=checked_lab_name(raw["lab_name"]) if raw.get("lab_name") else None,
         max_speed=_maximum(raw, "max_linear_velocity"),
@@ -247,12 +247,12 @@ def _maximum(raw: RawParameters, name: str) -> float | None:
     return _number(raw, name) if name in raw else None
 
 
-def _number(raw: RawParameters, name: str) -> float:
+def _number(raw: RawParameters, name: str, otherwise: float = 0.0) -> float:
     """Return a number within the bounds that the table has."""
     row = BY_NAME[name]
     assert row.low is not None
     assert row.high is not None
-    default = row.default if isinstance(row.default, int | float) else 0.0
+    default = row.default if isinstance(row.default, int | float) else otherwise
     return number(raw, name, default, row.low, row.high)
 
 
@@ -265,17 +265,16 @@ def _port(value: object) -> str | None:
     return f"tcp://{value}" if re.fullmatch(r"[\w.-]+:\d+", value) else value
 
 
-def _baud(value: object) -> int | None:
-    if isinstance(value, bool) or not isinstance(value, int) or value < 0:
-        raise ConfigError(f"~baud must be a whole number, 0 for any, not {value!r}")
-    return value or None
+def _baud(raw: RawParameters) -> int | None:
+    if not isinstance(raw.get("baud", 0), int):
+        raise ConfigError(f"~baud must be a whole number, not {raw['baud']!r}")
+    return int(_number(raw, "baud")) or None
 
 
-def _timeout(value: object) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
-        raise ConfigError(f"~cmd_vel_timeout must be a number of seconds, not {value!r}")
+def _timeout(raw: RawParameters, profile: Profile) -> float:
+    value = _number(raw, "cmd_vel_timeout", TIMEOUT[profile])
     if value != 0 and value < SHORTEST:
         raise ConfigError(
             f"~cmd_vel_timeout must be {SHORTEST:g} s or more, or 0 for never, not {value:g}"
         )
-    return float(value) or inf
+    return value or inf

@@ -55,7 +55,9 @@ def _description(parameters: Sequence[DrivingParameter]) -> Any:
             "name": each.name,
             "type": "int" if each.whole else "double",
             "level": LEVEL,
-            "description": each.description,
+            "description": f"{each.description}; {each.default:g} is the robot's own"
+            if each.whole
+            else each.description,
             "edit_method": "",
         }
         for each in parameters

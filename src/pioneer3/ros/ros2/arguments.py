@@ -82,7 +82,9 @@ def parse(arguments: Sequence[str], default: NodeName) -> RosArguments:
         owner, colon, plain = target.rpartition(":")
         if not colon or owner in {node.name, node.full}:
             parameters[plain] = value_of(target, value)
-    return RosArguments(name=name, namespace=namespace, rules=kept, parameters=parameters)
+    # `ros2 param dump` writes null for a parameter without a value
+    given = {name: value for name, value in parameters.items() if value is not None}
+    return RosArguments(name=name, namespace=namespace, rules=kept, parameters=given)
 
 
 Assignments = list[tuple[str, str]]

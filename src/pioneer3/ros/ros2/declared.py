@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 
-from pioneer3.ros.node.driving_parameters import DrivingParameter, DrivingParameters
+from pioneer3.ros.node.driving_parameters import DrivingParameters
 from pioneer3.ros.node.names import Profile
 from pioneer3.ros.node.parameter_table import ParameterKind, parameters_in
 from pioneer3.ros.ros2.parameter_services import NodeParameter, Value
@@ -18,25 +18,32 @@ def declared(raw: Mapping[str, object], driving: DrivingParameters) -> Iterator[
         driving: The parameters of driving.
     """
     for row in parameters_in(Profile.ROS2):
-        value = raw.get(row.name, row.default)
-        if value is not None:
-            yield NodeParameter(
-                name=row.name,
-                kind=row.kind,
-                value=_value(value),
-                description=row.note,
-                constraints=AT_START,
-                read_only=True,
-            )
+        value = _value(raw.get(row.name, row.default))
+        limits = (
+            " or ".join(row.choices),
+            f"not set means {row.otherwise}" if value is None else "",
+            AT_START,
+        )
+        yield NodeParameter(
+            name=row.name,
+            kind=row.kind,
+            value=value,
+            description=row.note,
+            constraints="; ".join(filter(None, limits)),
+            low=row.low,
+            high=row.high,
+            read_only=True,
+        )
     for each in driving.parameters:
         if each.standard is not None:
             kind = ParameterKind.INTEGER if each.whole else ParameterKind.DOUBLE
             yield NodeParameter(
                 name=each.standard,
                 kind=kind,
-                value=_number(each, driving.values[each.name]),
+                value=each.known(driving.values[each.name]),
                 description=each.description,
-                low=each.low,
+                constraints="not set means the robot's own" if each.whole else "",
+                low=each.lowest_told,
                 high=each.high,
             )
 
@@ -50,15 +57,12 @@ def set_driving(values: Mapping[str, Value], driving: DrivingParameters) -> dict
     named = {each.standard: each for each in driving.parameters if each.standard in values}
     wanted = {each.name: values[name] for name, each in named.items() if name is not None}
     held = driving.set({**driving.values, **wanted})
-    return {name: _number(each, held[each.name]) for name, each in named.items() if name}
+    known = {name: each.known(held[each.name]) for name, each in named.items() if name}
+    return {name: value for name, value in known.items() if value is not None}
 
 
-def _number(each: DrivingParameter, value: float) -> int | float:
-    return int(value) if each.whole else float(value)
-
-
-def _value(value: object) -> Value:
+def _value(value: object) -> Value | None:
     if isinstance(value, list):
         return tuple(value)
-    assert isinstance(value, bool | int | float | str | tuple)
+    assert isinstance(value, bool | int | float | str | tuple | None)
     return value

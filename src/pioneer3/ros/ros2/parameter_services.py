@@ -2,6 +2,7 @@
 
 They respond as those of rclpy do: undeclared names empty a whole response, a value must have the
 declared type (so an integer where a double is declared is refused), nothing can be undeclared.
+A parameter without a value is declared with `dynamic_typing`, and is not set until it gets one.
 Beyond rclpy, numbers must be finite, and numbers in arrays keep within the bounds, too.
 """
 
@@ -68,7 +69,7 @@ class NodeParameter:
     Attributes:
         name: With `.` between its parts.
         kind: One of those in `FORMS`.
-        value: At first; a whole number may stand for a double here.
+        value: At first; a whole number may stand for a double here. `None` for none.
         description: For people.
         constraints: Sentence about limits that are not bounds; for people.
         low: Least number.
@@ -78,7 +79,7 @@ class NodeParameter:
 
     name: str
     kind: StrEnum
-    value: Value
+    value: Value | None
     description: str = ""
     constraints: str = ""
     low: float | None = None
@@ -148,8 +149,9 @@ class ParameterServices:
     ) -> None:
         self._types, self._set, self._changed = types, set_, changed
         self._table = {each.name: each for each in parameters}
-        self._values: Mapping[str, Value] = {
-            name: _native(each, each.value) for name, each in self._table.items()
+        self._values: Mapping[str, Value | None] = {
+            name: None if each.value is None else _native(each, each.value)
+            for name, each in self._table.items()
         }
         self._setting = threading.Lock()
         self.services: Mapping[str, Service] = MappingProxyType(
@@ -167,8 +169,8 @@ class ParameterServices:
         )
 
     @property
-    def values(self) -> Mapping[str, Value]:
-        """The values in force."""
+    def values(self) -> Mapping[str, Value | None]:
+        """The values in force; `None` for those that are not set."""
         return MappingProxyType(dict(self._values))
 
     def declared(self) -> Any:
@@ -202,7 +204,7 @@ class ParameterServices:
     def _get_types(self, request: Any) -> Any:
         response = self._make("GetParameterTypes_Response", "srv")
         if all(name in self._table for name in request.names):
-            response.types = [self._table[name].form.number for name in request.names]
+            response.types = [self._type(name) for name in request.names]
         return response
 
     def _list(self, request: Any) -> Any:
@@ -250,7 +252,7 @@ class ParameterServices:
             raise ConfigError(f"{parameter.name} is read-only")
         form, number = parameter.form, message.value.type
         if number == NOT_SET:
-            raise ConfigError(f"{parameter.name} has a type and cannot be undeclared")
+            raise ConfigError(f"{parameter.name} cannot be undeclared")
         if number != form.number:
             got = KINDS.get(number, number)
             raise ConfigError(f"{parameter.name} must be of type {parameter.kind}, not {got}")
@@ -260,23 +262,35 @@ class ParameterServices:
     def _take(self, values: Mapping[str, Value]) -> None:
         if not values:
             return
-        self._values = {**self._values, **values}
+        before, self._values = self._values, {**self._values, **values}
         event = self._make("ParameterEvent")
-        event.changed_parameters = self._messages(values)
+        event.new_parameters = self._messages(
+            {name: value for name, value in values.items() if before[name] is None}
+        )
+        event.changed_parameters = self._messages(
+            {name: value for name, value in values.items() if before[name] is not None}
+        )
         self._changed(event)
 
-    def _messages(self, values: Mapping[str, Value]) -> list[Any]:
+    def _messages(self, values: Mapping[str, Value | None]) -> list[Any]:
         return [self._message(name, value) for name, value in values.items()]
 
-    def _message(self, name: str, value: Value) -> Any:
+    def _message(self, name: str, value: Value | None) -> Any:
         message, form = self._make("Parameter"), self._table[name].form
-        message.name, message.value.type = name, form.number
-        setattr(message.value, form.field, list(value) if isinstance(value, tuple) else value)
+        message.name = name
+        if value is not None:
+            message.value.type = form.number
+            setattr(message.value, form.field, list(value) if isinstance(value, tuple) else value)
         return message
+
+    def _type(self, name: str) -> int:
+        """Return the type of a parameter, which it has while it has a value."""
+        return NOT_SET if self._values[name] is None else self._table[name].form.number
 
     def _descriptor(self, parameter: NodeParameter) -> Any:
         descriptor, form = self._make("ParameterDescriptor"), parameter.form
-        descriptor.name, descriptor.type = parameter.name, form.number
+        descriptor.name, descriptor.type = parameter.name, self._type(parameter.name)
+        descriptor.dynamic_typing = parameter.value is None
         descriptor.description = parameter.description
         descriptor.additional_constraints = parameter.constraints
         descriptor.read_only = parameter.read_only

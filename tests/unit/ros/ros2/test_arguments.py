@@ -138,6 +138,12 @@ def test_wildcards_in_files_are_those_of_ros(name: str, fits: bool, tmp_path: Pa
     assert parse(("--params-file", str(file)), NODE).parameters == ({"a": 1} if fits else {})
 
 
+def test_a_null_is_no_value_as_a_dump_has_it_for_what_is_not_set(tmp_path: Path) -> None:
+    file = tmp_path / "dump.yaml"
+    file.write_text("/**: {ros__parameters: {baud: null, map: office}}\n")
+    assert parse(("--params-file", str(file)), NODE).parameters == {"map": "office"}
+
+
 def test_a_nodes_own_parameters_count_more_than_those_of_wildcards(tmp_path: Path) -> None:
     file = tmp_path / "robot.yaml"
     file.write_text(

@@ -10,6 +10,7 @@ import yaml
 from pioneer3.errors import ConfigError
 from pioneer3.models import load_model
 from pioneer3.ros.ament.install import DRIVEN, PROGRAMS, install_package
+from pioneer3.ros.node.driving_parameters import PARAMETERS as DRIVING
 from pioneer3.ros.node.names import Profile
 from pioneer3.ros.node.navigation_topics import NAVIGATION_TOPICS
 from pioneer3.ros.node.parameter_table import ParameterKind, parameters_in
@@ -124,8 +125,10 @@ def test_the_nodes_own_parameters_are_those_of_the_table(tmp_path: Path, distro:
     text = (prefix / "share/pioneer3/config/pioneer3.yaml").read_text()
     for parameter in parameters_in(Profile.ROS2):
         assert f" {parameter.name}:" in text
+        assert given.get(parameter.name, 1) != []
         if parameter.name in given and parameter.kind in TYPES:
             assert type(given[parameter.name]) is TYPES[parameter.kind]
+    assert all(f"# {each.standard}:" in text for each in DRIVING if each.standard)
     assert given["enable_stamped_cmd_vel"] is distros()[distro].stamped_commands
     assert given["pose_covariance_diagonal"][2] == 1e6
     read_parameters(given, Profile.ROS2)

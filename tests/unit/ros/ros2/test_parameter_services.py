@@ -45,6 +45,7 @@ TABLE = (
         name="limit", kind=Kind.DOUBLE, value=1, low=0.001, high=10.0, description="[m/s]"
     ),
     NodeParameter(name="count", kind=Kind.INTEGER, value=3, low=0, constraints="even is best"),
+    NodeParameter(name="drift", kind=Kind.INTEGER, value=None, low=-200, high=200),
     NodeParameter(name="frame", kind=Kind.STRING, value="odom", read_only=True),
 )
 
@@ -179,7 +180,10 @@ def test_set_values_are_applied_one_by_one_and_told() -> None:
         (a("none", 3, 1.0), "no parameter 'none' is declared"),
         (a("speed", 2, 1), "speed must be of type double, not integer"),
         (a("on", 2, 1), "on must be of type bool, not integer"),
-        (a("speed", 0), "speed has a type and cannot be undeclared"),
+        (a("speed", 0), "speed cannot be undeclared"),
+        (a("drift", 0), "drift cannot be undeclared"),
+        (a("drift", 4, "own"), "drift must be of type integer, not string"),
+        (a("drift", 2, 300), "drift must be from -200 to 200, not 300"),
         (a("speed", 77), "speed must be of type double, not 77"),
         (a("laser1.pose.offsets", 5, [1]), "must be of type double_array, not byte_array"),
         (a("speed", 3, nan), "speed must be finite, not nan"),
@@ -198,6 +202,27 @@ def test_refusals_say_the_reason(message: Any, reason: str) -> None:
     assert reason in node.reasons(message)[0]
     assert reason in node.at_once(a("speed", 3, 0.1), message)
     assert (node.services.values, node.applied, node.events) == (before, [], [])
+
+
+def test_a_parameter_without_a_value_is_declared_as_in_rclpy_until_it_gets_one() -> None:
+    node = Node()
+
+    def described() -> tuple[int, bool, float]:
+        (drift,) = node.call("describe_parameters", names=["drift"]).descriptors
+        (between,) = drift.integer_range
+        return drift.type, drift.dynamic_typing, between.to_value
+
+    (value,) = node.call("get_parameters", names=["drift"]).values
+    assert value.type == 0
+    assert list(node.call("get_parameter_types", names=["drift"]).types) == [0]
+    assert "drift" in node.call("list_parameters").result.names
+    assert described() == (0, True, 200)
+    assert node.reasons(a("drift", 2, 12), a("drift", 2, 13)) == ["", ""]
+    assert node.get("drift") == [13]
+    assert described() == (2, True, 200)
+    first, second = node.events
+    assert [len(e.new_parameters) for e in (first, second)] == [1, 0]
+    assert [len(e.changed_parameters) for e in (first, second)] == [0, 1]
 
 
 def test_one_refusal_does_not_hold_up_the_others() -> None:
@@ -245,7 +270,7 @@ def test_all_parameters_are_new_at_first() -> None:
     assert TYPES.encode(event)
 
 
-@pytest.mark.parametrize("value", [True, "1", nan, (1.0,), None])
+@pytest.mark.parametrize("value", [True, "1", nan, (1.0,)])
 def test_a_first_value_must_fit(value: Any) -> None:
     table = [NodeParameter(name="speed", kind=Kind.DOUBLE, value=value)]
     with pytest.raises(ConfigError, match="speed must be"):
