@@ -1,7 +1,7 @@
 """Remapping rules of ROS 2: `node:rostopic://match:=replacement`.
 
-The syntax is that of https://design.ros2.org/articles/static_remapping.html, with its wildcards, which
-rcl refuses ("not implemented" in 10.1).
+The syntax is that of https://design.ros2.org/articles/static_remapping.html, with its wildcards,
+which rcl refuses ("not implemented" in 10.1).
 """
 
 import re
