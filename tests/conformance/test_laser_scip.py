@@ -180,3 +180,19 @@ async def test_urg_c_on_ethernet_counts_the_scans_down() -> None:
         host.writer.write(b"QT\n")
         assert await host.until(END) == b"QT\n00P\n\n"
         await host.close()
+
+
+async def test_urg_c_gets_scans_in_the_network_from_a_laser_on_a_serial_line() -> None:
+    command = "MS0044072503000"
+    async with simulated("urg-04lx") as laser:
+        for _ in range(3):
+            host = await NetworkHost.connect(laser)
+            host.writer.write(b"QT\n")  # to which urg_c takes no status without a checksum
+            while (heard := await host.until(END)) != b"QT\n00P\n\n":
+                assert heard.startswith(command.encode())  # the stream goes on, in whole scans
+            host.writer.write(b"PP\n")
+            assert (await host.until(END)).startswith(b"PP\n00P\nMODL:URG-04LX;9\n")
+            host.writer.write(command.encode() + b"\n")
+            assert await host.until(END) == command.encode() + b"\n00P\n\n"
+            check_scan(await host.until(END), command, 2)
+            await host.close()

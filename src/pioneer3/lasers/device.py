@@ -3,6 +3,7 @@
 A :class:`Device` is one unit: its settings, its mirror, its line. It tells the :class:`Turn` that
 its mirror makes next; who has the physics hands the :class:`Sweep` in when the turn is over. Each
 host has a :class:`Connection`; a unit on a serial line has one for ever, whoever opens the port.
+A host that reaches such a line through a network finds it empty.
 """
 
 from collections.abc import Sequence
@@ -80,8 +81,12 @@ class Device(Protocol):
     def turn(self) -> Turn | None:
         """What the mirror does next, or `None` while nobody wants readings."""
 
-    def connect(self) -> Connection:
-        """Return the connection of one more host."""
+    def connect(self, *, network: bool = False) -> Connection:
+        """Return the connection of one more host.
+
+        Args:
+            network: Whether it comes over a network, to a serial line through a device server.
+        """
 
     def measured(self, sweep: Sweep, now: float) -> None:
         """Take the readings of a turn whose last reading was taken at `now` [s].

@@ -47,6 +47,11 @@ class Line:
         self._queue.clear()
         self.waiting, self.speed, self._free_at = 0, speed, -inf
 
+    def drop(self) -> None:
+        """Forget the bytes that have not left; changes of the speed remain."""
+        self._queue = deque(entry for entry in self._queue if isinstance(entry[1], int))
+        self.waiting = 0
+
     @property
     def free_at(self) -> float:
         """When all that is queued will have left [s]."""

@@ -36,6 +36,16 @@ def test_a_new_speed_holds_when_the_bytes_before_it_have_left() -> None:
     assert line.take(1.0) == b"new"
 
 
+def test_a_change_of_the_speed_outlives_the_bytes_that_are_dropped() -> None:
+    line = Line(9600)
+    line.send(b"old", 0.0)
+    line.then_change_to(38400)
+    line.drop()
+    line.send(b"new", 0.0)
+    assert (line.take(1.0), line.speed, line.waiting) == (b"", 38400, 3)
+    assert line.take(1.0) == b"new"
+
+
 def test_a_network_takes_all_at_once() -> None:
     line = Line(None)
     line.send(b"x" * 100_000, 7.0)

@@ -7,7 +7,7 @@ import pytest
 from pioneer3.lasers.device import Turn
 from pioneer3.lasers.lms2xx import LmsDevice, commands
 from pioneer3.lasers.lms2xx.blocks import Config, Status
-from pioneer3.lasers.lms2xx.commands import Command, Mode
+from pioneer3.lasers.lms2xx.commands import MODE_OF_SPEED, Command, Mode
 from pioneer3.lasers.lms2xx.measuring import Units, Variant
 from pioneer3.lasers.lms2xx.scans import Measurement
 from pioneer3.lasers.lms2xx.telegram import Sign, Telegram, encode
@@ -190,6 +190,16 @@ def test_the_stream_goes_on_without_a_host() -> None:
     line.port.close()
     line.port = line.device.connect()
     assert len(measurements(line.listen(1.0))) >= 4
+
+
+def test_a_host_in_the_network_finds_the_line_empty_at_the_speed_that_was_asked_for() -> None:
+    line = cable(9600)
+    line.port.receive(commands.mode(MODE_OF_SPEED[38400]) + encode(Command.TYPE)[:3], line.now)
+    line.port = line.device.connect(network=True)
+    line.speed = None
+    assert line.listen(1.0) == b""
+    assert line.device.speed == 38400
+    assert line.ask(encode(Command.ERRORS)).startswith(b"\x06\x02\x80")
 
 
 def test_a_stream_can_be_changed_and_stopped() -> None:

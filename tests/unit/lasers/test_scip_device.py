@@ -300,6 +300,43 @@ def test_a_serial_stream_outlives_its_host() -> None:
     assert device.connect() is host
 
 
+def test_a_host_in_the_network_finds_a_serial_line_empty() -> None:
+    device = ScipDevice(URG, scip1=True)
+    host = device.connect(network=True)
+    host.receive(b"PP\nQ", 0.0)
+    again = Bench(device)
+    again.host = device.connect(network=True)
+    assert again.ask("QT") == "QT\n00P\n\n"
+
+
+def test_a_scan_for_one_host_does_not_come_to_the_next() -> None:
+    device = ScipDevice(URG, scip1=False)
+    bench = Bench(device)
+    bench.ask("BM")
+    bench.ask("GD0044072501")
+    device.connect(network=True)
+    assert device.turn is None
+
+
+def test_both_languages_serve_a_host_in_the_network() -> None:
+    bench = Bench(ScipDevice(URG, scip1=True))
+    bench.host = bench.device.connect(network=True)
+    assert bench.ask("V").startswith("V\n0\nVEND:")
+    assert bench.ask("L1") == "L1\n0\n\n"
+    assert status(bench.ask("VV")) == "00"
+    assert bench.ask("V").startswith("V\n0E")
+    bench.device.switch_on(bench.now)
+    bench.now += 2.0
+    bench.host = bench.device.connect()
+    assert bench.ask("QT") == "QT\nE\n\n"  # at a terminal it is as the real one
+
+
+def test_a_laser_without_scip_2_knows_none_of_it_in_the_network_either() -> None:
+    bench = Bench(ScipDevice(URG, scip2=False))
+    bench.host = bench.device.connect(network=True)
+    assert bench.ask("QT") == "QT\nE\n\n"
+
+
 def test_a_network_host_that_does_not_read_costs_bounded_memory(utm: Bench) -> None:
     utm.ask("MD0000108001000")
     turn = utm.device.turn

@@ -44,8 +44,11 @@ class FakeDevice:
         heard = [connection.heard for connection in self.connections]
         return any(len(data) >= count and what in data for data in heard)
 
-    def connect(self) -> Connection:
-        self.connections.append(FakeConnection(self))
+    def connect(self, *, network: bool = False) -> Connection:
+        if self.speed is None or not self.connections:
+            self.connections.append(FakeConnection(self))
+        elif network:
+            self.connections[0].waiting = b""
         return self.connections[-1]
 
     def measured(self, sweep: Sweep, now: float) -> None:
@@ -95,4 +98,5 @@ class FakeConnection:
         return data
 
     def close(self) -> None:
-        self.device.connections.remove(self)
+        if self.device.speed is None:
+            self.device.connections.remove(self)

@@ -149,6 +149,32 @@ async def test_a_serial_line_has_one_connection_for_ever() -> None:
     assert bench.device.connections == [line]
 
 
+async def test_a_host_in_the_network_gets_nothing_that_was_for_the_last_one() -> None:
+    for name in ("urg-04lx", "utm-30lx"):
+        bench = Bench(name)
+        first = bench.connect()
+        bench.send(first, b"??")
+        bench.laser.hosts.disconnected(first)
+        second = bench.connect()
+        bench.run(0.2)
+        assert second.heard == b""
+        bench.send(second, b"?")
+        bench.run(0.2)
+        assert second.heard == b"!"
+
+
+async def test_a_host_in_the_network_gets_nothing_that_faults_have_held_back() -> None:
+    bench = Bench("urg-04lx")
+    bench.laser.faults = LinkFaults(delay=0.2)
+    first = bench.connect()
+    bench.send(first, b"?")
+    bench.run(0.1)
+    bench.laser.hosts.disconnected(first)
+    second = bench.connect()
+    bench.run(1.0)
+    assert second.heard == b""
+
+
 @pytest.mark.parametrize("name", ["ust-10lx", "utm-30lx"])
 async def test_a_host_of_another_unit_has_a_connection_of_its_own(name: str) -> None:
     bench = Bench(name)

@@ -57,7 +57,7 @@ class ColaDevice:
         wanted = any(c.subscribed or c.polling for c in self._connections)
         return self.unit.turn() if wanted else None
 
-    def connect(self) -> ColaConnection:
+    def connect(self, *, network: bool = True) -> ColaConnection:
         """Return the connection of one more host."""
         connection = ColaConnection(self.unit, self)
         self._connections.append(connection)

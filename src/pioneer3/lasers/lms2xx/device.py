@@ -94,8 +94,12 @@ class LmsDevice:
         wanted = self._scan_wanted or self.unit.mode in STREAMS
         return self._mirror.turn if wanted and self._ready_at is None else None
 
-    def connect(self) -> Connection:
+    def connect(self, *, network: bool = False) -> Connection:
         """Return the serial connection; all of them are one."""
+        if network:
+            self._reader.discard()
+            self._line.drop()
+            self._schedule()
         return _SerialConnection(self)
 
     def switch_on(self, now: float) -> None:

@@ -79,9 +79,12 @@ class ScipDevice:
         """What the mirror does next, or `None` while nobody wants readings."""
         return self.unit.turn if any(s.wants_readings for s in self._sessions) else None
 
-    def connect(self) -> Session:
+    def connect(self, *, network: bool = False) -> Session:
         """Return the connection of one more host; on a serial line it is always the same."""
-        return self._sessions[0] if self.unit.start_speed is not None else self._add_session()
+        if self.unit.start_speed is None:
+            return self._add_session()
+        self._sessions[0].serve(network=network)
+        return self._sessions[0]
 
     def measured(self, sweep: Sweep, now: float) -> None:
         """Take the readings of a turn that is over."""

@@ -46,6 +46,7 @@ class Session:
         self._changed = changed
         self._received = b""
         self._scip1 = unit.begins_in_scip1
+        self._bilingual = False
         self._adjusting = False
         self._stream: ScanRequest | None = None
         self._left = 0
@@ -74,6 +75,18 @@ class Session:
         data = self.line.take(now)
         self._changed()
         return data
+
+    def serve(self, *, network: bool) -> None:
+        """Serve another host at a serial line; one in the network finds it empty.
+
+        Programs take a laser in the network for one that has always spoken SCIP 2.0.
+        """
+        self._bilingual = network and self._unit.knows_scip2
+        if network:
+            self._received = b""
+            self._waiting.clear()
+            self.line.drop()
+            self._changed()
 
     def close(self) -> None:
         """End the connection of a network host, and its stream. A serial line stays as it is."""
@@ -156,6 +169,8 @@ class Session:
 
     def _obey(self, text: str, now: float) -> None:
         command, mark, comment = text.partition(";")
+        if self._scip1 and self._bilingual and is_scip2(command):
+            self._scip1 = self._unit.laser_on = False
         if self._scip1:
             status, data = self._obey_scip1(text)
         elif mark and len(comment) > LONGEST_COMMENT:
@@ -339,6 +354,11 @@ class Session:
             return "01"
         was, self._unit.sensitive = self._unit.sensitive, code == "1"
         return "02" if was == self._unit.sensitive else "00"
+
+
+def is_scip2(command: str) -> bool:
+    """Tell whether a command is one of SCIP 2.0; those of SCIP 1.1 have one letter."""
+    return len(command) > 1 and command[:2].isalpha() and command != "SCIP2.0"
 
 
 def lines_of(pairs: Mapping[str, object], *, summed: bool = True) -> bytes:

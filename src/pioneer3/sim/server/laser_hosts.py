@@ -1,8 +1,9 @@
 """Hosts that connect to a simulated laser.
 
 1. A unit with a serial line, which has a speed, has one connection for ever: hosts come and go at
-   its terminal and, through a serial device server, on the network. All others have a connection
-   per host, on the network or at a terminal that stands for USB.
+   its terminal and, through a serial device server, on the network. One on the network gets nothing
+   that has been sent before it came. All others have a connection per host, on the network or at a
+   terminal that stands for USB.
 2. Units that speak CoLa-A serve several hosts, of which the longest silent one gives way to one too
    many; others one at a time: the rules of :class:`pioneer3.sim.server.clients.ClientSlot` hold. A
    host that gets scans is not silent. The last requests of a host that leaves are still obeyed.
@@ -133,7 +134,8 @@ class OneHost:
         self._device, self._wake = device, wake
         self._faults = faults
         self._lasting = device.speed is not None
-        self._cable = self._new_cable() if self._lasting else None
+        self._cable = Cable(device.connect(), faults) if self._lasting else None
+        self._now, self._heard = -inf, False
         self._slot = ClientSlot(self._another, label)
         self._terminal_speed: Callable[[], int | None] = lambda: None
         self._speed_before: int | None = None
@@ -164,6 +166,7 @@ class OneHost:
             self._hang_up()
 
     def exchange(self, now: float, *, heard: bool) -> None:
+        self._now, self._heard = now, heard
         cable, host = self._cable, self._slot.host
         if cable is None:
             return
@@ -193,22 +196,24 @@ class OneHost:
         if self._cable is not None:
             self._cable.replace(faults)
 
-    def _new_cable(self) -> Cable:
-        return Cable(self._device.connect(), self._faults)
-
     def _another(self) -> None:
         """Prepare for another host."""
         self._hang_up()
-        if self._cable is None:
-            self._cable = self._new_cable()
+        assert self._slot.host is not None
+        connection = self._device.connect(network=not self._slot.host.permanent)
+        self._cable = Cable(connection, self._faults)
 
     def _hang_up(self) -> None:
-        """Drop what is on its way to the host; a connection that does not last ends."""
-        if self._cable is not None:
-            self._cable.hang_up()
-            if not self._lasting:
-                self._cable.connection.close()
-                self._cable = None
+        """Let the device take the last requests; a connection that does not last ends."""
+        cable = self._cable
+        if cable is None:
+            return
+        cable.hang_up()
+        if self._heard:
+            cable.take(None, self._now, MOST_FAREWELL)
+        if not self._lasting:
+            cable.connection.close()
+            self._cable = None
 
     def _understands(self, client: Client) -> bool:
         if not client.permanent or self._device.speed is None:
@@ -250,7 +255,7 @@ class SeveralHosts:
             silent.close()
             self.disconnected(silent)
         log.info("%s: connected to %s", client.peer, self._label())
-        self._cables[client] = Cable(self._device.connect(), self._faults)
+        self._cables[client] = Cable(self._device.connect(network=True), self._faults)
         self._heard[client] = _now()
         client.resume()
 
