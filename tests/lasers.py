@@ -78,6 +78,8 @@ class Host:
         permanent: Whether it is a terminal, which is always there.
     """
 
+    full = False
+
     def __init__(self, laser: SimulatedLaser, *, permanent: bool) -> None:
         self.peer, self.permanent = "memory", permanent
         self._laser = laser

@@ -196,3 +196,22 @@ async def test_urg_c_gets_scans_in_the_network_from_a_laser_on_a_serial_line() -
             assert await host.until(END) == command.encode() + b"\n00P\n\n"
             check_scan(await host.until(END), command, 2)
             await host.close()
+
+
+@pytest.mark.parametrize("name", ["utm-30lx", "urg-04lx"])
+async def test_hokuyo_node_gets_whole_scans_though_it_pauses(name: str) -> None:
+    async with simulated(name) as laser:
+        assert laser.pty is not None
+        host = Terminal(laser.pty, 19200)
+        if laser.device.speed is not None:
+            await ask(host, "SCIP2.0")
+            await ask(host, "SS500000")
+            host.set_speed(500000)
+        geometry = numbers(await ask(host, "PP"))
+        command = f"MD{geometry['AMIN']:04}{geometry['AMAX']:04}01000"
+        await ask(host, command)
+        for pause in (0.2, 1.5, 0.2):
+            await asyncio.sleep(pause)
+            for _ in range(10):
+                check_scan(await host.until(END), command, 3)
+        host.close()

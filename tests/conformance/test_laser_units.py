@@ -230,6 +230,21 @@ async def test_lms_scans_come_as_fast_as_the_line_carries_them_and_without_zeros
         host.close()
 
 
+async def test_lms_scans_are_whole_though_the_host_pauses(monkeypatch: Patch) -> None:
+    async with simulated("lms-200", monkeypatch) as laser:
+        assert laser.pty is not None
+        host = LmsHost(laser.pty)
+        assert await host.ask(0x20, b"\x48") == b"\x00"
+        host.set_speed(500000)
+        assert await host.ask(0x20, b"\x24") == b"\x00"
+        rejected = host.reader.rejected
+        await asyncio.sleep(1.5)
+        for _ in range(50):
+            assert len(values((await host.answer(0xB0)).body)) == 361
+        assert host.reader.rejected == rejected
+        host.close()
+
+
 async def test_lms_turns_are_sent_apart_as_partial_scans(monkeypatch: Patch) -> None:
     async with simulated("lms-200", monkeypatch) as laser:
         assert laser.pty is not None

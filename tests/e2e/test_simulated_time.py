@@ -47,6 +47,7 @@ class Scripted:
     """A host that says what its script has for the tick, and keeps what it gets, and when."""
 
     permanent = False
+    full = False
 
     def __init__(self, name: str, script: Mapping[int, bytes], world: World) -> None:
         self.peer, self.script, self.world = name, script, world

@@ -10,6 +10,8 @@ PIECE: Final = 16
 """Bytes that are worth a wake-up: as many as a UART collects."""
 PIECE_TIME: Final = 0.002
 """On a fast line the bytes of this time are one piece [s]."""
+MOST_HELD: Final = 4096
+"""Bytes that wait for a host that takes none [bytes], above which the line counts as busy."""
 ROUNDING: Final = 1e-9
 """Event loops wake up this much early [s]."""
 
@@ -62,6 +64,10 @@ class Line:
             else:
                 at = max(at, since) + duration(len(entry), speed)
         return at
+
+    def is_busy(self, now: float) -> bool:
+        """Tell whether a message sent at `now` [s] would have to wait."""
+        return self.free_at > now + ROUNDING or self.waiting > MOST_HELD
 
     @property
     def due(self) -> float:

@@ -24,6 +24,7 @@ class Host:
 
     def __init__(self, *, permanent: bool = False, peer: str = "memory") -> None:
         self.permanent, self.peer = permanent, peer
+        self.full = False
         self.heard = b""
         self.closed = False
 

@@ -24,6 +24,8 @@ HELLO = b"".join(encode(bytes([number])) for number in (0, 1, 2)) + frame(comman
 class Host:
     """A host that keeps what it gets."""
 
+    full = False
+
     def __init__(self, peer: str = "host", *, permanent: bool = False) -> None:
         self.peer, self.permanent = peer, permanent
         self.got = b""

@@ -27,7 +27,7 @@ SCAN = b"\x02\x80\xd6\x02\xb0"
 class Terminal:
     """A host that notes when it gets bytes [s], and which."""
 
-    permanent, peer = True, "memory"
+    permanent, peer, full = True, "memory", False
 
     def __init__(self) -> None:
         self.heard: list[tuple[float, bytes]] = []

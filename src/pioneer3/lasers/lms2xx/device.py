@@ -137,7 +137,7 @@ class LmsDevice:
         number = self._mirror.number
         scan = self._mirror.add(sweep)
         self._scans += scan is not None
-        is_free = self._line.free_at <= now + ROUNDING
+        is_free = not self._line.is_busy(now)
         if self._scan_wanted:
             if scan is not None:
                 self._scan_wanted = False

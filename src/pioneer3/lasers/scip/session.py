@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from typing import Final
 
 from pioneer3.lasers.device import Sweep
-from pioneer3.lasers.line import ROUNDING, Line
+from pioneer3.lasers.line import Line
 from pioneer3.lasers.scip.requests import Refused, ScanRequest, read_request, read_scip1_request
 from pioneer3.lasers.scip.scans import FORMATS, WIDE_RANGE
 from pioneer3.lasers.scip.sweeps import data_lines
@@ -132,7 +132,7 @@ class Session:
     def _is_congested(self, now: float) -> bool:
         """Whether the line still carries a scan at `now` [s]; a network takes more of them."""
         if self.line.speed:
-            return self.line.free_at > now + ROUNDING
+            return self.line.is_busy(now)
         return self.line.waiting > MOST_SCANS
 
     def _is_skipped(self, stream: ScanRequest) -> bool:

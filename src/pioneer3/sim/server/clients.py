@@ -1,6 +1,7 @@
 """Hosts that connect to a simulated robot, and the single slot that a robot has for them.
 
-Sending never waits: a host that takes nothing is disconnected. Rules of the slot:
+Sending never waits: a host that takes nothing is disconnected. At a terminal, which always stays,
+whole messages are left out. Rules of the slot:
 
 1. A second host is turned away, unless the first leaves within :data:`GRACE`, or has been silent,
    or has sent more than can be taken, for :data:`STALE`.
@@ -44,6 +45,10 @@ class Client(Protocol):
     peer: str
     permanent: bool
 
+    @property
+    def full(self) -> bool:
+        """Whether the next message would be left out, as the host has not taken the last one."""
+
     def resume(self) -> None:
         """Begin to read; a new client is not read."""
 
@@ -51,7 +56,7 @@ class Client(Protocol):
         """Stop reading."""
 
     def send(self, data: bytes) -> None:
-        """Send `data`, at once or later; a client that takes nothing is closed instead."""
+        """Send a message, at once or later; a client that takes nothing is closed instead."""
 
     def close(self) -> None:
         """Close the connection without telling the handler; a permanent line stays."""
@@ -86,6 +91,11 @@ class SocketClient:
         self._listens = False
         self._unsent = bytearray()
         self._stuck_since = 0.0
+
+    @property
+    def full(self) -> bool:
+        """Never: what a host does not take is kept, or the host is disconnected."""
+        return False
 
     def resume(self) -> None:
         """Begin to read."""
@@ -152,7 +162,10 @@ class SocketClient:
 
 
 class PtyClient(SocketClient):
-    """A host that opens a pseudo terminal. Unread bytes are lost, as on a serial line.
+    """A host that opens a pseudo terminal.
+
+    The rest of a message that the terminal has no room for waits. Meanwhile others are left out, so
+    that a host that pauses finds each message whole or not at all.
 
     A serial port forgets unread bytes when its host leaves. Nobody tells when a host leaves a
     terminal, so they are forgotten when nobody has read for :data:`UNREAD`, and bytes still come.
@@ -169,13 +182,23 @@ class PtyClient(SocketClient):
         self._waiting, self._abandoned = 0, False
         self._read_at = self._looked_at = self._loop.time()
 
-    def send(self, data: bytes) -> None:
-        """Send as much as the terminal takes."""
+    @property
+    def full(self) -> bool:
+        """Whether a message waits for room."""
         if self._file.closed:
-            return
+            return False
         if self._is_abandoned():
             forget_unread(self._slave)
-        self._write(data)
+            self._unsent.clear()
+        elif self._unsent and (written := self._write(self._unsent)):
+            del self._unsent[:written]
+            self._read_at = self._loop.time()  # room comes by reading
+        return bool(self._unsent)
+
+    def send(self, data: bytes) -> None:
+        """Send a message, or leave it out where the last one waits for room."""
+        if not self._file.closed and not self.full:
+            self._unsent += data[self._write(data) :]
 
     def _read(self) -> None:
         self._abandoned, self._read_at = False, self._loop.time()  # a host is there
@@ -211,6 +234,7 @@ class LinkClient:
     """A host at the far end of a :class:`Link`; :meth:`live` reads and writes."""
 
     permanent = False
+    full = False
 
     def __init__(self, handler: ClientHandler, link: Link) -> None:
         self.peer = link.url

@@ -10,6 +10,8 @@
 3. At the terminal of a serial line a host must have set the speed of the device, else neither
    understands the other. A host that changes its speed right after its last byte is understood. A
    device server on the network always has the right speed.
+4. A terminal that is full stops the line: the laser leaves out whole scans, as where its line is
+   too slow for them.
 """
 
 import asyncio
@@ -174,6 +176,8 @@ class OneHost:
             cable.clear()
         cable.take(host, now)
         self._speed_before = self._terminal_speed()
+        if host is not None and host.full:
+            return
         understands = host is not None and self._understands(host)
         data = cable.from_laser(now)  # after its last byte the laser may change its speed
         if not data or host is None or not heard:
