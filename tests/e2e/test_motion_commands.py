@@ -118,3 +118,13 @@ async def test_sonar_prints_the_front_eight_and_moves_nothing() -> None:
     assert head == [*map(str, range(8))]
     assert lines
     assert all(len(line) == 8 for line in lines)
+
+
+async def test_a_place_without_a_map_is_on_the_map_of_the_simulator() -> None:
+    pytest.importorskip("numba")
+    pytest.importorskip("scipy")
+    async with simulator(map_name="lab", port=0) as simulated:
+        command = ("goto", "canteen", "--port", simulated.url)
+        code, _, err = await pioneer3(*command)
+    assert code == 2
+    assert "place 'canteen': the map lab has none of this name" in err

@@ -15,7 +15,7 @@ from pioneer3.cli.options import (
     MotionOptions,
     Speed,
 )
-from pioneer3.cli.places import MapName, StartPlace, numbers_of, pose_of
+from pioneer3.cli.places import MapName, StartPlace, numbers_of, pose_of, require_place
 from pioneer3.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -35,33 +35,37 @@ def goto(
     """Drive to a place and stop.
 
     With a map and a laser the robot finds itself on the map, plans a way through
-    the doors, and drives around what is not on the map. Without a map it drives
-    straight, slows down and turns aside for obstacles; the place then counts from
-    where the robot is and looks when the connection opens, found by the wheels,
-    which drift.
+    the doors, and drives around what is not on the map. It is taken to stand at the
+    map's home: after a first drive, tell its place with --start. Numbers without a
+    map count from where the robot is and looks when the connection opens, found by
+    the wheels, which drift; it drives straight, slows down and turns aside for
+    obstacles.
 
     The robot MOVES: stand by its stop button. Space stops it, k is the emergency
     stop.
 
     Example: pioneer3 goto kitchen --map office
+    Example: pioneer3 goto lobby --map office --start kitchen
     Example: pioneer3 goto home --map office --start unknown
     Example: pioneer3 goto 2 -0.5 90
 
     Args:
         place: A name of the map; or x, y, and a heading to turn to there.
         link: The robot.
-        map_: The map: a file, or the name of one that ships.
+        map_: The map: a file, or the name of one that ships; a name of a place without it is on a
+            simulator's own.
         start: Where the robot is: a name, `x,y,heading`, or `unknown`; else at the map's home.
         look_around: Drive about a little first if it is not sure where it is.
         speed: At most.
         max_speed: Keep below this in any case.
         motion: Bounds.
     """
+    from pioneer3.runtime.simulator_map import OF_SIMULATOR
+
+    if not place:
+        raise ConfigError("goto: give a name of the map, or x and y, or x, y and a heading")
     numbers = numbers_of(place, "goto")
-    if map_ is None:
-        if numbers is None:
-            words = " ".join(place) or "nowhere"
-            raise ConfigError(f"goto {words}: a place has a name only on a map: give it with --map")
+    if map_ is None and numbers is not None:
         return _straight(Goto(**numbers, speed=speed), link, motion, max_speed=max_speed)
 
     def going(robot: "Robot") -> Coroutine[Any, Any, None]:
@@ -75,7 +79,7 @@ def goto(
         motion,
         speed=speed,
         max_speed=max_speed,
-        line_map=map_,
+        line_map=map_ or OF_SIMULATOR,
         start=None if start is None else pose_of(start, "goto"),
     )
 
@@ -97,6 +101,5 @@ async def _along_a_way(
     navigator = robot.navigator
     assert navigator is not None
     goal = find_place(navigator.line_map, name) if numbers is None else Destination(**numbers)  # type: ignore[arg-type]
-    if looks:
-        await navigator.look_around()
+    await require_place(navigator, f"goto {goal}", looks=looks)
     await navigator.goto(goal, speed)

@@ -7,7 +7,7 @@ from cyclopts import Parameter, validators
 
 from pioneer3.cli.live import carry_out
 from pioneer3.cli.options import LINK, MOTION, Flag, LinkOptions, MotionOptions, Speed
-from pioneer3.cli.places import MapName, StartPlace, destination_of, pose_of
+from pioneer3.cli.places import MapName, StartPlace, destination_of, pose_of, require_place
 from pioneer3.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ def patrol(
     Args:
         places: Names of the map, or `x,y`, or `x,y,heading`; `home` is where robots begin.
         link: The robot.
-        map_: The map: a file, or the name of one that ships.
+        map_: The map: a file, or the name of one that ships; else a simulator's own.
         start: Where the robot is: a name, `x,y,heading`, or `unknown`; else at the map's home.
         look_around: Drive about a little first if it is not sure where it is.
         rounds: So many; without it until it is stopped.
@@ -47,8 +47,8 @@ def patrol(
         max_speed: Keep below this in any case.
         motion: Bounds.
     """
-    if map_ is None:
-        raise ConfigError("patrol: places have names on a map: give it with --map")
+    from pioneer3.runtime.simulator_map import OF_SIMULATOR
+
     if len(places) < 2:
         raise ConfigError("patrol: give two places or more, such as: patrol Lab Kitchen")
 
@@ -56,8 +56,7 @@ def patrol(
         navigator = robot.navigator
         assert navigator is not None
         goals = [destination_of(text, navigator.line_map, "patrol") for text in places]
-        if look_around or start == "unknown":
-            await navigator.look_around()
+        await require_place(navigator, "patrol", looks=look_around or start == "unknown")
         await navigator.patrol(goals, speed, rounds or inf)
 
     return carry_out(
@@ -67,6 +66,6 @@ def patrol(
         motion,
         speed=speed,
         max_speed=max_speed,
-        line_map=map_,
+        line_map=map_ or OF_SIMULATOR,
         start=None if start is None else pose_of(start, "patrol"),
     )

@@ -4,13 +4,14 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from pioneer3.errors import ConfigError
+from pioneer3.errors import ConfigError, MotionError
 from pioneer3.geometry import Pose2
 from pioneer3.units import ANGLE, LENGTH
 
 if TYPE_CHECKING:
     from pioneer3.maps import LineMap
     from pioneer3.nav.places import Destination
+    from pioneer3.runtime.navigator import Navigator
 
 UNITS = LENGTH, LENGTH, ANGLE
 
@@ -59,3 +60,19 @@ def destination_of(text: str, line_map: "LineMap", command: str) -> "Destination
 
     numbers = numbers_of(tuple(text.split(",")), command)
     return find_place(line_map, text) if numbers is None else Destination(**numbers)  # type: ignore[arg-type]
+
+
+async def require_place(navigator: "Navigator", command: str, *, looks: bool) -> None:
+    """Wait until it is sure where the robot is; have it look around first if it `looks`.
+
+    Raises:
+        MotionError: It is not sure; says how to tell.
+    """
+    if looks:
+        await navigator.look_around()
+    elif not await navigator.find():
+        raise MotionError(
+            f"{command}: it is not sure where the robot is: {navigator.estimate.reason}; without "
+            "--start it is taken to stand at home: give --start PLACE or --start X,Y,HEADING; or "
+            "have it found: --start unknown, or --look-around if it stands near the place"
+        )

@@ -71,7 +71,8 @@ async def connect_async(
         lasers: Laser range finders at the computer, such as `/dev/ttyACM0`. They may come later,
             and may be lost and found again.
         camera: URL of the MJPEG stream of a camera on the robot; it may come and go too.
-        line_map: The map to navigate on, its file, or the name of one that ships; needs a laser.
+        line_map: The map to navigate on, its file, or the name of one that ships; `"simulator"`
+            asks the simulator for its own; needs a laser.
         start: Where the robot is on the map: a pose, the name of a place, `"unknown"`, or `None`
             for the map's home; without a home the robot has to be found.
 
@@ -163,9 +164,13 @@ async def _navigator(
     from pioneer3.maps import LineMap
     from pioneer3.nav.places import find_place, home
     from pioneer3.runtime.navigator import Navigator
+    from pioneer3.runtime.simulator_map import OF_SIMULATOR, map_of_simulator
     from pioneer3.sim.worldfile import load_map
 
-    known = line_map if isinstance(line_map, LineMap) else load_map(line_map)
+    if isinstance(line_map, LineMap):
+        known = line_map
+    else:
+        known = await map_of_simulator(robot) if line_map == OF_SIMULATOR else load_map(line_map)
     if start == UNKNOWN_START:
         return await Navigator.on(robot, known)
     if not isinstance(start, str):

@@ -9,28 +9,26 @@ import logging
 from collections.abc import Callable, Hashable
 from contextlib import suppress
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Self
 
 from pioneer3.arcos.commands import SimCtrl, SimOperation
 from pioneer3.arcos.reports import MapChanged, Report
 from pioneer3.errors import CommandError, ConfigError
 from pioneer3.geometry import ORIGIN, Pose2
-from pioneer3.maps import LineMap, shipped_maps
+from pioneer3.maps import LineMap
 from pioneer3.robot.identity import is_simulator
 from pioneer3.runtime.robot import Robot
+from pioneer3.runtime.simulator_map import known_map
 from pioneer3.runtime.traffic import Place, frame_of
 from pioneer3.runtime.true_pose import TruePose
 from pioneer3.sim.relief import FLAT, Relief
 from pioneer3.sim.server.running import RunningSimulation, SimulatedRobot
-from pioneer3.sim.worldfile import WorldFile, load_world, shipped_worlds
 from pioneer3.state import Snapshot
 from pioneer3.tasks import running
 
 log = logging.getLogger(__name__)
 
 NOT_LOOKED_FOR = "nothing tells where it is; with --map, a robot with a laser is found"
-ENDINGS = (".map", ".toml", ".yaml")
 
 
 class RemoteWorld:
@@ -101,27 +99,6 @@ class RemoteWorld:
             except ConfigError as error:
                 self.map, self.relief = None, FLAT
                 self._tell(f"The simulator's map is not shown: {error}; give it with --map")
-
-
-def known_map(name: str) -> tuple[LineMap, Relief]:
-    """Return the map that ships under `name`, or lies in the working folder, and its heights.
-
-    Raises:
-        ConfigError: There is none, or it cannot be read.
-    """
-    stem = name.removesuffix(".map")
-    if stem in {"empty", *shipped_maps(), *shipped_worlds()}:
-        return _with_relief(load_world(stem))
-    plain = stem == Path(stem).name
-    path = next((p for e in ENDINGS if plain and (p := Path(stem + e)).is_file()), None)
-    if path is None:
-        raise ConfigError(f"there is no map {stem[:40]!r} here")
-    return _with_relief(load_world(path))
-
-
-def _with_relief(world: WorldFile) -> tuple[LineMap, Relief]:
-    line_map = world.line_map()
-    return line_map, world.relief(line_map)
 
 
 @dataclass(slots=True)

@@ -1,14 +1,12 @@
 """What a simulator in another program tells of its world, over cables in memory."""
 
-from pathlib import Path
-
 import pytest
 
-from pioneer3 import ConfigError, connect_async
+from pioneer3 import connect_async
 from pioneer3.geometry import Pose2
 from pioneer3.sim.worldfile import load_map, load_world
 from pioneer3.tasks import running
-from pioneer3.web.scene import RemoteWorld, known_map
+from pioneer3.web.scene import RemoteWorld
 from tests.support import SimulatedRobot, until, wall_at
 
 HOME = Pose2(1.0, 1.5, 0.5)
@@ -58,21 +56,3 @@ async def test_a_map_that_is_not_here_is_pointed_out_and_a_given_one_stays() -> 
     ]
     assert ours.map is given
     assert theirs.map is None
-
-
-def test_maps_are_known_by_the_names_that_ship_and_by_files_of_this_folder_only(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    (tmp_path / "here").mkdir()
-    monkeypatch.chdir(tmp_path / "here")
-    lines = "2D-Map\nLineMinPos: 0 0\nLineMaxPos: 1 1\nNumLines: 1\nLINES\n0 0 1000 1000\nDATA\n"
-    (tmp_path / "here" / "hall.map").write_text(lines)
-    (tmp_path / "up.map").write_text(lines)
-    assert known_map("hall")[0].name == "hall"
-    assert known_map("office.map")[0].name == "office"
-    line_map, relief = known_map("ramps")
-    assert "ramp_0" in relief.solids
-    assert len(relief.heights_of(line_map)) == len(line_map.walls)
-    for name in ("../up", str(tmp_path / "up"), "up", ""):
-        with pytest.raises(ConfigError, match="there is no map"):
-            known_map(name)
