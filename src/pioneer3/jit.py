@@ -7,21 +7,26 @@ pass no NaN to `min` or `max`, and take a square root where `hypot` would do, as
 `hypot` of its own. Compiled code is kept on disk until a file of the kernels changes.
 
 Kernels lie in folders of their own; :class:`KernelCache` tells where the compiled ones of a folder
-are.
+are. Where nothing can be kept they are compiled at each start.
 """
 
+import logging
 import os
 import sys
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from functools import cache, cached_property, wraps
 from hashlib import sha256
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
+from tempfile import TemporaryFile
 from threading import Lock
 from types import FunctionType
 from typing import Any, Final, ParamSpec, TypeVar
 
 import numpy as np
+
+log = logging.getLogger(__name__)
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -33,6 +38,8 @@ CACHE_DIR_IS_SET: Final = Lock()
 """Held while numba's setting is ours: kernels are loaded in several threads."""
 COMPLETE: Final = "complete"
 """A file in the cache of which all kernels are there."""
+ROOM: Final = 8 << 20
+"""More than the compiled kernels of one folder take [bytes]."""
 
 
 def kernel(function: Callable[P, R]) -> Callable[P, R]:
@@ -83,15 +90,45 @@ class KernelCache:
         chosen = os.environ.get("NUMBA_CACHE_DIR") or caches / "pioneer3"
         return Path(chosen) / digest.hexdigest()[:16]
 
+    @cached_property
+    def can_keep(self) -> bool:
+        """Whether kernels can be kept: numba ends with a traceback where they cannot."""
+        try:
+            self.directory.mkdir(parents=True, exist_ok=True)
+            with TemporaryFile(dir=self.directory) as file:
+                if not self._is_marked:
+                    file.write(os.urandom(ROOM))
+                    file.flush()
+        except OSError as error:
+            _warn(self.directory.parent, error.strerror)
+            return False
+        return True
+
     @property
     def is_complete(self) -> bool:
-        """Whether all kernels have been compiled before."""
+        """Whether all kernels have been compiled before, and can be loaded."""
+        return self._is_marked and self.can_keep
+
+    @property
+    def _is_marked(self) -> bool:
         return (self.directory / COMPLETE).exists()
 
     def complete(self) -> None:
-        """Note that all kernels are there, if any was kept."""
-        if self.directory.is_dir():
-            (self.directory / COMPLETE).touch()
+        """Note that all kernels are there, if they were kept."""
+        if numba_version() and self.can_keep:
+            with suppress(OSError):  # full since: they are compiled anew the next time
+                (self.directory / COMPLETE).touch()
+
+
+@cache
+def _warn(folder: Path, reason: str | None) -> None:
+    """Warn once that nothing can be kept in `folder`."""
+    log.warning(
+        "%s: %s: compiled code cannot be kept, so each start takes up to a minute longer; "
+        "make room there, or set NUMBA_CACHE_DIR to a folder that can be written",
+        folder,
+        reason,
+    )
 
 
 def fast(function: Callable[P, R], kept: KernelCache) -> Callable[P, R]:
@@ -101,7 +138,7 @@ def fast(function: Callable[P, R], kept: KernelCache) -> Callable[P, R]:
     """
     if not numba_version():
         return plain(function)
-    result: Callable[P, R] = _compiled(function, kept.directory)
+    result: Callable[P, R] = _compiled(function, kept)
     return result
 
 
@@ -115,24 +152,23 @@ def numba_version() -> str:
 
 
 @cache
-def _compiled(function: Any, directory: Path) -> Any:
+def _compiled(function: Any, kept: KernelCache) -> Any:
     """Return a copy of `function` that calls compiled kernels only, compiled."""
     import numba  # type: ignore[import-not-found, import-untyped, unused-ignore]
 
     names = function.__globals__
     called = {name: names[name] for name in function.__code__.co_names if name in names}
     kernels = {
-        name: _compiled(value, directory)
-        for name, value in called.items()
-        if hasattr(value, INLINE)
+        name: _compiled(value, kept) for name, value in called.items() if hasattr(value, INLINE)
     }
     copy = FunctionType(function.__code__, names | kernels, function.__name__)
     copy.__module__, copy.__qualname__ = function.__module__, function.__qualname__
     inline = getattr(function, INLINE)
     config: Any = numba.config
-    options = {"inline": inline, "cache": inline == "never", "error_model": "numpy"}
+    caches = inline == "never" and kept.can_keep
+    options = {"inline": inline, "cache": caches, "error_model": "numpy"}
     with CACHE_DIR_IS_SET:
-        before, config.CACHE_DIR = config.CACHE_DIR, str(directory)
+        before, config.CACHE_DIR = config.CACHE_DIR, str(kept.directory)
         try:
             return numba.njit(nogil=True, **options)(copy)
         finally:

@@ -2,14 +2,22 @@
 
 import time
 from concurrent.futures import ThreadPoolExecutor
+from errno import ENOSPC
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from pioneer3 import jit
+from pioneer3.jit import KernelCache
 
 numba = pytest.importorskip("numba")
+
+
+def some(name: str) -> Any:
+    function = eval("lambda: 1")
+    function.__name__ = name
+    return jit.kernel(function)
 
 
 def test_threads_that_load_kernels_keep_each_in_its_own_folder(
@@ -25,15 +33,64 @@ def test_threads_that_load_kernels_keep_each_in_its_own_folder(
 
         return wrap
 
-    def some(name: str) -> Any:
-        function = eval("lambda: 1")
-        function.__name__ = name
-        return jit.kernel(function)
-
     monkeypatch.setattr(numba, "njit", njit)
     before = numba.config.CACHE_DIR
-    names = [f"kernel{n}" for n in range(8)]
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    caches = {f"kernel{n}": KernelCache(tmp_path / str(n)) for n in range(8)}
     with ThreadPoolExecutor(8) as pool:
-        list(pool.map(lambda name: jit._compiled(some(name), tmp_path / name), names))
-    assert seen == {name: str(tmp_path / name) for name in names}
+        list(pool.map(lambda name: jit._compiled(some(name), caches[name]), caches))
+    assert seen == {name: str(kept.directory) for name, kept in caches.items()}
     assert before == numba.config.CACHE_DIR
+
+
+def full(**_: object) -> None:
+    raise OSError(ENOSPC, "No space left on device")
+
+
+@pytest.fixture(params=["read-only", "full"])
+def spoiled(
+    request: pytest.FixtureRequest, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> KernelCache:
+    """A cache that nothing can be written to."""
+    folder = tmp_path / "cache"
+    if request.param == "full":
+        monkeypatch.setattr(jit, "TemporaryFile", full)
+    else:
+        folder.write_text("a file where the folder should be")
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(folder))
+    return KernelCache(tmp_path)
+
+
+def test_kernels_are_compiled_without_a_cache_where_none_can_be_written(
+    spoiled: KernelCache, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[bool] = []
+
+    def njit(*, cache: bool, **_: object) -> Any:
+        asked.append(cache)
+        return lambda function: function
+
+    monkeypatch.setattr(numba, "njit", njit)
+    jit.fast(some("kernel"), spoiled)
+    spoiled.complete()
+    assert asked == [False]
+    assert not spoiled.is_complete
+
+
+def test_a_cache_that_cannot_be_written_is_told_once(
+    spoiled: KernelCache, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    assert not spoiled.can_keep
+    assert not KernelCache(tmp_path / "others").can_keep
+    (told,) = caplog.messages
+    assert told.startswith(f"{spoiled.directory.parent}: ")
+    assert "NUMBA_CACHE_DIR" in told
+
+
+def test_a_cache_is_complete_once_that_is_noted(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    assert not KernelCache(tmp_path).is_complete
+    KernelCache(tmp_path).complete()
+    assert KernelCache(tmp_path).is_complete

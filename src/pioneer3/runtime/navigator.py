@@ -70,9 +70,10 @@ class Navigation:
 async def compile_kernels() -> None:
     """Compile navigation in a process of its own, once after each installation: half a minute.
 
-    Else this program would stand still meanwhile, and its robot stop.
+    Else this program would stand still meanwhile, and its robot stop. Where nothing can be kept it
+    compiles by itself.
     """
-    if numba_version() and not CACHE.is_complete:
+    if numba_version() and CACHE.can_keep and not CACHE.is_complete:
         log.warning("compiling navigation, once: half a minute")
         process = await asyncio.create_subprocess_exec(sys.executable, "-m", "pioneer3.nav")
         await process.wait()

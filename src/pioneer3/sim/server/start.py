@@ -186,7 +186,7 @@ async def simulator(
     if _is_work(simulation) or factory_robot:
         if not numba_version():
             here.notes.append(f"without numba this simulation is slow: {how_to_get('fast')}")
-        elif CACHE.is_complete:
+        elif CACHE.is_complete or not CACHE.can_keep:
             await _load_kernels(world)
         else:
             here.progress = COMPILING
