@@ -101,6 +101,8 @@ PARTS: Mapping[str, Part] = {
             "test_a_map_grows_while_a_program_drives": "the joint",
             "test_what_is_saved_is_read_again_as_it_was": "files",
             "test_a_map_is_saved_whatever_ends_it[15]": "a way out",
+            "test_a_map_without_walls_is_not_saved": "files",
+            "test_without_the_extra_nav_a_sentence_names_it": "the other way in",
         },
     ),
     "tests/e2e/test_navigation.py": Part(

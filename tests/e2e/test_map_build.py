@@ -2,6 +2,8 @@
 
 import asyncio
 import signal
+import subprocess
+import sys
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from math import hypot
@@ -10,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from pioneer3.cli.main import execute
 from pioneer3.errors import ConfigError, MotionError
 from pioneer3.geometry import ORIGIN, Pose2
 from pioneer3.maps import LineMap, read_map
@@ -245,6 +248,26 @@ def test_nothing_is_written_over_unless_asked_for(tmp_path: Path) -> None:
     ended = p3("map", "build", "-o", str(tmp_path / "lab.bmp"))
     assert (ended.returncode, "the ending tells the format" in ended.stderr) == (2, True)
     assert [path.name for path in tmp_path.iterdir()] == ["lab.map"]
+
+
+def test_a_map_without_walls_is_not_saved(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    log, new = tmp_path / "a.log", tmp_path / "a.map"
+    log.write_text(f"FLASER 181 {' '.join(['2.0'] * 181)} 0 0 0 0 0 0 0 host 0\n")
+    assert execute(["map", "build", "--from", str(log), "-o", str(new)]) == 1
+    assert "a.map is not written: it would be empty" in capsys.readouterr().err
+    assert [*tmp_path.iterdir()] == [log]
+
+
+def test_without_the_extra_nav_a_sentence_names_it() -> None:
+    code = "import sys; sys.modules['scipy'] = None; from pioneer3.cli.main import main; main()"
+    ended = subprocess.run(
+        [sys.executable, "-c", code, "map", "build"], capture_output=True, text=True, check=False
+    )
+    assert ended.returncode == 2
+    assert ended.stderr.count("\n") == 1
+    assert "the extra `nav` is missing; run: " in ended.stderr
 
 
 @pytest.mark.realtime

@@ -71,6 +71,9 @@ def build(
         max_speed: Keep below this in any case.
         force: Write over files that are there.
     """
+    from pioneer3.runtime.connect import require_navigation
+
+    require_navigation()
     target = _target(output, continue_, force=force)
     if from_ is not None:
         return _from_file(from_, target, link)
@@ -179,15 +182,11 @@ class _Keeper:
                     self._save(self.builder)
 
     def _save(self, builder: "MapBuilder") -> None:
-        from pioneer3.runtime.map_files import save_survey
-
         if not builder.mapper.survey.frames:
             write_warning("no scan has come: there is no map to save")
             return
         write_line(f"saving {self._target} ...")
-        save_survey(builder.mapper, self._target)
-        finished = builder.finished()
-        _save(finished, builder.mapper, self._target)
+        _save(builder.finished(), builder.mapper, self._target)
 
     def words(self) -> str:
         """Return how far the map is, in a few words."""
@@ -292,14 +291,19 @@ def _from_file(source: Path, target: Path, link: LinkOptions) -> int:
         (mapper,) = made
         tell("drawing the map")
         line_map = drawn(mapper.survey, ROOM, objects=_Begin().objects)
-    _save(line_map, mapper, target)
-    return 0
+    return 0 if _save(line_map, mapper, target) else 1
 
 
-def _save(line_map: "LineMap", mapper: "Mapper", target: Path) -> None:
-    """Write a map and its survey; say which files, and what is in them."""
+def _save(line_map: "LineMap", mapper: "Mapper", target: Path) -> bool:
+    """Write a map and its survey, if it has a wall; say which files, and what is in them."""
     from pioneer3.runtime.map_files import files_of, save_map, save_survey
 
+    if not len(line_map.walls):
+        write_warning(
+            f"{target} is not written: it would be empty; a wall is drawn once "
+            "the laser has seen it from two places: drive a metre"
+        )
+        return False
     save_survey(mapper, target)
     save_map(line_map, target)
     bounds, survey = line_map.bounds, mapper.survey
@@ -308,6 +312,7 @@ def _save(line_map: "LineMap", mapper: "Mapper", target: Path) -> None:
     write_line(f"{size}, of {survey.frames[-1].way:.0f} m driven, {loops} loops closed")
     for path in files_of(target):
         write_line(f"wrote {path}")
+    return True
 
 
 def _target(output: Path | None, old: Path | None, *, force: bool) -> Path:

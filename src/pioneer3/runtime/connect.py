@@ -148,13 +148,25 @@ async def prepare_navigation() -> None:
     Raises:
         ConfigError: The extra `nav` is missing.
     """
-    try:
-        from pioneer3.nav.warm_up import warm_up
-        from pioneer3.runtime.navigator import compile_kernels
-    except ImportError as error:
-        raise ConfigError(f"navigation on a map: {error}: {how_to_get('nav')}") from None
+    require_navigation()
+    from pioneer3.nav.warm_up import warm_up
+    from pioneer3.runtime.navigator import compile_kernels
+
     await compile_kernels()
     warm_up()
+
+
+def require_navigation() -> None:
+    """Make sure that maps can be made and driven on.
+
+    Raises:
+        ConfigError: The extra `nav` is missing.
+    """
+    try:
+        from pioneer3.nav import warm_up  # noqa: F401
+        from pioneer3.runtime import navigator  # noqa: F401
+    except ImportError as error:
+        raise ConfigError(f"navigation on a map: {error}: {how_to_get('nav')}") from None
 
 
 async def _navigator(
