@@ -31,6 +31,7 @@ async def test_a_motion_ends_where_it_was_to(command: tuple[str, ...], end: Pose
         assert not simulated.body.drive.powered
     assert (code, err) == (0, "")
     assert out.startswith("SIMULATOR: ")
+    assert out.splitlines()[-1].startswith("done: x")
     assert hypot(there.x - end.x, there.y - end.y) < 0.12
     assert degrees(there.theta - end.theta) == pytest.approx(0, abs=4)
 

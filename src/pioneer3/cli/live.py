@@ -93,6 +93,7 @@ async def show_while(
 ) -> None:
     """Run `motion`; meanwhile rewrite a line, or write one each second, or JSON for each snapshot.
 
+    The last line tells where it has ended: the one before it may be a second old.
     In a terminal any key stops it, and k is the emergency stop.
 
     Args:
@@ -125,6 +126,8 @@ async def show_while(
         await asyncio.gather(*tasks, return_exceptions=True)
         if not json and not listens and sys.stdout.isatty():
             write_line("")
+    if not json and (now := robot.snapshot) is not None:
+        write_line(f"done: {_place(now)}")
 
 
 async def _obey_keys(robot: "Driven", pressed: list[str]) -> None:
@@ -156,12 +159,14 @@ def line(robot: "Driven") -> str:
     now = robot.snapshot
     if now is None:
         return lost(robot)
-    pose, twist = now.odometry.robot_in_odom, now.odometry.twist
+    twist = now.odometry.twist
     words = "; ".join(robot.arbiter.told) or robot.why_not_moving() or ""
-    return (
-        f"{twist.v:z5.2f} m/s {degrees(twist.w):z4.0f}°/s  "
-        f"x{pose.x:z6.2f} y{pose.y:z6.2f} {degrees(pose.theta):z4.0f}°  {words}"
-    )
+    return f"{twist.v:z5.2f} m/s {degrees(twist.w):z4.0f}°/s  {_place(now)}  {words}"
+
+
+def _place(now: "Snapshot") -> str:
+    pose = now.odometry.robot_in_odom
+    return f"x{pose.x:z6.2f} y{pose.y:z6.2f} {degrees(pose.theta):z4.0f}°"
 
 
 def lost(robot: "Driven") -> str:

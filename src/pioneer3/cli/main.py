@@ -1,5 +1,6 @@
 """The command line: its commands, and the exit codes of errors."""
 
+import errno
 import logging
 import os
 import sys
@@ -104,6 +105,8 @@ for number, (name, commands) in enumerate(GROUPS.items()):
             )
 
 
+FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
+"""Errors of a disk that takes no more."""
 LAST_WORDS = 1.0
 """After it, a command ends though its terminal takes nothing: stopped by Ctrl-S, or hung [s]."""
 
@@ -114,22 +117,27 @@ def main(arguments: Sequence[str] | None = None) -> None:
     code = execute(sys.argv[1:] if arguments is None else arguments)
     if code == Exit.QUIT:
         die_of(code - 128)
-    writing = Thread(target=_write_what_is_left, daemon=True)
+    failures: list[OSError] = []
+    writing = Thread(target=_write_what_is_left, args=(failures,), daemon=True)
     writing.start()
     at_terminal = any(map(os.isatty, (1, 2)))
     writing.join(LAST_WORDS if at_terminal else None)
     if writing.is_alive():
         os._exit(code)
+    full = next((failure for failure in failures if failure.errno in FULL), None)
+    if full is not None and code == Exit.OK:
+        code = _tell_full(full)
     raise SystemExit(code)
 
 
-def _write_what_is_left() -> None:
+def _write_what_is_left(failures: list[OSError]) -> None:
     for name in ("stdout", "stderr"):
         with suppress(AttributeError, ValueError):  # there is none, or it is closed
             try:
                 getattr(sys, name).flush()
-            except OSError:  # the terminal has gone, or the reader: Python itself would exit by 120
+            except OSError as error:  # its reader has gone, say: Python itself would exit by 120
                 setattr(sys, name, None)
+                failures.append(error)
 
 
 def execute(arguments: Sequence[str]) -> int:
@@ -150,7 +158,16 @@ def execute(arguments: Sequence[str]) -> int:
     except BrokenPipeError:  # the reader of our output has gone: that is its right
         sys.stdout = None
         return Exit.OK
+    except OSError as error:
+        if error.errno not in FULL:
+            raise
+        return _tell_full(error)
     return result if isinstance(result, int) else Exit.OK
+
+
+def _tell_full(error: OSError) -> Exit:
+    words = f"{error.strerror}: the output is not complete; make room there, or write elsewhere"
+    return _tell(OSError(words), Exit.FAILED)
 
 
 def _tell(error: Exception, code: Exit) -> Exit:

@@ -1,6 +1,8 @@
 """What an error means for the shell."""
 
+import errno
 import sys
+from io import StringIO
 
 import pytest
 
@@ -108,3 +110,28 @@ def test_a_typing_mistake_is_met_with_the_nearest_name(
 ) -> None:
     execute(typed.split())
     assert meant in capsys.readouterr().err.partition("Did you mean ")[2].split("?")[0]
+
+
+def test_a_full_disk_is_told_in_one_sentence(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    replace_app(monkeypatch, OSError(errno.ENOSPC, "No space left on device"))
+    assert execute([]) == Exit.FAILED
+    told = capsys.readouterr().err
+    assert told.startswith("pioneer3: No space left on device: the output is not complete")
+    assert told.count("\n") == 1
+
+
+def test_output_that_was_kept_back_and_cannot_be_written_is_no_success(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    class Full(StringIO):
+        def flush(self) -> None:
+            raise OSError(errno.ENOSPC, "No space left on device")
+
+    replace_app(monkeypatch, 0)
+    monkeypatch.setattr(sys, "stdout", Full())
+    with pytest.raises(SystemExit) as end:
+        command_line.main([])
+    assert end.value.code == Exit.FAILED
+    assert "No space left on device" in capsys.readouterr().err

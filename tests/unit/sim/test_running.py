@@ -1,9 +1,11 @@
 """From options to a running simulator."""
 
 import asyncio
+import gc
 import socket
 import subprocess
 import sys
+import warnings
 from contextlib import ExitStack
 from math import hypot, pi
 from pathlib import Path
@@ -21,10 +23,13 @@ from pioneer3 import (
 from pioneer3.arcos.commands import Open, SimCtrl, SimOperation
 from pioneer3.arcos.packet import encode
 from pioneer3.geometry import ORIGIN, Pose2
+from pioneer3.jit import KernelCache
 from pioneer3.links.addresses import machine_address, url_of
 from pioneer3.links.urls import open_link, split_host
 from pioneer3.sim.equipment import EquipmentOptions
+from pioneer3.sim.kernels import WORTH_COMPILING
 from pioneer3.sim.realism import Realism
+from pioneer3.sim.server import start
 from pioneer3.sim.server.faults import LinkFaults
 from pioneer3.sim.server.pacer import Pacer
 from pioneer3.sim.server.running import RunningSimulation
@@ -460,3 +465,27 @@ async def test_fitted_bumpers_are_told_to_the_host_and_feel() -> None:
                 assert driver.info.config.front_bumpers == driver.info.config.rear_bumpers == 5
                 assert driver.snapshot is not None
                 assert driver.snapshot.bumpers.front == (False,) * 5
+
+
+@pytest.mark.realtime
+async def test_a_start_that_is_cut_short_leaves_nothing_behind(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    pytest.importorskip("numba")
+    loading = asyncio.Event()
+
+    async def load(_: object) -> None:
+        loading.set()
+        await asyncio.sleep(10)
+
+    monkeypatch.setattr(start, "_load_kernels", load)
+    monkeypatch.setattr(KernelCache, "is_complete", property(lambda _: True))
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        robots = WorldOverrides(robots=(RobotSpec(model="p3dx-sh"),) * WORTH_COMPILING)
+        starting = asyncio.ensure_future(simulator(port=None, overrides=robots).__aenter__())
+        await loading.wait()
+        starting.cancel()
+        await asyncio.gather(starting, return_exceptions=True)
+        gc.collect()
+    assert not told

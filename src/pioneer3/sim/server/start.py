@@ -182,7 +182,7 @@ async def simulator(
     robots = _robots(spawned, simulation, lasers, cameras, ptys=ptys)
     here = RunningSimulation(simulation, robots, rng, client_maps)
     here.notes = [*_notes(world_file, spawned), *problems]
-    work = [simulation.run(), *([simulation.cameras.run()] if simulation.cameras else [])]
+    compiling = False
     if _is_work(simulation) or factory_robot:
         if not numba_version():
             here.notes.append(f"without numba this simulation is slow: {how_to_get('fast')}")
@@ -190,7 +190,10 @@ async def simulator(
             await _load_kernels(world)
         else:
             here.progress = COMPILING
-            work.append(_compile_kernels(world))
+            compiling = True
+    work = [simulation.run()]
+    work += [simulation.cameras.run()] if simulation.cameras else []
+    work += [_compile_kernels(world)] if compiling else []
     async with AsyncExitStack() as stack:
         await stack.enter_async_context(running(*work))
         if faults is not None:
