@@ -20,8 +20,11 @@ from tests.e2e.processes import PATIENCE, environment, in_session, until
 
 PLAIN = "2D-Map\nNumLines: 1\nLINES\n50000 -1000 50000 1000\n"
 IN_TERMINAL = """
-import fcntl, os, sys, termios
+import fcntl, os, signal, sys, termios
 fcntl.ioctl(0, termios.TIOCSCTTY, 0)
+if sys.argv[1] == "nohup":
+    signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    del sys.argv[1]
 os.execv(sys.executable, [sys.executable, "-m", "pioneer3", *sys.argv[1:]])
 """
 REPEATING = 0.1
@@ -104,7 +107,7 @@ def open_terminal() -> tuple[int, int]:
 
 
 async def begin(terminal: int, *arguments: str) -> asyncio.subprocess.Process:
-    """Start `pioneer3` with `arguments` at its end of a terminal."""
+    """Start `pioneer3` with `arguments`, after `nohup` or not, at its end of a terminal."""
     return await asyncio.create_subprocess_exec(
         *(sys.executable, "-c", IN_TERMINAL, *arguments),
         stdin=terminal,
@@ -117,15 +120,26 @@ async def begin(terminal: int, *arguments: str) -> asyncio.subprocess.Process:
 
 @asynccontextmanager
 async def person(
-    tmp_path: Path, *options: str, command: str = "drive", ready: bytes = b"Nothing is asked of it"
+    tmp_path: Path,
+    *options: str,
+    command: str = "drive",
+    ready: bytes = b"Nothing is asked of it",
+    nohup: bool = False,
 ) -> AsyncIterator[Person]:
-    """Start the command in a terminal and wait until it shows that it is `ready`."""
-    plain = tmp_path / "plain.map"
+    """Start the command in a terminal and wait until it shows that it is `ready`.
+
+    A command of the fleet has a fleet of this robot alone. With `nohup` hang-ups are ignored.
+    """
+    plain, fleet = tmp_path / "plain.map", tmp_path / "fleet.toml"
     plain.write_text(PLAIN)
     keyboard, terminal = open_terminal()
     async with simulator(map_name=plain, port=0) as running:
+        row = f'[[robot]]\nname = "a"\naddress = "127.0.0.1"\nport = "{running.url}"\n'
+        fleet.write_text(row)
+        robot = ("--fleet", str(fleet)) if command.startswith("fleet") else ("--port", running.url)
+        words = [*(["nohup"] if nohup else []), *command.split(), *robot, *options]
         before = termios.tcgetattr(terminal)
-        process = await begin(terminal, command, "--port", running.url, *options)
+        process = await begin(terminal, *words)
         the = Person(running, process, keyboard, terminal, before)
         asyncio.get_running_loop().add_reader(keyboard, the.read)
         try:

@@ -15,11 +15,11 @@ from pioneer3.teleop.terminal import raw_terminal
 async def start_screen(robot: Robot, *, first: str, patience: float, acts: Acts) -> int:
     """Run the demo on the whole terminal; return the exit code."""
     from pioneer3.demo.app import DemoApp  # textual takes its time
-    from pioneer3.teleop.screen import log_told_by
+    from pioneer3.teleop.screen import log_told_by, run_app
 
     app = DemoApp(partial(Program, robot, first=first, patience=patience, acts=acts))
     with log_told_by(app.say):
-        await app.run_async()
+        await run_app(app)
     app.raise_failure()
     return app.return_code or 0
 

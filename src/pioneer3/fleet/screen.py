@@ -20,7 +20,7 @@ from pioneer3.fleet.columns import Cell
 from pioneer3.fleet.drive import FleetDrive
 from pioneer3.fleet.drive_table import COLUMNS, GAP, Look, cells, headline, why_of, widths
 from pioneer3.tasks import running
-from pioneer3.teleop.screen import PatientDriver, log_told_by
+from pioneer3.teleop.screen import PatientDriver, log_told_by, run_app
 from pioneer3.teleop.several import CHOOSING, KEYS
 
 REFRESH: Final = 0.5
@@ -228,9 +228,12 @@ class FleetApp(App[None]):
 
 
 async def run_screen(drive: FleetDrive) -> int:
-    """Drive on the whole terminal until the quit key; return the exit code. Then all stand."""
+    """Drive on the whole terminal until the quit key; return the exit code. Then all stand.
+
+    The end of the terminal is as the quit key.
+    """
     app = FleetApp(drive)
     with log_told_by(app.say):
         async with running(drive.run()):
-            await app.run_async()
+            await run_app(app)
     return app.return_code or 0

@@ -1,10 +1,17 @@
-"""What full screens of a terminal share: a driver that never waits, and where the log goes."""
+"""What full screens of a terminal share: their driver, their end, and where the log goes."""
 
+import asyncio
 import logging
+import select
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from queue import Full
+
+from textual import events
+from textual.app import App
+
+from pioneer3.tasks import running
 
 if sys.platform == "win32":
     from textual.drivers.windows_driver import WindowsDriver as TerminalDriver
@@ -13,6 +20,8 @@ else:
 
 PATIENCE = 1.0
 """For the last words to a terminal [s]."""
+LOOK = 0.1
+"""Between two looks whether the terminal is there [s]."""
 
 
 class PatientDriver(TerminalDriver):
@@ -44,6 +53,26 @@ class PatientDriver(TerminalDriver):
         except Full:
             return
         writer.join(PATIENCE)
+
+
+async def run_app(app: App[None]) -> None:
+    """Show a full screen until it ends, or until its terminal is gone.
+
+    A hang-up does not tell that where it is ignored, as under nohup.
+    """
+    async with running(_end_without_terminal(app)):
+        await app.run_async()
+
+
+async def _end_without_terminal(app: App[None]) -> None:
+    if sys.platform == "win32" or sys.__stdin__ is None:
+        return
+    terminal = select.poll()
+    terminal.register(sys.__stdin__, 0)  # a hang-up is told without being asked for
+    while not terminal.poll(0):  # noqa: ASYNC110  no loop of asyncio waits for hang-ups alone
+        await asyncio.sleep(LOOK)
+    app.post_message(events.AppBlur())  # the robots stand before the screen has ended
+    app.exit()
 
 
 class _Teller(logging.Handler):
