@@ -2,13 +2,12 @@
 
 import asyncio
 from collections.abc import AsyncIterator, Awaitable, Callable
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, suppress
 from pathlib import Path
 
 import pytest
 
 from pioneer3.arcos import commands
-from pioneer3.arcos.commands import to_payload
 from pioneer3.behaviors.action import Stack
 from pioneer3.behaviors.modes import follow, goto, wander
 from pioneer3.doctor.diagnose import diagnose, examine, exit_code
@@ -17,8 +16,9 @@ from pioneer3.errors import CommandError, MotionError
 from pioneer3.fleet.inventory import read_fleet
 from pioneer3.fleet.reach import given_model
 from pioneer3.fleet.stop import stop_all
+from pioneer3.links import Link
 from pioneer3.models import Fallback, GivenModel, load_model
-from pioneer3.robot.supervisor import MOTION
+from pioneer3.robot.pilot import moves
 from pioneer3.ros.node.node import RobotNode
 from pioneer3.ros.node.parameters import read_parameters
 from pioneer3.runtime.connect import connect_async
@@ -83,7 +83,7 @@ async def connected(
 def nothing_moved(sim: SimulatedRobot) -> bool:
     """Whether no command was sent that would move such a robot, or switch its motors on."""
     told = [command for wire in sim.wires for command in wire.commands]
-    return not [each for each in told if to_payload(each)[:1] in MOTION and each not in STANDS]
+    return not [each for each in told if moves(each) and each not in STANDS]
 
 
 async def raw(robot: Robot) -> None:
@@ -117,6 +117,26 @@ async def test_a_program_is_refused(file: Path, way: Callable[[Robot], Awaitable
         await asyncio.sleep(1.0)
         assert "--model FILE.p" in (robot.why_not_moving() or "")
     assert nothing_moved(sim)
+
+
+async def test_a_raw_command_from_before_its_type_was_told_is_not_sent(file: Path) -> None:
+    async with SimulatedRobot() as known, SimulatedRobot(model=str(file)) as unknown:
+        known.latency = unknown.latency = 0.05
+        accepted = 0
+
+        async def open_link() -> Link:
+            return await (known if known.plugged else unknown).open()
+
+        async with connect_async(open_link) as robot:
+            await known.unplug()
+            while robot.supervisor.pilot.refusal is None:
+                with suppress(CommandError):
+                    robot.send_unsafe(commands.Vel(speed=0.2))
+                    accepted += bool(unknown.wires)
+                await asyncio.sleep(0.01)
+            await asyncio.sleep(1.0)
+        assert accepted
+        assert nothing_moved(unknown)
 
 
 @pytest.mark.parametrize("mode", [wander(), follow(), goto(1.0, 0.0)], ids=lambda m: m.name)

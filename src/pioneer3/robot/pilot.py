@@ -49,6 +49,18 @@ BUMPED = "a bumper was pressed"
 LATCHED = "the emergency stop is latched"
 LONGEST_PAUSE = 2.0
 """After a longer pause of this program [s] the robot's watchdog has stopped the robot."""
+MOTION = {bytes([number]) for number in (4, 8, 9, 11, 12, 13, 21, 22, 32, 110)}
+"""Numbers of the commands that can move the robot: ENABLE, MOVE, ROTATE, VEL, HEAD, DHEAD, RVEL,
+DCHEAD, VEL2 and LATVEL (protocol.md 3.1)."""
+
+
+def moves(command: Command) -> bool:
+    """Return whether a command can move the robot.
+
+    Raises:
+        CommandError: It does not fit the protocol.
+    """
+    return commands.to_payload(command)[:1] in MOTION
 
 
 @dataclass(frozen=True, slots=True)
@@ -297,6 +309,12 @@ class Pilot:
     def forbidden(self) -> str | None:
         """The reason that nothing may drive until somebody sees to it, or `None`."""
         return LATCHED if self.emergency else self.refusal
+
+    def refused(self, command: Command) -> str | None:
+        """Return the reason that the present robot must not be sent a raw command, or `None`."""
+        if self.refusal and moves(command):
+            return f"nothing drives this robot: {self.refusal}"
+        return None
 
     @property
     def blocked(self) -> str | None:

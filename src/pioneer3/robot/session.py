@@ -208,12 +208,19 @@ class Session:
         """Write all due commands to the link: the pilot's, then the requests, then the others."""
         if self._host.config_settled:
             due = [*self._pilot.outgoing(), *self._requests.outgoing()]
-            due += [self._waiting.popleft() for _ in range(min(BATCH_SIZE, len(self._waiting)))]
-            for command in due:
+            waited = [self._waiting.popleft() for _ in range(min(BATCH_SIZE, len(self._waiting)))]
+            for command in (*due, *(each for each in waited if self._is_allowed(each))):
                 self._host.send(command, now)
         if data := self._host.outgoing():
             self._sending = asyncio.ensure_future(self.link.write(data))
             self._sending.add_done_callback(self._sent)
+
+    def _is_allowed(self, command: Command) -> bool:
+        """Return whether this robot may be sent a command that has waited for its type."""
+        refusal = self._pilot.refused(command)
+        if refusal:
+            log.warning("%s is not sent: %s", type(command).__name__, refusal)
+        return not refusal
 
     def _sent(self, sending: "asyncio.Task[None]") -> None:
         """Wake the writer if it waited for the link, or the link failed."""

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Generic, TypeVar
 
-from pioneer3.arcos.commands import Command, to_payload
+from pioneer3.arcos.commands import Command
 from pioneer3.arcos.host_events import Timing
 from pioneer3.arcos.reports import Config, Report
 from pioneer3.errors import CommandError, LinkError, NoRobotError, RecordingOverError
@@ -18,7 +18,7 @@ from pioneer3.models import GivenModel, RobotModel, loaded_model
 from pioneer3.robot.assemble import Assembler
 from pioneer3.robot.explain import why_not_moving
 from pioneer3.robot.limits import limits_for
-from pioneer3.robot.pilot import Pilot, VelocityCommand
+from pioneer3.robot.pilot import Pilot, VelocityCommand, moves
 from pioneer3.robot.poses import Poses
 from pioneer3.robot.report_requests import ReportRequest, ReportRequests
 from pioneer3.robot.reports import Reports
@@ -75,10 +75,6 @@ log = logging.getLogger(__name__)
 TAKEN = "another program drives this robot, and this one watches: only a stop counts"
 BACK_OFF = (0.2, 0.5, 1.0, 2.0, 3.0)
 """Pauses before the attempts to reconnect [s]; the last one repeats."""
-
-MOTION = {bytes([number]) for number in (4, 8, 9, 11, 12, 13, 21, 22, 32, 110)}
-"""Commands that can move the robot: ENABLE, MOVE, ROTATE, VEL, HEAD, DHEAD, RVEL, DCHEAD, VEL2 and
-LATVEL (protocol.md 3.1)."""
 
 
 class Connection(StrEnum):
@@ -238,7 +234,7 @@ class Supervisor:
             CommandError: no session is open, the command does not fit the protocol, or it moves
                 the robot.
         """
-        if to_payload(command)[:1] in MOTION:
+        if moves(command):
             raise CommandError(
                 f"{type(command).__name__} moves the robot past its limits: drive it, or send it"
                 " as an unsafe command"
@@ -255,11 +251,10 @@ class Supervisor:
             CommandError: no session is open, the command does not fit the protocol, or it moves a
                 robot whose units are not known.
         """
-        moves = to_payload(command)[:1] in MOTION
-        if moves and self.pilot.refusal:
-            raise CommandError(f"nothing drives this robot: {self.pilot.refusal}")
+        if refusal := self.pilot.refused(command):
+            raise CommandError(refusal)
         self._send(command)
-        if moves:
+        if moves(command):
             self.pilot.leave_to_raw_commands(self._clock())
 
     @contextmanager
