@@ -6,7 +6,7 @@ import subprocess
 
 import pytest
 
-from tests.fleet.lab import OPERATOR_ADDRESS, Lab
+from tests.fleet.lab import OPERATOR_ADDRESS, PATIENCE, Lab
 
 pytestmark = pytest.mark.realtime
 
@@ -52,6 +52,24 @@ def test_a_mended_robot_is_well_and_the_faults_of_others_are_found(lab: Lab) -> 
     one = lab.operator.p3("fleet", "doctor", "--on", "p3at-1")
     assert one.stdout.split("\n")[0] == "p3at-1 8 checks are well"
     assert one.returncode == 0
+
+
+@pytest.mark.parametrize(
+    "floods", ["exec yes", "yes >&2"], ids=["standard output", "standard error"]
+)
+def test_output_without_end_is_a_finding_about_that_robot_alone(lab: Lab, floods: str) -> None:
+    (lab.robots[1].user_home / ".bashrc").write_text(f"{floods}\n")
+    done = subprocess.run(
+        ["prlimit", "--as=2000000000", *lab.operator.command("fleet", "doctor", "--on", "front")],
+        capture_output=True,
+        text=True,
+        timeout=PATIENCE,
+        env=lab.operator.environment,
+        check=False,
+    )
+    assert "p3at-1" in done.stdout
+    assert "stopped: it wrote more than 16 MB" in " ".join(done.stdout.split())
+    assert done.returncode == 1
 
 
 def test_status_is_a_row_for_each_robot_that_answers(lab: Lab) -> None:

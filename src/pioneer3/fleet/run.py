@@ -7,6 +7,7 @@ import shlex
 from collections.abc import Awaitable, Callable, Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from math import inf
 from typing import TYPE_CHECKING, Any, Final
 
 from pioneer3.errors import HostError, RemoteError
@@ -22,6 +23,8 @@ FAILED, UNREACHABLE = 1, 3
 """Exit codes: some failed; none was reached."""
 LONGEST_LINE: Final = 16_384
 """A longer line is shown in pieces [characters]."""
+LONGEST_ANSWER: Final = 16e6
+"""Most output that is kept of a remote command [characters]."""
 ENDING: Final = 4.0
 """Time for a remote command to end when it is told to [s]."""
 KILL_AFTER: Final = 2
@@ -134,13 +137,27 @@ async def run_command(
     show: Callable[[str, bool], None],
     *,
     limit: float | None = None,
+    longest: float = inf,
 ) -> Done:
     """Run one command over an open connection; it ends with this call.
 
     Raises:
         HostError: The connection was lost.
-        RemoteError: The command took longer than `limit` [s]; or the shell could not be started.
+        RemoteError: The command took longer than `limit` [s], or wrote more than `longest`
+            characters; or the shell could not be started.
     """
+    left = longest
+
+    def take(line: str, is_error: bool) -> None:
+        nonlocal left
+        left -= len(line) + 1
+        if left < 0:
+            raise RemoteError(
+                f"stopped: it wrote more than {longest / 1e6:g} MB, much too much for an answer; "
+                "look at the start-up files of the shell there, such as ~/.bashrc"
+            )
+        show(line, is_error)
+
     ssh = asyncssh_module()
     try:
         process = await connection.create_process(bound_to_stdin(command), errors="replace")
@@ -149,15 +166,15 @@ async def run_command(
     try:
         async with asyncio.timeout(limit) as timeout:
             await asyncio.gather(
-                _lines(process.stdout, lambda line: show(line, False)),
-                _lines(process.stderr, lambda line: show(line, True)),
+                _lines(process.stdout, lambda line: take(line, False)),
+                _lines(process.stderr, lambda line: take(line, True)),
             )
     except TimeoutError:
         await _end(process)
         if not timeout.expired():
             raise
         raise RemoteError(f"stopped: it took longer than {limit:g} s") from None
-    except asyncio.CancelledError:
+    except (asyncio.CancelledError, RemoteError):
         await _end(process)
         raise
     await process.wait_closed()
@@ -178,7 +195,7 @@ async def output_of(connection: "asyncssh.SSHClientConnection", command: str) ->
 
     Raises:
         HostError: The connection was lost.
-        RemoteError: The command failed; with its words.
+        RemoteError: The command failed; with its words. Or it wrote too much.
     """
     out: list[str] = []
     err: list[str] = []
@@ -186,6 +203,7 @@ async def output_of(connection: "asyncssh.SSHClientConnection", command: str) ->
         connection,
         f"exec sh -c {shlex.quote(f'cd; echo {_BEGIN}; {command}')}",
         lambda line, is_error: (err if is_error else out).append(line),
+        longest=LONGEST_ANSWER,
     )
     if done.status:
         raise RemoteError("; ".join(err[-3:]) or done.said)
@@ -211,8 +229,13 @@ async def _end(process: Any) -> None:
     with suppress(TimeoutError, OSError, ssh.Error):
         async with asyncio.timeout(ENDING):
             process.stdin.write_eof()
-            await process.stdout.read()
+            await asyncio.gather(_dropped(process.stdout), _dropped(process.stderr))
             await process.wait_closed()
+
+
+async def _dropped(reader: Any) -> None:
+    while await _read(reader):
+        pass
 
 
 async def _lines(reader: Any, show: Callable[[str], None]) -> None:
