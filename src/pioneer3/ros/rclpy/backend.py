@@ -129,7 +129,7 @@ class RclpyBackend:
         self, name: str, type_: MessageType, qos: Qos, received: Received, left: Left
     ) -> RclpyReader:
         """Subscribe to a topic; its messages come one after the other."""
-        from pioneer3.ros.rclpy.taking import Apart
+        from pioneer3.ros.rclpy.taking import apart
 
         kind = self._definitions.message(type_.name)
         reader = RclpyReader(
@@ -140,7 +140,7 @@ class RclpyBackend:
         )
         with self._lock:
             subscription = self._node.create_subscription(
-                kind, name, _no_executor, _profile(qos), callback_group=Apart(), raw=True
+                kind, name, _no_executor, _profile(qos), callback_group=apart(), raw=True
             )
             self._open.append(reader)
         self._taking.add(subscription, reader.take)

@@ -6,11 +6,9 @@ the sixty of a robot's node. One thread that waits for subscriptions alone needs
 
 import logging
 from collections.abc import Callable, Mapping
-from contextlib import ExitStack, suppress
+from contextlib import ExitStack
 from threading import Event, Lock, Thread
 from typing import Any, Final
-
-from rclpy.callback_groups import CallbackGroup
 
 log = logging.getLogger(__name__)
 FOR_EVER: Final = -1
@@ -19,19 +17,13 @@ Taken = Callable[[bytes, Mapping[str, Any]], None]
 """Given a serialized message and what rclpy tells about it."""
 
 
-class Apart(CallbackGroup):  # type: ignore[misc]  # rclpy has no types
-    """A group of entities that executors leave alone."""
+def apart() -> Any:
+    """Return a group of entities that executors leave alone."""
+    from rclpy.callback_groups import ReentrantCallbackGroup
 
-    def can_execute(self, entity: Any) -> bool:
-        """Return that it is no executor's."""
-        return False
-
-    def beginning_execution(self, entity: Any) -> bool:
-        """Return the same."""
-        return False
-
-    def ending_execution(self, entity: Any) -> None:
-        """Do nothing."""
+    group = ReentrantCallbackGroup()
+    group.can_execute = lambda entity: False
+    return group
 
 
 class Taking:
@@ -78,27 +70,34 @@ class Taking:
     def _run(self) -> None:
         from rclpy.impl.implementation_singleton import rclpy_implementation as rcl
 
-        while not self._closed.is_set():
-            with self._lock:
-                takers = dict(self._takers)
-            with ExitStack() as used:  # what is destroyed meanwhile stays until the wait is over
-                for subscription in tuple(takers):
-                    try:
-                        used.enter_context(subscription.handle)
-                    except rcl.InvalidHandle:
-                        del takers[subscription]
-                wait_set = rcl.WaitSet(len(takers), 1, 0, 0, 0, 0, self._context.handle)
-                used.enter_context(wait_set)
-                wait_set.clear_entities()
-                for subscription in takers:
-                    wait_set.add_subscription(subscription.handle)
-                wait_set.add_guard_condition(self._changed.handle)
-                with suppress(rcl.RCLError):  # the context ends
-                    wait_set.wait(FOR_EVER)
-                ready = set(wait_set.get_ready_entities("subscription"))
-                for subscription, taken in takers.items():
-                    if subscription.handle.pointer in ready:
-                        _take_all(subscription, taken)
+        try:
+            while not self._closed.is_set():
+                self._take_once(rcl)
+        except rcl.RCLError:
+            if not self._closed.is_set():  # somebody has ended the context
+                log.exception("no more messages are taken from rclpy")
+
+    def _take_once(self, rcl: Any) -> None:
+        """Wait for messages or a change, and take what is there."""
+        with self._lock:
+            takers = dict(self._takers)
+        with ExitStack() as used:  # what is destroyed meanwhile stays until the wait is over
+            for subscription in tuple(takers):
+                try:
+                    used.enter_context(subscription.handle)
+                except rcl.InvalidHandle:
+                    del takers[subscription]
+            wait_set = rcl.WaitSet(len(takers), 1, 0, 0, 0, 0, self._context.handle)
+            used.enter_context(wait_set)
+            wait_set.clear_entities()
+            for subscription in takers:
+                wait_set.add_subscription(subscription.handle)
+            wait_set.add_guard_condition(self._changed.handle)
+            wait_set.wait(FOR_EVER)
+            ready = set(wait_set.get_ready_entities("subscription"))
+            for subscription, taken in takers.items():
+                if subscription.handle.pointer in ready:
+                    _take_all(subscription, taken)
 
 
 def _take_all(subscription: Any, taken: Taken) -> None:

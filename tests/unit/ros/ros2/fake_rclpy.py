@@ -5,7 +5,6 @@ of generated classes those of rosidl_generator_py. Its network is in this proces
 were destroyed raise `InvalidHandle`.
 """
 
-import inspect
 import sys
 import threading
 from collections import deque
@@ -13,7 +12,8 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from enum import Enum, IntEnum
+from enum import IntEnum
+from functools import cached_property
 from importlib.machinery import ModuleSpec
 from itertools import count
 from queue import Empty, Queue
@@ -75,9 +75,16 @@ class QoSProfile:
         self.lifespan = kwargs.get("lifespan", Duration())
 
 
+class RCLError(RuntimeError):
+    """Raised by functions of rcl."""
+
+
 class CallbackGroup:
     def __init__(self) -> None:
         self.running = threading.Lock()
+
+    def can_execute(self, entity: object) -> bool:
+        return True
 
 
 class MutuallyExclusiveCallbackGroup(CallbackGroup):
@@ -105,7 +112,6 @@ class Flavour:
 
     distro: str = "jazzy"
     rmw: str = "rmw_fastrtps_cpp"
-    message_info: bool = True
     tells_gid: bool = False
     gid_is_that_of_the_graph: bool = True
 
@@ -120,6 +126,7 @@ class World:
     contexts: list["Context"] = field(default_factory=list)
     gids: Iterator[int] = field(default_factory=lambda: count(1))
     fields: dict[str, dict[str, str]] = field(default_factory=lambda: dict(FIELDS))
+    ready: threading.Condition = field(default_factory=threading.Condition)
 
     def entities(self, kind: type["Entity"], name: str) -> list[Any]:
         all_ = [each for node in self.nodes for each in node.entities]
@@ -145,6 +152,10 @@ class Context:
         assert args == [], "the program's own arguments are no business of ROS"
         assert domain_id is None or (type(domain_id) is int and domain_id >= 0)
         self.is_ok, self.domain = True, 0 if domain_id is None else domain_id
+
+    @property
+    def handle(self) -> "Context":
+        return self
 
     def ok(self) -> bool:
         return bool(self.is_ok)
@@ -204,28 +215,116 @@ class Publisher(Entity):
             each.take(msg, self)
 
 
+class Handle:
+    """What belongs to rcl of a subscription or guard condition; in use, it stays."""
+
+    def __init__(self, world: World) -> None:
+        self.world, self.pointer = world, id(self)
+        self.destroyed = False
+        self.inbox: deque[tuple[bytes, dict[str, Any]]] = deque()
+        self.triggered = False
+
+    def __enter__(self) -> "Handle":
+        if self.destroyed:
+            raise InvalidHandle("cannot use Destroyable because destruction was requested")
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        pass
+
+    @property
+    def is_ready(self) -> bool:
+        return self.triggered or bool(self.inbox)
+
+    def take_message(self, kind: Any, raw: bool) -> tuple[bytes, dict[str, Any]] | None:
+        assert raw
+        assert issubclass(kind, Generated)
+        return self.inbox.popleft() if self.inbox else None
+
+    def put(self, *taken: Any) -> None:
+        with self.world.ready:
+            if taken:
+                self.inbox.append(taken)
+            self.triggered = not taken
+            self.world.ready.notify_all()
+
+
+class GuardCondition:
+    def __init__(self, callback: Any, callback_group: Any, *, context: Context) -> None:
+        assert (callback, callback_group) == (None, None)
+        self.handle = Handle(context.world)
+
+    def trigger(self) -> None:
+        with self.handle:
+            self.handle.put()
+
+    def destroy(self) -> None:
+        self.handle.destroyed = True
+
+
+class WaitSet:
+    def __init__(self, subscriptions: int, guards: int, *others: int | Context) -> None:
+        *none, context = others
+        assert none == [0, 0, 0, 0]
+        assert isinstance(context, Context)
+        if not context.ok():
+            raise RCLError("the given context is not valid")
+        self.most, self.world = (subscriptions, guards), context.world
+        self.is_clear = False
+
+    def __enter__(self) -> "WaitSet":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        pass
+
+    def clear_entities(self) -> None:
+        self.subscriptions: list[Handle] = []
+        self.guards: list[Handle] = []
+        self.is_clear = True
+
+    def add_subscription(self, handle: Handle) -> None:
+        self.subscriptions.append(handle)
+        assert len(self.subscriptions) <= self.most[0]
+
+    def add_guard_condition(self, handle: Handle) -> None:
+        self.guards.append(handle)
+        assert len(self.guards) <= self.most[1]
+
+    def wait(self, timeout_nsec: int) -> None:
+        assert self.is_clear, "entities of the last wait are null"
+        assert timeout_nsec == -1
+        every = (*self.subscriptions, *self.guards)
+        with self.world.ready:
+            assert self.world.ready.wait_for(lambda: any(e.is_ready for e in every), 30)
+        self.ready = {each.pointer for each in self.subscriptions if each.is_ready}
+        for each in self.guards:
+            each.triggered = False
+        self.is_clear = False
+
+    def get_ready_entities(self, kind: str) -> list[int]:
+        assert kind == "subscription"
+        return list(self.ready)
+
+
 class Subscription(Entity):
+    @property
+    def msg_type(self) -> Any:
+        return self.kind
+
+    @cached_property
+    def handle(self) -> Handle:
+        return Handle(self.world)
+
     def take(self, msg: bytes, publisher: Publisher) -> None:
-        flavour, callback = self.world.flavour, self.callback
-        assert callback is not None
+        flavour = self.world.flavour
         gid = publisher.gid if flavour.gid_is_that_of_the_graph else publisher.gid[::-1]
         info: dict[str, Any] = {"source_timestamp": 1, "received_timestamp": 2}
         info |= {"publication_sequence_number": None, "reception_sequence_number": None}
         if flavour.tells_gid:
             info["publisher_gid"] = {"implementation_identifier": flavour.rmw, "data": gid}
-        try:
-            inspect.signature(callback).bind(object())
-            self.queue(lambda: callback(msg))
-        except TypeError:
-            assert flavour.message_info, "Humble calls with the message alone"
-            inspect.signature(callback).bind(object(), object())
-            self.queue(lambda: callback(msg, info))
-
-
-class SubscriptionWithInfo(Subscription):
-    class CallbackType(Enum):
-        MessageOnly = 0
-        WithMessageInfo = 1
+        assert not self.group.can_execute(self), "an executor takes it"
+        self.handle.put(msg, info)
 
 
 class Service(Entity):
@@ -300,9 +399,8 @@ class Node:
         raw: bool = False,
     ) -> Subscription:
         assert raw
-        made: Subscription = sys.modules["rclpy.subscription"].Subscription(
-            self, self._checked(msg_type), topic, qos=qos_profile, callback=callback
-        )
+        kind = self._checked(msg_type)
+        made = Subscription(self, kind, topic, qos=qos_profile, callback=callback)
         return self._add(made, callback_group)
 
     def create_service(
@@ -395,6 +493,8 @@ class Node:
             return False
         self.entities.remove(entity)
         entity.destroyed = True
+        if isinstance(entity, Subscription):
+            entity.handle.destroyed = True
         return True
 
 
@@ -483,8 +583,12 @@ def installed(types: Any, flavour: Flavour) -> Iterator[World]:
             "serialize_message": serialize_message,
             "deserialize_message": deserialize_message,
         },
-        "rclpy.subscription": {
-            "Subscription": SubscriptionWithInfo if flavour.message_info else Subscription
+        "rclpy.guard_condition": {"GuardCondition": GuardCondition},
+        "rclpy.impl": {},
+        "rclpy.impl.implementation_singleton": {
+            "rclpy_implementation": SimpleNamespace(
+                WaitSet=WaitSet, InvalidHandle=InvalidHandle, RCLError=RCLError
+            )
         },
         "rclpy.duration": {"Duration": Duration},
         "rclpy.qos": {
@@ -508,6 +612,7 @@ def installed(types: Any, flavour: Flavour) -> Iterator[World]:
             made[last] = type(last, (Generated,), contents)
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("ROS_DISTRO", flavour.distro)
+        patch.delenv("ROS_AUTOMATIC_DISCOVERY_RANGE", raising=False)
         for name, contents in modules.items():
             module = ModuleType(name)
             module.__spec__ = ModuleSpec(name, None)
