@@ -14,6 +14,7 @@ from typing import Final, NamedTuple
 from urllib.parse import urlsplit
 
 from pioneer3.errors import ConfigError, LinkError
+from pioneer3.names import printable
 
 MULTIPART: Final = "multipart/x-mixed-replace"
 BOUNDARY: Final = "pioneer3picture"
@@ -369,7 +370,7 @@ def _fields(lines: list[str]) -> dict[str, str]:
 
 
 def _head(lines: list[str]) -> Head:
-    lines = ["".join(sign if sign.isprintable() else " " for sign in line) for line in lines]
+    lines = [printable(line) for line in lines]
     words = lines[0].split(None, 2)
     if len(words) < 2 or not words[0].startswith("HTTP/") or not words[1].isdigit():
         raise LinkError("what answers there does not speak HTTP: is this the camera's port?")

@@ -1,4 +1,4 @@
-"""Names that people type, and names that no two have."""
+"""Names that people type, names that no two have, and texts that others send."""
 
 from itertools import count
 
@@ -10,6 +10,25 @@ def clean_name(text: str) -> str:
     """Return `text` as a name: printable, single spaces, not long."""
     printable = "".join(c if c.isprintable() else " " for c in text)
     return " ".join(printable.split())[:NAME].strip()
+
+
+def printable(text: str) -> str:
+    """Return a text of somebody else on one line, with escapes for what a terminal would obey.
+
+    With a new line or an escape sequence it would forge lines of a log, or clear the screen.
+    """
+    if text.isprintable():
+        return text
+    return "".join(
+        each if each.isprintable() else each.encode("unicode_escape").decode() for each in text
+    )
+
+
+def printable_lines(text: str) -> str:
+    """Return a text as :func:`printable` does, except that ends of lines and tabs stay."""
+    if text.isprintable():
+        return text
+    return "".join(each if each in "\n\t" else printable(each) for each in text)
 
 
 def free_name(wanted: str, taken: set[str]) -> str:

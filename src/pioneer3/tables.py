@@ -15,6 +15,7 @@ from typing import Any, TypeVar, Union, get_args, get_origin, get_type_hints
 from pioneer3.errors import ConfigError
 from pioneer3.maps.text import one_line, shown, wrong
 from pioneer3.models.toml import load_toml
+from pioneer3.names import printable
 
 Table = TypeVar("Table")
 
@@ -41,7 +42,7 @@ class Source:
     @classmethod
     def of(cls, path: Path, text: str) -> "Source":
         """Return the source of a file's text."""
-        return cls(str(path) if str(path).isprintable() else ascii(str(path)), text)
+        return cls(printable(str(path)), text)
 
     def wrong(self, place: str, problem: str) -> ConfigError:
         """Return the one-line error about the key at `place`, such as `box[1].size`."""

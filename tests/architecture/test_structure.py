@@ -47,6 +47,34 @@ def test_no_package_lies_deeper_than_two_folders() -> None:
     ] == []
 
 
+OUTPUT = {
+    "print": {"pioneer3.cli.process"},
+    "sys.stdout.write": {"pioneer3.cli.process", "pioneer3.teleop.terminal"},
+    "sys.stderr.write": set[str](),
+    "logging.basicConfig": {"pioneer3.cli.main"},
+    "logging.Formatter": set[str](),
+    "Console": {"pioneer3.sim.firmware.controller"},  # a console of the simulator
+    "Static": set[str](),
+}
+"""Calls that show text on a terminal or in a log, and the modules that may make them.
+
+All others use :mod:`pioneer3.cli.process`, :mod:`pioneer3.cli.terminal`, or a `Part` of
+:mod:`pioneer3.teleop.screen`, which make the text printable.
+"""
+
+
+def test_all_text_for_terminals_and_logs_is_made_printable() -> None:
+    """Names, reasons and answers of robots, hosts and networks come without escape sequences."""
+    assert [
+        f"{name}:{node.lineno}: {call}"
+        for name, path in MODULES.items()
+        for node in ast.walk(ast.parse(path.read_text()))
+        if isinstance(node, ast.Call)
+        and (call := ast.unparse(node.func)) in OUTPUT
+        and name not in OUTPUT[call]
+    ] == []
+
+
 def test_every_task_belongs_to_somebody() -> None:
     """A bare task dies with the first collection of garbage, and its errors with it."""
     bare = [

@@ -7,10 +7,15 @@ from math import isclose
 
 import pytest
 
+from pioneer3.arcos.device import Device
+from pioneer3.sim.firmware import controller
 from pioneer3.sim.server.start import simulator
+from pioneer3.state import Identity
 from tests.support import is_at
 
 pytestmark = pytest.mark.realtime
+
+FORGED = "x\x1b[2J\x9b1mready\r"
 
 
 async def pioneer3(*arguments: str) -> tuple[int, str, str]:
@@ -37,6 +42,19 @@ async def test_info_prints_json_and_nothing_else() -> None:
     assert told["identity"]["model"] == told["config"]["model"] == "p3at-sh"
     assert told["limits"]["max_speed"] > 0
     assert told["battery"]["voltage"] > 10
+
+
+@pytest.mark.parametrize("command", ["info", "doctor", "monitor --seconds 1", "turn 5"])
+async def test_no_terminal_obeys_a_robot(command: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(controller, "SERIAL_NUMBER", FORGED)
+    async with simulator(port=0) as simulated:
+        firmware = simulated.robots[0].firmware
+        firmware.identity = Identity(name=FORGED, family=FORGED, model=FORGED)
+        firmware.device = Device(firmware.identity, 2.0)
+        code, out, err = await pioneer3(*command.split(), "--port", simulated.url)
+    shown = out + err
+    assert "unknown robot type" in shown or "not known here" in shown, (code, shown)
+    assert shown.replace("\n", "").isprintable()
 
 
 async def test_monitor_prints_a_reading_a_line_and_moves_nothing() -> None:

@@ -128,6 +128,13 @@ async def test_a_terminal_that_loses_the_focus_lets_go() -> None:
         await the.until(lambda: here.speeds() == [0] * 2)
 
 
+async def test_the_terminal_obeys_nothing_that_robots_say() -> None:
+    async with simulated(1) as here, screen(here) as the:
+        await the.sees("1 connected")
+        the.app.say("its name is \x1b[2J\x9b2J")
+        await the.sees(r"its name is \x1b[2J\x9b2J")
+
+
 @pytest.mark.parametrize("key", ["ctrl+d", "ctrl+c", "escape"])
 async def test_the_screen_ends(key: str) -> None:
     async with simulated(1) as here, screen(here) as the:

@@ -44,6 +44,7 @@ from pioneer3.arcos.host_events import (
 from pioneer3.arcos.packet import PacketReader, encode
 from pioneer3.arcos.reports import Report
 from pioneer3.errors import CommandError
+from pioneer3.names import printable
 from pioneer3.state import Identity
 
 TRIES_PER_SPEED: Final = 2
@@ -258,7 +259,11 @@ class Host:
 
     def _open(self, answer: reports.SyncIdentity, now: float) -> list[Event]:
         self.state = State.OPEN
-        self.identity = Identity(name=answer.name, family=answer.family, model=answer.model.lower())
+        self.identity = Identity(
+            name=printable(answer.name),
+            family=printable(answer.family),
+            model=printable(answer.model.lower()),
+        )
         self._sip_at = self._opened_at = self._config_due = now
         for command in (commands.Open(), commands.Stop(), commands.Enable(on=False)):
             self._queue(command, now)

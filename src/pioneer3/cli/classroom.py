@@ -10,7 +10,7 @@ from cyclopts import Parameter
 from cyclopts.validators import Number
 
 from pioneer3.cli.options import Flag, FleetFile, TcpPort, fleet_of
-from pioneer3.cli.process import run_until_told_to_leave
+from pioneer3.cli.process import run_until_told_to_leave, write_line
 from pioneer3.errors import ConfigError
 
 MOST_STUDENTS = 50
@@ -75,8 +75,4 @@ def class_(
         host="0.0.0.0" if lan else "127.0.0.1",
         show_tokens=sys.stdout.isatty(),
     )
-    return run_until_told_to_leave(class_live(options, _tell))
-
-
-def _tell(message: str) -> None:
-    print(message, file=sys.stdout, flush=True)  # noqa: T201
+    return run_until_told_to_leave(class_live(options, write_line))

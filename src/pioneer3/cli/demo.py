@@ -45,8 +45,9 @@ async def _demo(
     plain: bool,
 ) -> int:
     from contextlib import AsyncExitStack
+    from functools import partial
 
-    from pioneer3.cli.process import busy_sign
+    from pioneer3.cli.process import busy_sign, write_line
     from pioneer3.demo.modes import MODES
     from pioneer3.demo.start import start_plain, start_screen
     from pioneer3.errors import ConfigError
@@ -60,7 +61,7 @@ async def _demo(
     async with AsyncExitStack() as stack:
         with busy_sign(f"Connecting to {link.url} ..."):
             robot = await stack.enter_async_context(link.connect(max_speed=max_speed))
-        start = start_plain if plain else start_screen
+        start = partial(start_plain, write=write_line) if plain else start_screen
         return await start(robot, first=mode.lower(), patience=patience, acts=Acts(acts))
 
 

@@ -4,7 +4,7 @@ import sys
 from typing import TYPE_CHECKING
 
 from pioneer3.cli.options import LINK, WHICH, Baud, Flag, LinkOptions, RobotOptions, Seconds
-from pioneer3.cli.process import run_until_told_to_leave
+from pioneer3.cli.process import run_until_told_to_leave, write_error
 
 if TYPE_CHECKING:
     from pioneer3.doctor.facts import Finding
@@ -44,11 +44,10 @@ async def _info(link: LinkOptions, *, json: bool) -> int:
 
 
 def _show_robot(robot: "Robot") -> None:
-    from rich.console import Console
-
     from pioneer3.cli.tables import robot_tables
+    from pioneer3.cli.terminal import Terminal
 
-    console = Console(highlight=False)
+    console = Terminal()
     for table in robot_tables(robot.info, robot.snapshot):
         console.print(table)
 
@@ -109,11 +108,10 @@ async def _doctor(which: RobotOptions, baud: int | None, seconds: float, *, json
 
 
 def _show_findings(findings: "tuple[Finding, ...]") -> None:
-    from rich.console import Console
-
     from pioneer3.cli.tables import findings_table, verdict
+    from pioneer3.cli.terminal import Terminal
 
-    console = Console(highlight=False)
+    console = Terminal()
     console.print(findings_table(findings))
     console.print(verdict(findings))
 
@@ -169,12 +167,12 @@ async def _replugged() -> "tuple[SerialPort, ...]":
     from pioneer3.doctor.probe import came_back, wait_for_plug
 
     before = list_ports()
-    _say("Unplug the robot's cable from this computer, then press Enter. ")
+    write_error("Unplug the robot's cable from this computer, then press Enter. ", end="")
     await _enter_pressed()
     without = list_ports()
     if not came_back(before, without, before):
-        _say("No port has vanished: was the cable in this computer?\n")
-    _say("Now plug it in again.\n")
+        write_error("No port has vanished: was the cable in this computer?")
+    write_error("Now plug it in again.")
     with busy_sign("Waiting for it ..."):
         return await wait_for_plug(before, without, list_ports)
 
@@ -193,11 +191,6 @@ async def _enter_pressed() -> None:
     finally:
         loop.remove_reader(sys.stdin.fileno())
     sys.stdin.readline()
-
-
-def _say(text: str) -> None:
-    sys.stderr.write(text)
-    sys.stderr.flush()
 
 
 def _print_json(found: "list[Probed]") -> None:
@@ -219,11 +212,10 @@ def _print_json(found: "list[Probed]") -> None:
 
 
 def _show_ports(found: "list[Probed]", *, probed: bool) -> None:
-    from rich.console import Console
-
     from pioneer3.cli.tables import advice, ports_table
+    from pioneer3.cli.terminal import Terminal
 
-    console = Console(highlight=False)
+    console = Terminal()
     if found:
         console.print(ports_table(found))
     if probed:

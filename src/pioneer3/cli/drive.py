@@ -10,7 +10,7 @@ from cyclopts import Parameter
 
 from pioneer3.cli.live import announce, rewrite, show_while, tell_cuts
 from pioneer3.cli.options import LINK, Flag, LinkOptions, Patience, Seconds, Speed, TurnRate
-from pioneer3.cli.process import run_until_told_to_leave, write_line
+from pioneer3.cli.process import rewrite_line, run_until_told_to_leave, write_line
 
 KEYS = """\
 arrows or w a s d: drive   + -: faster, slower   m: motors   q: quit
@@ -108,7 +108,9 @@ async def _drive_gamepad(
     from pioneer3.teleop.gamepad_drive import GamepadDriver
 
     def tell(news: str) -> None:
-        write_line(f"\r\x1b[K{news}" if sys.stdout.isatty() else news)
+        if sys.stdout.isatty():
+            rewrite_line("")
+        write_line(news)
 
     with open_gamepad(name):
         pass  # what is wrong with it is said before anything moves

@@ -14,7 +14,7 @@ from pioneer3.cli.fleet_network import aliases, hosts, ssh_config, tell_applied
 from pioneer3.cli.fleet_tables import list_
 from pioneer3.cli.fleet_work import WORK
 from pioneer3.cli.options import Flag, FleetFile
-from pioneer3.cli.process import write_line
+from pioneer3.cli.process import write_error, write_line
 
 fleet_app = App(
     name="fleet",
@@ -75,7 +75,7 @@ def init(
             try:
                 draft(path, Operator(), Defaults(), [*robots, word])
             except ConfigError as error:
-                sys.stderr.write(f"{error}\n")
+                write_error(str(error))
             else:
                 robots.append(word)
     me = here(robots)
@@ -101,11 +101,10 @@ def init(
 def ask(question: str, otherwise: str) -> str:
     """Return the answer of a person at the terminal; Enter takes the one in brackets."""
     shown = f" [{otherwise}]" if otherwise else ""
-    sys.stderr.write(f"{question}{shown}: ")
-    sys.stderr.flush()
+    write_error(f"{question}{shown}: ", end="")
     line = sys.stdin.readline()
     if not line:
-        sys.stderr.write("\n")
+        write_error("")
     return line.strip() or otherwise
 
 

@@ -134,9 +134,10 @@ async def _stop(
 
 
 def _print(answers: "tuple[Stopped, ...]") -> None:
-    from rich.console import Console
     from rich.table import Table
     from rich.text import Text
+
+    from pioneer3.cli.terminal import Terminal
 
     made = Table(box=None, pad_edge=False, header_style="bold")
     for title in ("robot", "state", "after", "why"):
@@ -145,7 +146,7 @@ def _print(answers: "tuple[Stopped, ...]") -> None:
         state = "stands" if each.ok else "NOT CONFIRMED" if each.reached else "NOT REACHED"
         shown = Text(state, "green" if each.ok else "bold red")
         made.add_row(each.robot, shown, f"{each.seconds:.2f} s", each.why or _note(each))
-    console = Console(highlight=False)
+    console = Terminal()
     if not console.is_terminal:
         console.width = 400  # a file or a program takes long lines
     console.print(made)

@@ -153,8 +153,7 @@ def _print(findings: "Sequence[Finding]") -> None:
     """Print findings to stderr: stdout has the entries alone."""
     if not findings:
         return
-    from rich.console import Console
-
     from pioneer3.cli.tables import findings_table
+    from pioneer3.cli.terminal import Terminal
 
-    Console(stderr=True, highlight=False).print(findings_table(findings))
+    Terminal(stderr=True).print(findings_table(findings))

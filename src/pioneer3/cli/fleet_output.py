@@ -4,18 +4,17 @@ import asyncio
 import re
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from getpass import getpass
 from typing import Final
 
-from rich.console import Console
 from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
-from pioneer3.cli.process import write_json
+from pioneer3.cli.process import write_error, write_json
 from pioneer3.cli.tables import findings_table
-from pioneer3.doctor.facts import Finding, Level
+from pioneer3.cli.terminal import Terminal
+from pioneer3.doctor.facts import Level
 from pioneer3.errors import ConfigError
 from pioneer3.fleet.doctor import Diagnosis
 from pioneer3.fleet.host_checks import CLOCKS_DIFFER
@@ -25,7 +24,7 @@ from pioneer3.fleet.run import Outcome, exit_code
 from pioneer3.fleet.spec import Robot
 
 ESCAPES: Final = re.compile(r"\x1b(?:\[[0-?]*[ -/]*[@-~]|\][^\x07\x1b]*(?:\x07|\x1b\\)|.)?")
-"""Sequences that colour the text, or do worse to a terminal."""
+"""Sequences that colour the text, or do worse to a terminal; they are left out."""
 COLOURS: Final = ("cyan", "magenta", "green", "yellow", "blue", "bright_red", "bright_cyan")
 
 
@@ -38,21 +37,13 @@ class Lines:
             robot.name: Text(f"{robot.name:{width}} | ", COLOURS[number % len(COLOURS)])
             for number, robot in enumerate(robots)
         }
-        self._out = Console(highlight=False, soft_wrap=True)
-        self._err = Console(highlight=False, soft_wrap=True, stderr=True)
+        self._out = Terminal(soft_wrap=True)
+        self._err = Terminal(soft_wrap=True, stderr=True)
 
     def show(self, robot: Robot, line: str, is_error: bool) -> None:
         """Print one line."""
         console = self._err if is_error else self._out
-        console.print(self._prefixes[robot.name] + Text(printable(line)))
-
-
-def printable(line: str) -> str:
-    """Return `line` without sequences that a terminal would obey."""
-    if line.isprintable():
-        return line
-    plain = ESCAPES.sub("", line).expandtabs()
-    return "".join(letter if letter.isprintable() else "\ufffd" for letter in plain)
+        console.print(self._prefixes[robot.name] + Text(ESCAPES.sub("", line).expandtabs()))
 
 
 def finish(outcomes: Sequence[Outcome], *, quiet: bool = False) -> int:
@@ -62,7 +53,7 @@ def finish(outcomes: Sequence[Outcome], *, quiet: bool = False) -> int:
         outcomes: Of all robots.
         quiet: Say nothing of those where all went well.
     """
-    console = Console(stderr=True, highlight=False)
+    console = Terminal(stderr=True)
     failed = [each for each in outcomes if not each.ok]
     if not outcomes:
         console.print("No robot is meant: that group is empty.")
@@ -86,7 +77,7 @@ def outcome_table(outcomes: Sequence[Outcome]) -> Table:
         sign = Text("ok", "green") if each.ok else Text("FAIL", "bold red")
         if not each.reached:
             sign = Text("NOT REACHED", "bold red")
-        table.add_row(each.robot, sign, f"{each.seconds:.1f} s", Text(printable(each.why)))
+        table.add_row(each.robot, sign, f"{each.seconds:.1f} s", Text(each.why))
     return table
 
 
@@ -99,7 +90,7 @@ def print_json(value: object, outcomes: Sequence[Outcome]) -> int:
 
 def print_table(table: Table) -> None:
     """Print a table to standard output."""
-    Console(highlight=False).print(table)
+    Terminal().print(table)
 
 
 def status_table(facts: Mapping[str, HostFacts]) -> Table:
@@ -115,9 +106,9 @@ def status_table(facts: Mapping[str, HostFacts]) -> Table:
             Text(f"{offset:+.2f} s", "bold yellow" if abs(offset) > CLOCKS_DIFFER else ""),
             "-" if each.load is None else f"{each.load:.1f}",
             "-" if each.free is None else f"{each.free / 1e9:.1f} GB",
-            printable(each.version) or "-",
-            printable(each.service) or "-",
-            printable(" ".join(each.ros)) or "-",
+            each.version or "-",
+            each.service or "-",
+            " ".join(each.ros) or "-",
         )
     return table
 
@@ -136,17 +127,13 @@ def print_diagnoses(diagnoses: Sequence[Diagnosis], *, every: bool) -> None:
         diagnoses: Of all robots.
         every: Whether to show the checks that went well, too.
     """
-    console = Console(highlight=False)
+    console = Terminal()
     for each in diagnoses:
         well = [finding for finding in each.findings if finding.level is Level.OK]
         shown = each.findings if every else [f for f in each.findings if f not in well]
         console.print(Text(each.robot, "bold"), Text(f"{len(well)} checks are well", "green"))
         if shown:
-            console.print(Padding(findings_table(map(_printable, shown)), (0, 0, 0, 2)))
-
-
-def _printable(finding: Finding) -> Finding:
-    return replace(finding, found=printable(finding.found))
+            console.print(Padding(findings_table(shown), (0, 0, 0, 2)))
 
 
 class Person:
@@ -163,12 +150,12 @@ class Person:
         """Show a host key, and wait for an answer."""
         shown = f"{robot.name} ({robot.address}) has the host key {fingerprint}"
         if self._accept_new:
-            sys.stderr.write(f"{shown}: kept.\n")
+            write_error(f"{shown}: kept.")
             return True
         _needs_terminal("to compare host keys (or give --accept-new)")
-        sys.stderr.write(
+        write_error(
             f"{shown},\nwhich is new here. A terminal on that computer shows its own with\n"
-            "  ssh-keygen -lf /etc/ssh/ssh_host_ed25519_key.pub\n"
+            "  ssh-keygen -lf /etc/ssh/ssh_host_ed25519_key.pub"
         )
         return (await asked("Are they the same? [yes/no] ")).lower() in {"y", "yes"}
 
@@ -195,8 +182,7 @@ async def asked(question: str, *, hidden: bool = False) -> str:
     quiet = termios.tcgetattr(terminal)
     quiet[3] &= ~termios.ECHO
     termios.tcsetattr(terminal, termios.TCSADRAIN, quiet if hidden else before)
-    sys.stderr.write(question)
-    sys.stderr.flush()
+    write_error(question, end="")
     loop.add_reader(terminal, ready.set)
     try:
         await ready.wait()
@@ -205,7 +191,7 @@ async def asked(question: str, *, hidden: bool = False) -> str:
         loop.remove_reader(terminal)
         termios.tcsetattr(terminal, termios.TCSADRAIN, before)
         if hidden:
-            sys.stderr.write("\n")
+            write_error("")
     return answer.rstrip("\n")
 
 
@@ -218,7 +204,7 @@ def show_password_advice(names: Sequence[str]) -> None:
     """Say how to switch passwords off where they still let people in."""
     if not names:
         return
-    console = Console(stderr=True, highlight=False)
+    console = Terminal(stderr=True)
     console.print(
         Text(
             f"\n{', '.join(names)}: passwords let people in, too. Whoever knows the shared one can "

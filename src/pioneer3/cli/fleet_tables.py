@@ -116,16 +116,16 @@ async def _watch(
 ) -> int:
     import asyncio
 
-    from rich.console import Console
     from rich.live import Live as Screen
 
+    from pioneer3.cli.terminal import Terminal
     from pioneer3.fleet.live import look
 
     if json or not sys.stdout.isatty():
         while True:
             _print(robots, await look(robots, questions), json=json)
             await asyncio.sleep(every)
-    console = Console(highlight=False)
+    console = Terminal()
     with Screen(console=console, auto_refresh=False) as screen:
         while True:
             answers = await look(robots, questions)
@@ -139,9 +139,9 @@ def _print(robots: "tuple[Robot, ...]", answers: "tuple[Live, ...] | None", *, j
         rows = zip(robots, live, strict=True)
         write_json([{"robot": robot, "live": told} for robot, told in rows])
         return
-    from rich.console import Console
+    from pioneer3.cli.terminal import Terminal
 
-    console = Console(highlight=False)
+    console = Terminal()
     if not console.is_terminal:
         console.width = 400  # a file or a program takes long lines
     console.print(table(robots, answers, console.width))

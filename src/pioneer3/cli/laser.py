@@ -202,13 +202,13 @@ async def _tell(driver: "LaserDriver", seconds: float) -> int:
 
 
 async def _show(driver: "LaserDriver", seconds: float) -> int:
-    from rich.console import Console
     from rich.live import Live
 
+    from pioneer3.cli.terminal import Terminal
     from pioneer3.demo.drawing import reach_for_points
     from pioneer3.demo.modes.sensors import points_in_robot
 
-    console = Console(highlight=False)
+    console = Terminal()
     reach = FIRST_REACH
     with Live(console=console, screen=True, auto_refresh=False) as live:
         async for scan in _scans(driver, seconds, pace=0.1):

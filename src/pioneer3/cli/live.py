@@ -7,7 +7,14 @@ from math import degrees, inf
 from typing import TYPE_CHECKING, Any
 
 from pioneer3.cli.options import LinkOptions, MotionOptions
-from pioneer3.cli.process import run_until_told_to_leave, write_json, write_line, write_warning
+from pioneer3.cli.process import (
+    rewrite_line,
+    run_until_told_to_leave,
+    write_json,
+    write_line,
+    write_warning,
+)
+from pioneer3.names import printable
 from pioneer3.units import SPEED, TURN_RATE
 
 if TYPE_CHECKING:
@@ -212,8 +219,7 @@ async def watch(
 def rewrite(text: str) -> None:
     """Rewrite the live line, cut to the width of the terminal."""
     width = shutil.get_terminal_size().columns
-    sys.stdout.write(f"\r\x1b[K{text[: width - 1]}")
-    sys.stdout.flush()
+    rewrite_line(printable(text)[: width - 1])
 
 
 async def _show(robot: "Driven", words: "Callable[[Driven], str]", *, json: bool) -> None:

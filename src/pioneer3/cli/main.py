@@ -27,6 +27,7 @@ from pioneer3.cli.monitor import monitor
 from pioneer3.cli.motion import MODE_COMMANDS, move, turn
 from pioneer3.cli.options import UNITS
 from pioneer3.cli.patrol import patrol
+from pioneer3.cli.process import LogFormatter, write_error
 from pioneer3.cli.ros1 import ros1_app
 from pioneer3.cli.ros2 import gather_ros_arguments, ros2_app
 from pioneer3.cli.run import run
@@ -113,7 +114,9 @@ LAST_WORDS = 1.0
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run one command and exit with its code (:class:`Exit`)."""
-    logging.basicConfig(format="%(levelname)s: %(message)s", level=logging.WARNING)
+    told = logging.StreamHandler()
+    told.setFormatter(LogFormatter("%(levelname)s: %(message)s"))
+    logging.basicConfig(handlers=[told], level=logging.WARNING)
     code = execute(sys.argv[1:] if arguments is None else arguments)
     if code == Exit.QUIT:
         die_of(code - 128)
@@ -171,7 +174,7 @@ def _tell_full(error: OSError) -> Exit:
 
 
 def _tell(error: Exception, code: Exit) -> Exit:
-    print(f"pioneer3: {error}", file=sys.stderr)  # noqa: T201
+    write_error(f"pioneer3: {error}")
     return code
 
 

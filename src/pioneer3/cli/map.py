@@ -39,11 +39,10 @@ def show(file: str) -> int:
     Args:
         file: A shipped map (office), or a .map, .yaml or .toml file.
     """
-    from rich.console import Console
-
+    from pioneer3.cli.terminal import Terminal
     from pioneer3.sim.map_convert import look
 
-    _print_map(look(file), Console(highlight=False))
+    _print_map(look(file), Terminal())
     return 0
 
 
@@ -237,10 +236,11 @@ def _print_map(info: "MapInfo", console: "Console") -> None:
 
 
 def _print_findings(file: str, findings: "tuple[Finding, ...]") -> None:
-    from rich.console import Console
     from rich.text import Text
 
-    console = Console(highlight=False)
+    from pioneer3.cli.terminal import Terminal
+
+    console = Terminal()
     for finding in findings:
         style = "bold red" if finding.level == "error" else "yellow"
         where = f"{file}:{finding.line}: " if finding.line else f"{file}: "

@@ -37,9 +37,8 @@ def show(name: str, *, json: Flag = False) -> int:
         name: A shipped model (p3at-sh, p3dx-sh), or a .toml or ARIA .p file.
         json: Print JSON for programs, nothing else.
     """
-    from rich.console import Console
-
     from pioneer3.cli.process import write_json
+    from pioneer3.cli.terminal import Terminal
     from pioneer3.models import load_model
     from pioneer3.models.numbers import numbers_of
 
@@ -48,7 +47,7 @@ def show(name: str, *, json: Flag = False) -> int:
     if json:
         write_json([number._asdict() for number in numbers], indent=2)
     else:
-        Console(highlight=False).print(_table(model, numbers))
+        Terminal().print(_table(model, numbers))
     return 0
 
 

@@ -96,13 +96,13 @@ async def _print_lines(robot: "Robot", seconds: float) -> int:
 
 
 async def _show_screen(robot: "Robot", seconds: float) -> int:
-    from rich.console import Console
     from rich.live import Live
 
     from pioneer3.cli.live import looks
     from pioneer3.cli.screen import screen
+    from pioneer3.cli.terminal import Terminal
 
-    console, code, lasers = Console(highlight=False), 0, _lasers(robot)
+    console, code, lasers = Terminal(), 0, _lasers(robot)
     with Live(console=console, screen=True, auto_refresh=False) as live:
         async for snapshot in looks(robot, seconds):
             status = robot.supervisor.status.latest

@@ -1,5 +1,6 @@
 """The process of a command: its event loop, its signals, its output."""
 
+import logging
 import signal
 import sys
 from collections.abc import Callable, Coroutine, Iterator
@@ -7,6 +8,7 @@ from contextlib import contextmanager
 from types import FrameType
 from typing import TYPE_CHECKING, Any
 
+from pioneer3.names import printable, printable_lines
 from pioneer3.runtime.signals import LEAVE
 
 if TYPE_CHECKING:
@@ -70,29 +72,59 @@ DIGITS = 6
 
 
 def write_line(text: str) -> None:
-    """Write one line to stdout, at once.
+    """Write lines to stdout, at once; a terminal obeys nothing in them.
 
     Raises:
         BrokenPipeError: nobody reads any more.
     """
-    sys.stdout.write(f"{text}\n")
+    _write(f"{printable_lines(text)}\n")
+
+
+def rewrite_line(text: str) -> None:
+    """Write over the live line of a terminal, without an end of line."""
+    _write(f"\r\x1b[K{printable(text)}")
+
+
+def _write(text: str) -> None:
+    sys.stdout.write(text)
     sys.stdout.flush()
+
+
+def write_error(text: str, end: str = "\n") -> None:
+    """Write lines to stderr, at once; a terminal obeys nothing in them."""
+    print(printable_lines(text), end=end, file=sys.stderr, flush=True)  # noqa: T201
 
 
 def write_warning(text: str) -> None:
     """Write one line to stderr."""
-    print(f"WARNING: {text}", file=sys.stderr, flush=True)  # noqa: T201
+    write_error(f"WARNING: {text}")
+
+
+class LogFormatter(logging.Formatter):
+    """Formats each record as one line, and a traceback below it; a terminal obeys neither."""
+
+    def formatMessage(self, record: logging.LogRecord) -> str:  # noqa: N802
+        """Return the line."""
+        return printable(super().formatMessage(record))
+
+    def formatException(self, ei: Any) -> str:  # noqa: N802
+        """Return the traceback."""
+        return printable_lines(super().formatException(ei))
 
 
 def write_json(value: object, *, indent: int | None = None) -> None:
     """Write `value`, made of dataclasses and plain types, as JSON.
 
-    Infinity and NaN are null; digits beyond a millionth are rounding, and left out.
+    Infinity and NaN are null; digits beyond a millionth are rounding, and left out. JSON has
+    escapes of its own for what a terminal would obey.
     """
+    import json
+
     import msgspec
 
     data = msgspec.json.encode(_rounded(msgspec.to_builtins(value)))
-    write_line((msgspec.json.format(data, indent=indent) if indent else data).decode())
+    text = (msgspec.json.format(data, indent=indent) if indent else data).decode()
+    _write("".join(c if c.isprintable() or c == "\n" else json.dumps(c)[1:-1] for c in text) + "\n")
 
 
 def _rounded(value: object) -> object:
@@ -115,7 +147,7 @@ def busy_sign(text: str) -> Iterator[Callable[[str], None]]:
     if not sys.stderr.isatty():
         yield lambda text: None
         return
-    from rich.console import Console
+    from pioneer3.cli.terminal import Terminal
 
-    with Console(stderr=True).status(text) as status:
+    with Terminal(stderr=True).status(text) as status:
         yield status.update

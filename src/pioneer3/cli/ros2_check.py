@@ -90,11 +90,10 @@ def _write(report: "Report", code: int) -> None:
 
 
 def _show(report: "Report") -> None:
-    from rich.console import Console
-
     from pioneer3.cli.ros2_check_table import absent_line, summary, table
+    from pioneer3.cli.terminal import Terminal
 
-    console = Console(highlight=False)
+    console = Terminal()
     if not console.is_terminal:
         console.width = WIDE
     console.print(table(report, console.width))

@@ -26,7 +26,7 @@ from pioneer3.cli.options import (
     WorldOptions,
     robots_of,
 )
-from pioneer3.cli.process import run_until_told_to_leave, write_warning
+from pioneer3.cli.process import run_until_told_to_leave, write_line, write_warning
 from pioneer3.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -133,7 +133,7 @@ def run(
         models=models,
         announced=None if no_announce else partial(_announced, served_at),
     )
-    return run_until_told_to_leave(live(options, _tell))
+    return run_until_told_to_leave(live(options, write_line))
 
 
 def _announced(host: str, served: "Served") -> "AbstractAsyncContextManager[None]":
@@ -164,7 +164,3 @@ def _refuse_nonsense(
             f"--robot: {len(robots)} given, but ports: {len(ports)}; "
             "give one for all, or one for each"
         )
-
-
-def _tell(message: str) -> None:
-    print(message, file=sys.stdout, flush=True)  # noqa: T201

@@ -1,7 +1,6 @@
 """`pioneer3 sim`."""
 
 import logging
-import sys
 from collections.abc import Iterator, Sequence
 from contextlib import AsyncExitStack
 from dataclasses import dataclass
@@ -13,7 +12,13 @@ from cyclopts import Group, Parameter
 from cyclopts.validators import Number
 
 from pioneer3.cli.options import WORLD, Flag, TcpPort, WorldOptions
-from pioneer3.cli.process import run_until_told_to_leave
+from pioneer3.cli.process import (
+    LogFormatter,
+    run_until_told_to_leave,
+    write_error,
+    write_line,
+    write_warning,
+)
 from pioneer3.errors import ConfigError, PortBusyError
 
 if TYPE_CHECKING:
@@ -205,7 +210,7 @@ class MobileSimOptions:
             handler = logging.FileHandler(self.log_file)
         except OSError as error:
             raise ConfigError(f"--log-file {self.log_file}: {error.strerror}") from None
-        handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(message)s"))
+        handler.setFormatter(LogFormatter("%(asctime)s %(levelname)s %(message)s"))
         return handler
 
     def notes(self) -> list[str]:
@@ -266,9 +271,9 @@ def sim(
     """
     _log(mobilesim, verbose=verbose)
     for note in mobilesim.notes():
-        _warn(note)
+        write_warning(note)
     if ports.warning:
-        _warn(ports.warning)
+        write_warning(ports.warning)
     from pioneer3.sim.server.start import simulator
 
     robots: Sequence[str | RobotSpec] = robot
@@ -304,14 +309,14 @@ async def _simulate(
         except PortBusyError as error:
             raise PortBusyError(f"{error} with -p, or --acts for colour trackers") from None
         for note in running.notes:
-            _warn(note)
+            write_warning(note)
         if running.progress:
-            print(running.progress, file=sys.stderr, flush=True)  # noqa: T201
-        print("\n".join(greeting(running)), flush=True)  # noqa: T201
+            write_error(running.progress)
+        write_line("\n".join(greeting(running)))
         if announce:
             from pioneer3.fleet.announce import announced, of_simulation
 
-            await stack.enter_async_context(announced(of_simulation(running), _warn))
+            await stack.enter_async_context(announced(of_simulation(running), write_warning))
         await asyncio.get_running_loop().create_future()
     return 0
 
@@ -350,7 +355,3 @@ def _log(options: MobileSimOptions, *, verbose: bool) -> None:
     if options.log_file:
         log.addHandler(options.log_handler())
         log.propagate = verbose
-
-
-def _warn(text: str) -> None:
-    print(f"WARNING: {text}", file=sys.stderr, flush=True)  # noqa: T201

@@ -99,13 +99,13 @@ async def show_sonar(robot: "Driven", seconds: float, *, json: bool) -> int:
 
 
 async def _show(robot: "Driven", seconds: float) -> int:
-    from rich.console import Console
     from rich.live import Live
 
     from pioneer3.cli.live import looks, lost
+    from pioneer3.cli.terminal import Terminal
     from pioneer3.demo.drawing import reach_for, ring
 
-    console = Console(highlight=False)
+    console = Terminal()
     reach, code = 3.0, 0
     with Live(console=console, screen=True, auto_refresh=False) as live:
         async for snapshot in looks(robot, seconds):

@@ -11,13 +11,12 @@ from textual import events
 from textual.app import App, ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, VerticalScroll
-from textual.widgets import Static
 
 from pioneer3.demo import view
 from pioneer3.demo.drawing import Trail, reach_for, ring
 from pioneer3.demo.program import Program
 from pioneer3.demo.view import panel
-from pioneer3.teleop.screen import PatientDriver
+from pioneer3.teleop.screen import Part, PatientDriver
 
 REFRESH = 0.1
 BELOW = ("row", "flags", "why", "said", "foot")
@@ -45,7 +44,7 @@ class DemoApp(App[None]):
     ]
     CSS = """
     Screen { layout: vertical; overflow: hidden; }
-    Static { height: auto; }
+    Part { height: auto; }
     #head, #flags, #foot { height: 1; }
     #why { min-height: 2; max-height: 3; }
     #said { height: 2; color: $warning; }
@@ -65,7 +64,7 @@ class DemoApp(App[None]):
         self._trail = Trail()
         self._reach = 3.0
         self._help = False
-        self._parts = {name: Static(id=name) for name in PARTS}
+        self._parts = {name: Part(id=name) for name in PARTS}
         self._body = Horizontal(id="body")
         self._panel = VerticalScroll(id="panel", can_focus=False)
 

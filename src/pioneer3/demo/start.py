@@ -1,6 +1,7 @@
 """Starts the demo, on a screen or as lines, and runs it until a key or the terminal ends it."""
 
 import sys
+from collections.abc import Callable
 from contextlib import nullcontext
 from functools import partial
 
@@ -24,17 +25,14 @@ async def start_screen(robot: Robot, *, first: str, patience: float, acts: Acts)
     return app.return_code or 0
 
 
-async def start_plain(robot: Robot, *, first: str, patience: float, acts: Acts) -> int:
-    """Run the demo as lines on standard output, with keys from standard input."""
-    face = Plain(_write)
-    _write(f"{kind(robot.info)}: {robot.info.model.title} on {robot.info.url}")
+async def start_plain(
+    robot: Robot, write: Callable[[str], None], *, first: str, patience: float, acts: Acts
+) -> int:
+    """Run the demo as lines that `write` takes, with keys from standard input."""
+    face = Plain(write)
+    write(f"{kind(robot.info)}: {robot.info.model.title} on {robot.info.url}")
     program = Program(robot, face, first=first, patience=patience, acts=acts)
     is_terminal = sys.stdin is not None and sys.stdin.isatty()
     with raw_terminal() if is_terminal else nullcontext(0) as descriptor:
         await serve_plain(program, face, typed(descriptor))
     return 0
-
-
-def _write(line: str) -> None:
-    sys.stdout.write(f"{line}\n")
-    sys.stdout.flush()

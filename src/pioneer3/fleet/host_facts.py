@@ -12,6 +12,7 @@ from pioneer3.errors import HostError, RemoteError
 from pioneer3.fleet.run import output_of
 from pioneer3.fleet.spec import Fleet, Robot
 from pioneer3.fleet.ssh import asyncssh_module, connect
+from pioneer3.names import printable
 
 if TYPE_CHECKING:
     import asyncssh
@@ -150,7 +151,7 @@ def _hosts(fleet: Fleet) -> Iterator[tuple[str, str]]:
 
 def parsed(robot: Robot, answer: str) -> HostFacts:
     """Return the facts in the answer to :func:`question`."""
-    lines = (line.partition("=") for line in answer.splitlines())
+    lines = (printable(line).partition("=") for line in answer.split("\n"))
     said = {key: value.strip() for key, _, value in lines}
 
     def group(kind: str) -> dict[str, str]:

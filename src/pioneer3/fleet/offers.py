@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from pioneer3.fleet.discovery import Found, Kind
 from pioneer3.fleet.spec import Fleet
 from pioneer3.models import find_model
+from pioneer3.names import printable
 
 _NOT_IN_NAMES = re.compile(r"[^A-Za-z0-9]+")
 
@@ -31,7 +32,7 @@ def offers(found: Sequence[Found], fleet: Fleet | None) -> Iterator[str]:
         yield ""
         for one in here:
             where = f" at port {one.port}" if one.port else ""
-            told = "".join(filter(str.isprintable, one.detail or one.name))
+            told = printable(one.detail or one.name)
             yield f"# {one.kind}{where}: {told}"
         yield "[[robot]]"
         yield f'name = "{name}"'

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Final
 from pioneer3.errors import HostError, RemoteError
 from pioneer3.fleet.spec import Robot
 from pioneer3.fleet.ssh import LOGIN, Login, asyncssh_module, connect
+from pioneer3.names import printable
 
 if TYPE_CHECKING:
     import asyncssh
@@ -91,7 +92,12 @@ async def _outcome(robot: Robot, work: Work) -> Outcome:
         log.exception("the work on %s failed", robot.name)
         ok, why = False, f"a fault of this program: {error!r}"
     return Outcome(
-        robot=robot.name, ok=ok, reached=reached, status=status, why=why, seconds=clock() - began
+        robot=robot.name,
+        ok=ok,
+        reached=reached,
+        status=status,
+        why=printable(why),
+        seconds=clock() - began,
     )
 
 

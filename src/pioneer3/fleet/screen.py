@@ -14,13 +14,12 @@ from textual.binding import Binding, BindingType
 from textual.geometry import Region, Size
 from textual.scroll_view import ScrollView
 from textual.strip import Strip
-from textual.widgets import Static
 
 from pioneer3.fleet.columns import Cell
 from pioneer3.fleet.drive import FleetDrive
 from pioneer3.fleet.drive_table import COLUMNS, GAP, Look, cells, headline, why_of, widths
 from pioneer3.tasks import running
-from pioneer3.teleop.screen import PatientDriver, log_told_by, run_app
+from pioneer3.teleop.screen import Part, PatientDriver, log_told_by, obeyed_by_none, run_app
 from pioneer3.teleop.several import CHOOSING, KEYS
 
 REFRESH: Final = 0.5
@@ -51,7 +50,7 @@ def row_strip(row: Sequence[Cell], across: Sequence[int], style: Style) -> Strip
     for cell, width in zip(row, across, strict=True):
         text = cell.text if len(cell.text) <= width else f"{cell.text[: width - 1]}…"
         segments.append(Segment(text.ljust(width + GAP), style + STYLES[cell.ok]))
-    return Strip(segments)
+    return obeyed_by_none(Strip(segments))
 
 
 class RobotTable(ScrollView, can_focus=False):
@@ -121,7 +120,7 @@ class FleetApp(App[None]):
     ]
     CSS = """
     Screen { layout: vertical; overflow: hidden; }
-    Static { height: auto; }
+    Part { height: auto; }
     #head, #titles { height: 1; text-style: bold; }
     #titles { text-style: underline; }
     #table { height: 1fr; scrollbar-size-vertical: 1; }
@@ -133,10 +132,10 @@ class FleetApp(App[None]):
     def __init__(self, drive: FleetDrive) -> None:
         super().__init__(driver_class=PatientDriver)
         self._drive = drive
-        self._head, self._titles = Static(id="head"), Static(id="titles")
+        self._head, self._titles = Part(id="head"), Part(id="titles")
         self._table = RobotTable(self._click)
-        self._why, self._said, self._foot = Static(id="why"), Static(id="said"), Static(id="foot")
-        self._shown: dict[Static, str] = {}
+        self._why, self._said, self._foot = Part(id="why"), Part(id="said"), Part(id="foot")
+        self._shown: dict[Part, str] = {}
         self._news: deque[tuple[float, str]] = deque(maxlen=2)
 
     def compose(self) -> ComposeResult:
@@ -216,7 +215,7 @@ class FleetApp(App[None]):
             else f"Keys drive {who}{speeds}"
         )
 
-    def _put(self, part: Static, text: str) -> None:
+    def _put(self, part: Part, text: str) -> None:
         """Show a text in a part of the screen; the same one again costs nothing."""
         if self._shown.get(part) != text:
             self._shown[part] = text

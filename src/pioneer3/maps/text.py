@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from pioneer3.errors import ConfigError
+from pioneer3.names import printable
 
 LARGEST_FILE = 16 * 1024 * 1024
 """Larger files are not maps [bytes]; ARIA's largest has 0.7 MB."""
@@ -47,8 +48,7 @@ class Line:
 
 def wrong(path: Path, problem: str) -> ConfigError:
     """Return a one-line error about the file at `path`."""
-    name = str(path)
-    return ConfigError(f"{name if name.isprintable() else ascii(name)}:{problem}")
+    return ConfigError(f"{printable(str(path))}:{problem}")
 
 
 def shown(text: str) -> str:
@@ -59,7 +59,7 @@ def shown(text: str) -> str:
 def one_line(problem: object) -> str:
     """Return the message of another library as one printable line, cut short."""
     line = " ".join(str(problem).split())
-    return line[:100] if line.isprintable() else ascii(line[:80])
+    return printable(line[:100])
 
 
 def lines_of(path: Path, text: str, first: int = 1) -> Iterator[Line]:

@@ -24,6 +24,7 @@ from pioneer3.models.model import (
     UnknownModel,
 )
 from pioneer3.models.toml import parse_toml
+from pioneer3.names import printable
 from pioneer3.units import MM
 
 _LASERS: Mapping[str, LaserMount] = MappingProxyType(
@@ -186,8 +187,7 @@ def _read(path: Path) -> str:
 
 
 def _shown(path: Path) -> str:
-    text = str(path)
-    return text if text.isprintable() else repr(text)
+    return printable(str(path))
 
 
 def _no_such_model(wanted: str) -> str:

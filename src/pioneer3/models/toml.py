@@ -21,6 +21,7 @@ from pioneer3.models.model import (
     RobotModel,
     SonarMount,
 )
+from pioneer3.names import printable
 from pioneer3.units import DEGREE
 
 _ANGLES = {
@@ -116,7 +117,7 @@ def _in_radians(table: Table, kind: type, where: str = "") -> Table:
 def _unknown(key: str, known: list[str]) -> str:
     close = get_close_matches(_KEYS.get(key, key), known, n=1)
     hint = f"did you mean {close[0]}?" if close else f"expected one of {', '.join(known)}"
-    return f"{key if key.isprintable() else repr(key)}: unknown key, {hint}"
+    return f"{printable(key)}: unknown key, {hint}"
 
 
 def _number(place: str, value: object, bounds: Bounds, unit: float = 1.0) -> float:

@@ -18,6 +18,7 @@ from pioneer3.maps.load import read_map_file
 from pioneer3.maps.map_server import KEYS, MapServerFile
 from pioneer3.maps.text import decoded, read_bytes
 from pioneer3.models import RobotModel, load_model
+from pioneer3.names import printable
 from pioneer3.sim.collision import footprint_hits
 from pioneer3.sim.physics.elements import check_hull, shown_name
 from pioneer3.sim.placement.free_space import FreeGrid
@@ -121,7 +122,7 @@ def _unknown_keys(file: MapServerFile) -> Iterator[Finding]:
         if key not in KEYS:
             close = get_close_matches(key, KEYS, n=1)
             hint = f", did you mean {close[0]}?" if close else ""
-            name = key if key.isprintable() else ascii(key)
+            name = printable(key)
             yield warning(f"{name}: unknown key, skipped{hint}", field.line.number)
 
 
@@ -319,8 +320,8 @@ def room(pose: Pose2, line_map: LineMap, model: RobotModel) -> str:
 
 def shown(item: MapObject) -> str:
     """Return a name of an object for messages."""
-    name = "".join(c if c.isprintable() else "?" for c in item.name[:30])
-    kind = "".join(c if c.isprintable() else "?" for c in item.kind[:30])
+    name = printable(item.name[:30])
+    kind = printable(item.kind[:30])
     return f'{kind} "{name}"' if name else f"{kind} at {item.pose.x:.2f} {item.pose.y:.2f}"
 
 

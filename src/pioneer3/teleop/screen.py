@@ -8,9 +8,13 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from queue import Full
 
+from rich.segment import Segment
 from textual import events
 from textual.app import App
+from textual.strip import Strip
+from textual.widgets import Static
 
+from pioneer3.names import printable
 from pioneer3.tasks import running
 
 if sys.platform == "win32":
@@ -55,6 +59,21 @@ class PatientDriver(TerminalDriver):
         writer.join(PATIENCE)
 
 
+class Part(Static):
+    """A part of a screen; the terminal obeys nothing in its text."""
+
+    def render_line(self, y: int) -> Strip:
+        """Draw one line."""
+        return obeyed_by_none(super().render_line(y)).adjust_cell_length(self.size.width)
+
+
+def obeyed_by_none(strip: Strip) -> Strip:
+    """Return a line of the screen with escapes for what a terminal would obey."""
+    if strip.text.isprintable():
+        return strip
+    return Strip(Segment(printable(text), style, control) for text, style, control in strip)
+
+
 async def run_app(app: App[None]) -> None:
     """Show a full screen until it ends, or until its terminal is gone.
 
@@ -81,7 +100,7 @@ class _Teller(logging.Handler):
         self._say = say
 
     def emit(self, record: logging.LogRecord) -> None:
-        self._say(record.getMessage())
+        self._say(printable(record.getMessage()))
 
 
 @contextmanager

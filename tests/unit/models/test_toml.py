@@ -88,7 +88,7 @@ def test_a_backward_sonar_is_wrapped_like_every_angle() -> None:
         ("front_bumpers = 0", "table_irs = [[1, 20]]", "table_irs[0].y: 20 is out of range"),
         ("kind =", "type =", "laser.type: unknown key, expected one of kind, x, y, theta_deg"),
         ('"lms2xx"', '""', "laser: kind: '' is empty or not printable"),
-        ("family =", '"\\u001b" =', "'\\x1b': unknown key"),
+        ("family =", '"\\u001b" =', r"\x1b: unknown key"),
         ("radius = 0.5", "radius =", "not valid TOML: Invalid value (at line "),
         ("radius = 0.5", "radius = " + "[" * 5000, "not valid TOML: "),
         ("radius = 0.5", "radius = 1" + "0" * 400, "radius: "),

@@ -5,6 +5,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import Final
 
+from pioneer3.names import printable
 from pioneer3.ros.checks.endpoints import Sides, endpoint_faults, missing, service_rows, sides
 from pioneer3.ros.checks.expectations import Expectation, expectations
 from pioneer3.ros.checks.facts import (
@@ -16,7 +17,6 @@ from pioneer3.ros.checks.facts import (
     Row,
     Sample,
     fail,
-    printable,
     warn,
 )
 from pioneer3.ros.checks.timing import Stamped, rate, rate_faults, stamp_faults

@@ -6,6 +6,7 @@ from enum import StrEnum
 from typing import Final
 
 from pioneer3.doctor.facts import Level
+from pioneer3.names import printable
 from pioneer3.ros.node.topic import Direction
 from pioneer3.ros.ros2.backend import Graph, NodeName
 from pioneer3.ros.ros2.remapping import Remapping
@@ -31,11 +32,6 @@ class Fault:
     reason: str
     example: str = field(default="", compare=False)
     advice: str = ""
-
-
-def printable(text: str) -> str:
-    """Return a text of somebody else without characters that a terminal would obey."""
-    return "".join(each if each.isprintable() else "�" for each in text)
 
 
 def fail(reason: str, *, example: str = "", advice: str = "") -> Fault:

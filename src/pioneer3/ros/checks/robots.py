@@ -3,7 +3,7 @@
 from typing import Final
 
 from pioneer3.errors import ConfigError, NoRobotError
-from pioneer3.ros.checks.facts import printable
+from pioneer3.names import printable
 from pioneer3.ros.ros2.backend import Graph, Kind, NodeName
 from pioneer3.ros.ros2.mismatches import TWISTS
 

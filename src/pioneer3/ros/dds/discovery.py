@@ -6,8 +6,8 @@ from dataclasses import replace
 from math import inf
 from typing import Any, Final
 
+from pioneer3.names import printable
 from pioneer3.ros.ros2.backend import Endpoint, Graph, Kind, MessageType, NodeName, Qos
-from pioneer3.ros.ros2.names import printable
 from pioneer3.ros.ros2.types import MessageTypes
 
 TOPIC: Final = "ros_discovery_info"

@@ -4,8 +4,8 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from typing import Any, Final
 
+from pioneer3.names import printable
 from pioneer3.ros.ros2.backend import DEPTH, Endpoint, Graph, Kind, NodeName, Qos
-from pioneer3.ros.ros2.names import printable
 
 UNKNOWN: Final = "_NODE_NAME_UNKNOWN_"
 """Name of the node of an endpoint whose participant has told no node."""

@@ -9,6 +9,8 @@ from logging.handlers import QueueHandler, QueueListener
 from queue import Full, Queue
 from typing import Final
 
+from pioneer3.names import printable
+
 LONGEST: Final = 100
 """Records that wait while the master is silent; further ones are on the terminal only."""
 
@@ -24,6 +26,12 @@ class BoundedQueueHandler(QueueHandler):
             return
 
 
+def _on_one_line(record: logging.LogRecord) -> bool:
+    """Let a terminal obey nothing in a record."""
+    record.msg, record.args = printable(record.getMessage()), None
+    return True
+
+
 def log_in_background(logger: str = "rosout") -> None:
     """Let a thread of its own publish the records of rospy; `rospy.init_node` comes first.
 
@@ -35,6 +43,7 @@ def log_in_background(logger: str = "rosout") -> None:
     from rospy.impl.rosout import RosOutHandler
 
     log = logging.getLogger(logger)
+    log.addFilter(_on_one_line)
     publishers = [each for each in log.handlers if isinstance(each, RosOutHandler)]
     if not publishers:
         return

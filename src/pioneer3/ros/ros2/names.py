@@ -54,18 +54,6 @@ def expanded(name: str, node: NodeName) -> str:
     return f"{node.namespace.rstrip('/')}/{name}"
 
 
-def printable(text: str) -> str:
-    """Return a name from the network with escapes for characters that terminals act upon.
-
-    A name with a new line or an escape sequence would forge lines of a log.
-    """
-    if text.isprintable():
-        return text
-    return "".join(
-        each if each.isprintable() else each.encode("unicode_escape").decode() for each in text
-    )
-
-
 def checked_topic(name: str) -> str:
     """Return a full name of a topic or service.
 

@@ -15,8 +15,8 @@ from math import inf, isinf
 from struct import Struct, pack, unpack_from
 from typing import Final
 
+from pioneer3.names import printable
 from pioneer3.ros.ros2.backend import Endpoint, Kind, NodeName, Qos
-from pioneer3.ros.ros2.names import printable
 
 SPACE: Final = "@ros2_lv"
 NODE: Final = "NN"

@@ -11,6 +11,7 @@ import msgspec
 import numpy as np
 
 from pioneer3.errors import DeviceError, how_to_get
+from pioneer3.names import printable
 from pioneer3.sim.physics.dynamics import GL, Instant
 from pioneer3.sim.physics.renderer import (
     LENGTH,
@@ -162,7 +163,7 @@ class PictureProcess:
     def _last_line(self) -> str:
         """The last line on the standard error of the process; empty without one."""
         lines = self._said.decode(errors="replace").strip().splitlines()
-        return "".join(filter(str.isprintable, lines[-1])) if lines else ""
+        return printable(lines[-1]) if lines else ""
 
     async def _ask(self, instant: Instant, asked: TakePicture) -> Answer:
         process = self._process

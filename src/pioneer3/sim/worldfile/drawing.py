@@ -16,6 +16,7 @@ from pioneer3.maps.grid import shape_of, touched
 from pioneer3.maps.image import to_png
 from pioneer3.maps.line_map import Bounds, LineMap, MapObject
 from pioneer3.maps.materials import BLACK, GLASS, REFLECTOR
+from pioneer3.names import printable
 from pioneer3.sim.relief import Ramp
 from pioneer3.sim.worldfile.person import Person
 from pioneer3.sim.worldfile.spec import WorldFile
@@ -266,4 +267,4 @@ def _hex(layer: Layer) -> str:
 
 
 def _clean(text: str) -> str:
-    return escape("".join(c if c.isprintable() else " " for c in text))
+    return escape(printable(text))

@@ -4,10 +4,10 @@ from types import SimpleNamespace
 
 import pytest
 
+from pioneer3.names import printable
 from pioneer3.ros.dds.discovery import INFO, NODE_INFO, Discovery
 from pioneer3.ros.ros2.backend import NodeName
 from pioneer3.ros.ros2.distros import distro_of
-from pioneer3.ros.ros2.names import printable
 from pioneer3.ros.ros2.types import MessageTypes
 
 FORGED = "x\x1b[2J\nready; the robot is safe"
