@@ -21,7 +21,7 @@ from pioneer3.errors import ConfigError, LinkError, MotionError
 from pioneer3.sim.server.start import simulator
 from pioneer3.web.classroom import robot as class_robot
 from pioneer3.web.classroom.live import ClassOptions, FleetRobot, class_live
-from tests.support import until
+from tests.support import disk_of, until
 
 pytestmark = pytest.mark.realtime
 
@@ -419,6 +419,19 @@ async def test_a_run_is_recorded_handed_in_and_played(tmp_path: Path) -> None:
     async with connect_async(f"replay:{tmp_path / 'runs' / run['file']}") as replayed:
         speeds = [snapshot.odometry.twist.v async for snapshot in replayed.snapshots(3.0)]
         assert max(speeds) > 0.15
+
+
+async def test_a_disk_that_fills_ends_a_run_and_not_the_class(tmp_path: Path) -> None:
+    async with school(tmp_path) as the:
+        ann, _ = await the.join("Ann")
+        async with ann.page() as page:
+            with disk_of(5000):
+                await page.say("record_run", step="begin")
+                await until(lambda: any("File too large; hand it in" in one for one in page.told))
+                begun = page.pose[1]
+                await page.drive_until(1, lambda: abs(page.pose[1]["x"] - begun["x"]) > 0.05)
+            await page.say("record_run", step="hand_in")
+            await until(lambda: len(page.latest["class"]["handed_in"]) == 1)
 
 
 async def test_a_run_that_grows_too_long_ends_is_told_and_can_be_handed_in(

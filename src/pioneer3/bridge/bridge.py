@@ -7,7 +7,6 @@ from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager, suppress
 from math import inf
 from pathlib import Path
-from typing import TextIO
 
 from pioneer3.arcos.host_events import Timing
 from pioneer3.arcos.packet import encode
@@ -76,7 +75,6 @@ class Bridge:
         self._drained.set()
         self._sockets: set[SocketPort] = set()
         self._link: Link | None = None
-        self._file: TextIO | None = None
         self._recording: Recording | None = None
         self._failed = ""
 
@@ -209,8 +207,7 @@ class Bridge:
             ConfigError: the file cannot be written; one that exists is left alone.
         """
         self.stop_recording()
-        self._file = begun(path)
-        self._recording = Recording(self._file, self._clock)
+        self._recording = begun(path, self._clock)
         relay = self._relay
         if relay.robot.state is State.SERVING:
             for payload in filter(None, (b"\0", b"\1", relay.robot.identity, relay.robot.config)):
@@ -224,9 +221,9 @@ class Bridge:
 
     def stop_recording(self) -> None:
         """End the recording, if there is one."""
-        if self._file is not None:
-            self._file.close()
-        self._file = self._recording = None
+        if self._recording is not None:
+            self._recording.close()
+        self._recording = None
 
     # Connections, as of `ports.Server`
 

@@ -75,24 +75,25 @@ class Recording:
             self._file.write(line + "\n")
         except OSError as error:
             self.failure = error.strerror or str(error)
-            log.warning("%s: recording ended: %s", self._file.name, error.strerror)
+            log.warning(
+                "%s: the recording has ended, and nothing else: %s", self._file.name, self.failure
+            )
 
-    def flush(self) -> None:
-        """Hand all lines to the operating system."""
-        if not self.failure:
-            with suppress(OSError):
-                self._file.flush()
+    def close(self) -> None:
+        """End the recording; a full disk does not take a line that was cut."""
+        with suppress(OSError):
+            self._file.close()
 
 
 class TapLink:
     """A host's link that records all bytes; same contract as the link inside."""
 
-    def __init__(self, link: Link, file: TextIO, clock: Clock, began: float | None = None) -> None:
+    def __init__(self, link: Link, recording: Recording) -> None:
         self.url = link.url
         self.speeds = link.speeds
         self.round_trip = link.round_trip
         self._link = link
-        self._recording = Recording(file, clock, began)
+        self._recording = recording
         self._recording.put(f"# {link.url}")
 
     async def read(self) -> bytes:
@@ -112,9 +113,8 @@ class TapLink:
         await self._link.set_speed(baud)
 
     async def close(self) -> None:
-        """Close the link inside; the file stays open."""
+        """Close the link inside; the recording goes on."""
         await self._link.close()
-        self._recording.flush()
 
     def remark(self, words: str) -> None:
         """Write a comment with its time."""
@@ -124,16 +124,14 @@ class TapLink:
 class Recorder:
     """Records every link of an opener to one file, line by line."""
 
-    def __init__(self, opener: Opener, file: TextIO, clock: Clock) -> None:
+    def __init__(self, opener: Opener, recording: Recording) -> None:
         self._open = opener
-        self._file = file
-        self._clock = clock
-        self._began = clock()
+        self._recording = recording
         self._tap: TapLink | None = None
 
     async def open(self) -> Link:
         """Open the link, and record it."""
-        self._tap = TapLink(await self._open(), self._file, self._clock, self._began)
+        self._tap = TapLink(await self._open(), self._recording)
         return self._tap
 
     def remark(self, words: str) -> None:
@@ -142,8 +140,8 @@ class Recorder:
             self._tap.remark(words)
 
 
-def begun(path: Path) -> TextIO:
-    """Return a new file, open, with the heading of a recording.
+def begun(path: Path, clock: Clock) -> Recording:
+    """Return a recording to a new file, with its heading.
 
     Raises:
         ConfigError: the file cannot be written; one that exists is left alone.
@@ -154,7 +152,7 @@ def begun(path: Path) -> TextIO:
         file.write(f"# pioneer3 {__version__}, {when}\n")
     except OSError as error:
         raise ConfigError(f"{path}: cannot record there: {error.strerror}") from None
-    return file
+    return Recording(file, clock)
 
 
 @contextmanager
@@ -164,9 +162,11 @@ def recorded(opener: Opener, path: Path, clock: Clock) -> Iterator[Recorder]:
     Raises:
         ConfigError: the file cannot be written; one that exists is left alone.
     """
-    file = begun(path)
-    with file:
-        yield Recorder(opener, file, clock)
+    recording = begun(path, clock)
+    try:
+        yield Recorder(opener, recording)
+    finally:
+        recording.close()
 
 
 class Replay:

@@ -1,8 +1,8 @@
 """What is recorded can be played back, byte for byte and at the same pace."""
 
 import asyncio
-import io
 import re
+from collections import deque
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
@@ -16,11 +16,13 @@ from pioneer3.links.tap import (
     FROM_HOST,
     FROM_ROBOT,
     Chunk,
+    Recording,
     Replay,
     TapLink,
     read_recording,
     recorded,
 )
+from tests.support import disk_of
 
 
 async def test_a_recording_plays_back_what_the_robot_said_when_it_said_it(tmp_path: Path) -> None:
@@ -28,7 +30,7 @@ async def test_a_recording_plays_back_what_the_robot_said_when_it_said_it(tmp_pa
     path = tmp_path / "wire.txt"
     with path.open("w") as file:
         ours, theirs = null_modem(speeds=(9600,))
-        tap = TapLink(ours, file, clock)
+        tap = TapLink(ours, Recording(file, clock))
         assert (tap.url, tap.speeds) == (ours.url, (9600,))
         await tap.set_speed(38400)
         assert ours.speed == 38400
@@ -126,31 +128,30 @@ async def test_closing_a_replay_ends_a_read_that_waits(tmp_path: Path) -> None:
         assert await reading == b""
 
 
-class FullDisk(io.StringIO):
-    """Takes the heading, and nothing more."""
-
-    name = "wire.txt"
-
-    def write(self, text: str) -> int:
-        if text.startswith("#"):
-            return len(text)
-        raise OSError(28, "No space left on device")
-
-
 async def test_a_full_disk_ends_the_recording_and_not_the_drive(
-    caplog: pytest.LogCaptureFixture,
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
-    ours, theirs = null_modem()
-    tap = TapLink(ours, FullDisk(), asyncio.get_running_loop().time)
-    for _ in range(3):
-        await tap.write(b"stop")
-        assert await theirs.read() == b"stop"
-        await theirs.write(b"report")
-        assert await tap.read() == b"report"
-    await tap.close()
-    assert [record.message for record in caplog.records] == [
-        "wire.txt: recording ended: No space left on device"
-    ]
+    path = tmp_path / "wire.txt"
+    links = deque(null_modem() for _ in range(2))
+
+    async def open_() -> Link:
+        return links[0][0]
+
+    with disk_of(200), recorded(open_, path, asyncio.get_running_loop().time) as recorder:
+        while links:
+            link = await recorder.open()
+            _, theirs = links.popleft()
+            for _ in range(9):
+                await link.write(b"stop")
+                assert await theirs.read() == b"stop"
+                await theirs.write(b"report")
+                assert await link.read() == b"report"
+            recorder.remark("it goes on")
+            assert [record.message for record in caplog.records] == [
+                f"{path}: the recording has ended, and nothing else: File too large"
+            ]
+            await link.close()
+    assert path.stat().st_size == 200
 
 
 def test_comments_and_empty_lines_are_skipped(tmp_path: Path) -> None:
