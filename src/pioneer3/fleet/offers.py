@@ -41,7 +41,7 @@ def offers(found: Sequence[Found], fleet: Fleet | None) -> Iterator[str]:
             host = f"[{address}]" if ":" in address else address
             yield f'port = "tcp://{host}:{best.port}"'
         if best.model and find_model(best.model) is not None:
-            yield f'model = "{best.model}"'
+            yield f'model = "{best.model.strip()}"'
 
 
 def _name(here: Sequence[Found], address: str, taken: set[str]) -> str:

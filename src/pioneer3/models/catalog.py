@@ -1,5 +1,6 @@
 """Finds the model of a robot: shipped ones by name, others from a file."""
 
+import re
 from collections.abc import Mapping
 from dataclasses import replace
 from difflib import get_close_matches
@@ -40,6 +41,8 @@ _LASERS: Mapping[str, LaserMount] = MappingProxyType(
 )
 """All that these parameter files change in the model they are named after (facts.md 6.3)."""
 
+_SUBTYPE = re.compile("[a-z0-9_-]+")
+"""A robot or the network tells it, and it becomes part of fleet files: never a path."""
 _SPEED = 0.75
 _TURN_RATE = radians(100)
 _LARGEST_FILE = 1_000_000
@@ -58,6 +61,8 @@ def find_model(subtype: str) -> RobotModel | None:
     another laser.
     """
     wanted = subtype.strip().lower()
+    if not _SUBTYPE.fullmatch(wanted):
+        return None
     for name in model_names():
         if wanted == name or (name.endswith("-sh") and wanted.startswith(f"{name}-")):
             resource = files(__package__) / f"{name}.toml"

@@ -10,7 +10,7 @@ from pioneer3.maps import LineMap, shipped_maps
 from pioneer3.robot.identity import is_simulator
 from pioneer3.runtime.robot import Robot
 from pioneer3.sim.relief import Relief
-from pioneer3.sim.worldfile import WorldFile, load_world, shipped_worlds
+from pioneer3.sim.worldfile import WorldFile, file_in, load_world, shipped_worlds
 
 OF_SIMULATOR = "simulator"
 """In place of a map: the one that the simulator names."""
@@ -51,8 +51,7 @@ def known_map(name: str) -> tuple[LineMap, Relief]:
     stem = name.removesuffix(".map")
     if stem in {"empty", *shipped_maps(), *shipped_worlds()}:
         return _with_relief(load_world(stem))
-    plain = stem == Path(stem).name
-    path = next((p for e in ENDINGS if plain and (p := Path(stem + e)).is_file()), None)
+    path = next((p for e in ENDINGS if (p := file_in(Path(), stem + e))), None)
     if path is None:
         raise ConfigError(f"there is no map {stem[:40]!r} here")
     return _with_relief(load_world(path))

@@ -77,6 +77,12 @@ def test_what_is_offered_is_a_fleet_file_with_new_robots_alone() -> None:
 TEXTS = st.text(max_size=30)
 
 
+@pytest.mark.parametrize("told", ["p3at-sh-/../secret.toml", "p3at-sh-.p", 'p3at-sh-"'])
+def test_a_model_that_the_network_tells_is_a_name_and_no_path(told: str) -> None:
+    found = Found(kind=Kind.ROBOT, address="10.0.0.9", port=8101, name="a", detail="", model=told)
+    assert not any("model" in line for line in offers([found], None))
+
+
 @given(
     st.lists(
         st.builds(

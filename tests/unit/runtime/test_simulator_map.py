@@ -53,6 +53,7 @@ def test_maps_are_known_by_the_names_that_ship_and_by_files_of_this_folder_only(
     line_map, relief = known_map("ramps")
     assert "ramp_0" in relief.solids
     assert len(relief.heights_of(line_map)) == len(line_map.walls)
-    for name in ("../up", str(tmp_path / "up"), "up", ""):
-        with pytest.raises(ConfigError, match=r"there is no map"):
+    (tmp_path / "here" / "link.map").symlink_to(tmp_path / "up.map")
+    for name in ("../up", str(tmp_path / "up"), "up", "", "link", "a\0b", "é" * 130, "x" * 5000):
+        with pytest.raises(ConfigError, match="there is no map"):
             known_map(name)

@@ -237,3 +237,10 @@ async def test_a_world_keeps_its_heights_when_it_is_edited_and_saved(tmp_path: P
     assert len(again.walls) == 4 + 1 + 1 + 4 + 16
     heights = saved.relief(again).heights_of(again).tolist()
     assert heights == [2.0] * 5 + [0.6] + [0.3] * 4 + [0.0] * 16
+
+
+@pytest.mark.parametrize("name", ["", ".lab", "a/b", "a\\b", "..", "lab\n", "lab\0", 41 * "x"])
+def test_no_name_of_a_map_is_a_path(name: str) -> None:
+    for asked in (requests.SaveMap, requests.MakeMap):
+        with pytest.raises(msgspec.ValidationError):
+            msgspec.convert({"name": name, "step": "save"}, asked)

@@ -1,6 +1,6 @@
 """Worlds in TOML: a map with robots, boxes, walls, places and people."""
 
-from pioneer3.sim.worldfile.load import ClientMaps, load_map, load_world, shipped_worlds
+from pioneer3.sim.worldfile.load import ClientMaps, file_in, load_map, load_world, shipped_worlds
 from pioneer3.sim.worldfile.person import Person, outlines_at
 from pioneer3.sim.worldfile.spec import (
     Box,
@@ -27,6 +27,7 @@ __all__ = [
     "Start",
     "Wall",
     "WorldFile",
+    "file_in",
     "load_map",
     "load_world",
     "outlines_at",

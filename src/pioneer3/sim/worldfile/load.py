@@ -86,7 +86,7 @@ class ClientMaps:
             ConfigError: A client may have no such map, or it cannot be read.
         """
         for folder in self._folders:
-            path = _inside(folder, name)
+            path = file_in(folder, name)
             if path is not None:
                 return load_world(path)
         if name.removesuffix(".map") in shipped_maps():
@@ -94,8 +94,8 @@ class ClientMaps:
         raise ConfigError(f"map {name!r}: clients can have the shipped ones and those beside it")
 
 
-def _inside(folder: Path, name: str) -> Path | None:
-    """Return the ordinary file `name` if it lies right in `folder`."""
+def file_in(folder: Path, name: str) -> Path | None:
+    """Return the ordinary file `name`, whoever told the name, if it lies right in `folder`."""
     try:
         path = (folder / name).resolve()
         return path if path.parent == folder.resolve() and path.is_file() else None
