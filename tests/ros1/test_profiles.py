@@ -28,12 +28,18 @@ SENSORS = (
     "/sonar/points",
     "/sonar/range_0",
 )
+FILTER = ("rostopic", "pub", "-s", "-r", "20", "/tf", "tf2_msgs/TFMessage")
+MOVES = (
+    "{transforms: [{header: {stamp: now, frame_id: odom_combined}, child_frame_id: base_footprint,"
+    " transform: {translation: {x: 2.0}, rotation: {w: 1.0}}}]}"
+)
+"""The transform of robot_pose_ekf."""
 DRIVE = ("rostopic", "pub", "-r", "10", "/cmd_vel", "geometry_msgs/Twist")
 
 
 async def test_the_tree_leads_from_odometry_to_every_sensor(ros1: None) -> None:
     sonars = [f"sonar_{number}" for number in range(16)]
-    others = ("base_footprint", "bumpers", "laser", "imu_link", "rear_left_wheel")
+    others = ("base_footprint", "base_link", "bumpers", "laser", "imu_link", "rear_left_wheel")
     async with office("_profile:=standard", "_frame_prefix:=r1/"):
         frames = [f"r1/{name}" for name in (*sonars, *others)]
         tree = await script("look_up.py", "2.0", "r1/odom", *frames)
@@ -43,7 +49,27 @@ async def test_the_tree_leads_from_odometry_to_every_sensor(ros1: None) -> None:
         x, y, z, _, _, qz, qw = tree["at"][f"r1/sonar_{number}"]
         assert (x, y, z) == pytest.approx((mount.x, mount.y, shape_of(P3AT).sonar_height))
         assert cos(2 * atan2(qz, qw) - mount.theta) == pytest.approx(1.0)
-    assert tree["at"]["r1/base_footprint"] == pytest.approx([0, 0, 0, 0, 0, 0, 1])
+    assert tree["at"]["r1/base_link"] == pytest.approx([0, 0, 0, 0, 0, 0, 1])
+    assert tree["parents"]["r1/base_footprint"] == ["r1/odom"]
+    assert tree["parents"]["r1/base_link"] == ["r1/base_footprint"]
+
+
+@pytest.mark.parametrize("profile", ["compatibility", "standard"])
+async def test_a_filter_that_moves_the_footprint_moves_the_robot(ros1: None, profile: str) -> None:
+    async with office(f"_profile:={profile}", "_publish_tf:=false"):
+        robot_pose_ekf = asyncio.create_task(ended(*FILTER, MOVES, patience=6.0))
+        tree = await script("look_up.py", "4.0", "odom_combined", "base_link", "sonar_3")
+        await robot_pose_ekf
+    assert tree["roots"] == ["odom_combined"]
+    assert all(len(above) == 1 for above in tree["parents"].values())
+    assert tree["at"]["base_link"] == pytest.approx([2, 0, 0, 0, 0, 0, 1])
+
+
+async def test_the_tree_of_rosaria_has_no_footprint(ros1: None) -> None:
+    async with office():
+        tree = await script("look_up.py", "2.0", "odom", "base_link", "sonar_3")
+    assert tree["parents"]["base_link"] == ["odom"]
+    assert "base_footprint" not in tree["parents"]
 
 
 async def test_tf_echo_says_where_the_robot_and_its_sensors_are(ros1: None) -> None:

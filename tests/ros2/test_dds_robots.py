@@ -83,11 +83,11 @@ async def test_five_robots_on_one_domain_do_not_disturb_each_other() -> None:
             assert {other for other in ROBOTS if after[other] != before[other]} == {name}
 
         for name in OWN_TREES:
-            assert ("odom", "base_link") in frames(trees[name])
+            assert ("odom", "base_footprint") in frames(trees[name])
             assert not any("robot" in frame for pair in frames(trees[name]) for frame in pair)
         for name in ONE_TREE:
             assert trees[name] == []
-            assert (f"{name}/odom", f"{name}/base_link") in frames(shared)
+            assert (f"{name}/odom", f"{name}/base_footprint") in frames(shared)
         assert {frame.split("/")[0] for pair in frames(shared) for frame in pair} == set(ONE_TREE)
         assert all(len({m.fields["child_frame_id"] for m in odometry[n]}) == 1 for n in ROBOTS)
 

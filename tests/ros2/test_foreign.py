@@ -110,7 +110,7 @@ async def test_commands_drive_and_silence_stops(lab: ForeignLab) -> None:
     await until(lambda: lab.robot.tap.now.is_zero)
     await until(lambda: odometry[-1]["twist"]["twist"]["linear"]["x"] == 0)
     assert odometry[-1]["header"]["frame_id"] == "odom"
-    assert odometry[-1]["child_frame_id"] == "base_link"
+    assert odometry[-1]["child_frame_id"] == "base_footprint"
     stamps = [seconds(message["header"]["stamp"]) for message in odometry]
     assert stamps == sorted(set(stamps))
     assert began < stamps[-1] < time.time()

@@ -166,6 +166,16 @@ def test_a_robot_without_laser_has_no_scan() -> None:
 
 
 @every
+def test_odometry_moves_the_footprint_which_is_where_the_base_is(model: RobotModel) -> None:
+    robot = parsed(model)
+    (frame,) = robot.findall("frame[@name='base_footprint']")
+    assert frame.get("attached_to") == "base_link"
+    assert frame.find("pose") is None
+    assert robot.find("frame[@name='base_link']") is None
+    assert robot.findtext("plugin/child_frame_id") == "base_footprint"
+
+
+@every
 def test_rays_begin_outside_the_sensors(model: RobotModel) -> None:
     robot = parsed(model)
     places = body_tree(model, Frames()).fixed_in_base()

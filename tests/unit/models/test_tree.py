@@ -65,12 +65,13 @@ def test_a_description_is_one_tree_of_known_links(model: RobotModel) -> None:
     parents = {
         only(joint, "child").get("link"): only(joint, "parent").get("link") for joint in joints
     }
-    assert set(parents) == set(links) - {"base_link"}
+    assert set(parents) == set(links) - {"base_footprint"}
+    assert parents["base_link"] == "base_footprint"
     for link in links:
         above = link
         for _ in links:
             above = parents.get(above, above)
-        assert above == "base_link"
+        assert above == "base_footprint"
 
 
 @pytest.mark.parametrize("model", [*EVERY, UNKNOWN], ids=lambda model: model.name)
@@ -226,6 +227,14 @@ def test_a_base_may_be_the_footprint_and_what_is_in_its_own_coordinates() -> Non
     assert "bumpers" in children
 
 
+def test_without_a_footprint_the_base_is_the_root() -> None:
+    names = Frames(footprint="")
+    robot = urdf(P3AT, names)
+    assert robot.find("link[@name='base_footprint']") is None
+    assert robot.find("joint/child[@link='base_link']") is None
+    assert names.with_prefix("r1/").root == "r1/base_link"
+
+
 def test_transforms_lead_from_odometry_to_every_link_with_the_prefix() -> None:
     told = MessageOptions(prefix="r1/", wheels_tf=True)
     still, moving = Blank(), Blank()
@@ -237,7 +246,8 @@ def test_transforms_lead_from_odometry_to_every_link_with_the_prefix() -> None:
         for each in [*still.transforms, *moving.transforms]
     }
     assert len(tree) == len(still.transforms) + len(moving.transforms)
-    assert tree["r1/base_link"] == "r1/odom"
+    assert tree["r1/base_footprint"] == "r1/odom"
+    assert tree["r1/base_link"] == "r1/base_footprint"
     assert tree["r1/sonar_15"] == "r1/base_link"
     assert tree["r1/laser"] == "r1/top_plate"
     assert {each.header.stamp for each in moving.transforms} == {"now"}
@@ -251,7 +261,7 @@ def test_the_transform_of_the_robot_says_what_odometry_says() -> None:
     motion.odometry(pose, now)
     (transform,) = message.transforms
     assert transform.header == pose.header
-    assert transform.child_frame_id == pose.child_frame_id == "base_link"
+    assert transform.child_frame_id == pose.child_frame_id == "base_footprint"
     place, rotation = transform.transform.translation, transform.transform.rotation
     position, orientation = pose.pose.pose.position, pose.pose.pose.orientation
     assert (place.x, place.y, place.z) == (position.x, position.y, 0.0)

@@ -17,7 +17,7 @@ def test_odometry_is_a_pose_in_odom_and_a_twist_of_the_robot() -> None:
     snapshot = seen(Pose2(1.5, -0.25, pi / 2), Twist2(0.3, -0.1), left=0.3, right=0.3)
     motion.odometry(message, update(snapshot))
     assert (message.header.stamp, message.header.frame_id) == ("now", "odom")
-    assert message.child_frame_id == "base_link"
+    assert message.child_frame_id == "base_footprint"
     assert (message.pose.pose.position.x, message.pose.pose.position.y) == (1.5, -0.25)
     turned = message.pose.pose.orientation
     assert (turned.z, turned.w) == pytest.approx((0.5**0.5, 0.5**0.5))
@@ -28,7 +28,7 @@ def test_the_robot_is_in_tf_where_odometry_has_it() -> None:
     tf, now = Blank(), update(seen(Pose2(1.5, -0.25, 2.0)))
     motion.moving_transforms(tf, now)
     (transform,) = tf.transforms
-    assert (transform.header.frame_id, transform.child_frame_id) == ("odom", "base_link")
+    assert (transform.header.frame_id, transform.child_frame_id) == ("odom", "base_footprint")
     at, turned = transform.transform.translation, transform.transform.rotation
     assert (at.x, at.y, at.z) == (1.5, -0.25, 0.0)
     assert (turned.x, turned.y) == (0.0, 0.0)

@@ -174,7 +174,7 @@ async def test_map_odom_and_robot_are_one_chain_that_ends_where_the_robot_is() -
         await asyncio.sleep(6.0)
         moving = the.heard("/tf")[-1].transforms
         by_child = {each.child_frame_id: each for each in moving}
-        odom, base = by_child["odom"], by_child["base_link"]
+        odom, base = by_child["odom"], by_child["base_footprint"]
         assert (odom.header.frame_id, base.header.frame_id) == ("map", "odom")
         found = pose_of(odom.transform) @ pose_of(base.transform)
         assert hypot(found.x - the.here.x, found.y - the.here.y) < 0.08
@@ -214,7 +214,7 @@ async def test_robots_with_a_prefix_share_the_frame_of_the_map() -> None:
         the.goal("b", 0.5, 0.0, "robot1/base_link")
         assert (await the.ended())[1] is GoalState.SUCCEEDED
         edges = {(t.header.frame_id, t.child_frame_id) for t in the.heard("/tf")[-1].transforms}
-        assert {("map", "robot1/odom"), ("robot1/odom", "robot1/base_link")} <= edges
+        assert {("map", "robot1/odom"), ("robot1/odom", "robot1/base_footprint")} <= edges
 
 
 @pytest.mark.parametrize("profile", ["compatibility", "both"])
@@ -232,7 +232,7 @@ async def test_others_may_publish_the_transforms() -> None:
         await asyncio.sleep(1.0)
         children = {each.child_frame_id for each in the.heard("/tf")[-1].transforms}
         assert "odom" not in children
-        assert "base_link" in children
+        assert "base_footprint" in children
 
 
 @pytest.mark.parametrize(("frame", "x", "y"), [("base_link", 0.8, 0.0), ("odom", 0.8, 0.0)])

@@ -29,8 +29,34 @@ def test_without_any_it_is_as_rosaria() -> None:
     assert NodeParameters().timeout == 0.6
     frames = NodeParameters().options.frames
     assert frames == Frames(
-        odom="odom", base="base_link", bumpers="bumpers", sonar="sonar", laser="laser_frame"
+        odom="odom",
+        base="base_link",
+        footprint="",
+        bumpers="bumpers",
+        sonar="sonar",
+        laser="laser_frame",
     )
+
+
+@pytest.mark.parametrize(
+    ("profile", "raw", "footprint"),
+    [
+        ("compatibility", {}, ""),  # /tf is RosAria's
+        ("compatibility", {"publish_tf": False}, "base_footprint"),  # a filter's is not
+        ("compatibility", {"footprint_frame_id": "floor"}, "floor"),
+        ("standard", {}, "base_footprint"),
+        ("standard", {"publish_tf": False}, "base_footprint"),
+        ("both", {}, "base_footprint"),
+        ("standard", {"publish_description": False}, ""),  # nobody says where base_link is in it
+        ("standard", {"footprint_frame_id": ""}, ""),
+    ],
+)
+def test_the_footprint_is_between_odometry_and_robot_where_it_is_told(
+    profile: str, raw: dict[str, object], footprint: str
+) -> None:
+    frames = read_parameters({"profile": profile, **raw}).options.frames
+    assert frames.footprint == footprint
+    assert frames.root == (footprint or "base_link")
 
 
 @pytest.mark.parametrize(

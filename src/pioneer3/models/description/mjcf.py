@@ -107,7 +107,7 @@ def _base(
     _inertial(base, physics.base_mass, physics.base_inertia(), center)
     for link, place in tree.fixed_in_base().items():
         _geoms(base, link, solids.get(link, ()), place)
-        if link not in (tree.base, frames.footprint):
+        if link not in (tree.base, tree.root):
             ET.SubElement(
                 base, "site", name=link, pos=row(*place[:3]), quat=_turn(0.0, 0.0, place.yaw),
                 size="0.005", group=VISUAL,

@@ -53,6 +53,9 @@ def sdf_of(model: RobotModel, *, bumpers: tuple[int, int] | None = None, laser: 
     robot = ET.SubElement(root, "model", name=model.name, canonical_link=tree.base)
     robot.append(ET.Comment(f" {MAKER} "))
     for joint in tree.fixed:
+        if joint.child == tree.base:  # links carry frames, so the link's own parent sits on it
+            ET.SubElement(robot, "frame", name=joint.parent, attached_to=joint.child)
+            continue
         frame = ET.SubElement(robot, "frame", name=joint.child, attached_to=joint.parent)
         _pose(frame, (joint.x, joint.y, joint.z), joint.rpy)
     base = _link(robot, tree.base, inertials[tree.base])
@@ -215,7 +218,7 @@ def _drive(robot: ET.Element, model: RobotModel, tree: Tree, shape: Shape) -> No
         ("odom_topic", gazebo.ODOMETRY.topic),
         ("tf_topic", gazebo.TRANSFORMS.topic),
         ("frame_id", Frames().odom),
-        ("child_frame_id", tree.base),
+        ("child_frame_id", tree.root),
         ("min_linear_velocity", -model.max_speed),
         ("max_linear_velocity", model.max_speed),
         ("min_linear_acceleration", -model.deceleration),

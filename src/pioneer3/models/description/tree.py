@@ -31,7 +31,8 @@ class Frames:
     Attributes:
         odom: Fixed where the robot began.
         base: The robot: on the floor, in the centre of its rotation.
-        footprint: The same under its other name (REP 120).
+        footprint: The same under its other name, between `odom` and `base` (REP 120); empty for
+            none.
         bumpers: Of the bumpers; the robot's own pose.
         sonar: Of all sonars together; the robot's own pose: their points are in robot coordinates.
         sonar_prefix: Before the number of a transducer, which looks along its frame's x axis.
@@ -59,6 +60,11 @@ class Frames:
         return f"{self.laser}{number + 1}" if number else self.laser
 
     @property
+    def root(self) -> str:
+        """The frame that moves in `odom`."""
+        return self.footprint or self.base
+
+    @property
     def camera_optical(self) -> str:
         """The frame of pictures: z forward, x to the right, y down (REP 103)."""
         return f"{self.camera.removesuffix('_link')}_optical_frame"
@@ -70,8 +76,8 @@ class Frames:
 
     def with_prefix(self, prefix: str) -> "Frames":
         """Return the names of one of many robots, such as `robot1/base_link`."""
-        names = {each.name: prefix + getattr(self, each.name) for each in fields(self)}
-        return replace(self, **names)
+        names = {each.name: getattr(self, each.name) for each in fields(self)}
+        return replace(self, **{key: prefix + name for key, name in names.items() if name})
 
 
 class Quaternion(NamedTuple):
@@ -143,15 +149,17 @@ class Joint:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Tree:
-    """The frames of one robot below its base.
+    """The frames of one robot.
 
     Attributes:
-        base: Name of the root.
+        root: Name of the frame that all others are below.
+        base: Name of the body's frame, in the same place.
         fixed: Joints that never move.
         wheels: Joints that motors turn: left before right, front before rear.
         caster: Joints of a caster that moves: its swivel, and its wheel on that.
     """
 
+    root: str
     base: str
     fixed: tuple[Joint, ...]
     wheels: tuple[Joint, ...]
@@ -172,7 +180,7 @@ class Tree:
 
         Fixed links turn about the z axis only; optical frames, which do not, are left out.
         """
-        places = {self.base: Place(0.0, 0.0, 0.0, 0.0)}
+        places = {self.root: Place(0.0, 0.0, 0.0, 0.0)}
         for joint in (joint for joint in self.fixed if not joint.optical):
             x, y, z, yaw = places[joint.parent]
             c, s = cos(yaw), sin(yaw)
@@ -213,8 +221,9 @@ def tree_of(
     fixed = tuple(_fixed(model, frames, sonar_height, lasers))
     if camera:
         fixed += tuple(_camera(model, frames))
-    tree = Tree(base=frames.base, fixed=fixed, wheels=tuple(_wheels(model, frames, wheel_names)))
-    names = sorted([frames.base, frames.odom, *(joint.child for joint in tree.joints)])
+    wheels = tuple(_wheels(model, frames, wheel_names))
+    tree = Tree(root=frames.root, base=frames.base, fixed=fixed, wheels=wheels)
+    names = sorted([frames.root, frames.odom, *(joint.child for joint in tree.joints)])
     twice = [one for one, other in pairwise(names) if one == other]
     if twice:
         raise ConfigError(f"two frames are both called {twice[0]!r}: give one of them another name")
@@ -280,7 +289,9 @@ def _fixed(
     model: RobotModel, frames: Frames, sonar_height: float | None, lasers: Sequence[Pose2]
 ) -> Iterator[Joint]:
     shape = shape_of(model)
-    for name in (frames.footprint, frames.bumper_link, frames.sonar):
+    if frames.root != frames.base:
+        yield _joint(frames.root, frames.base)
+    for name in (frames.bumper_link, frames.sonar):
         if name != frames.base:
             yield _joint(frames.base, name)
     yield _joint(frames.base, frames.imu, (0.0, 0.0, (shape.clearance + shape.height) / 2))

@@ -39,7 +39,7 @@ def describe(
         bumpers = model.front_bumpers, model.rear_bumpers
     solids = solids_of(model, tree, frames, bumpers=bumpers, laser=laser)
     inertials = inertials_of(model, tree)
-    for name in (tree.base, *(joint.child for joint in tree.joints)):
+    for name in (tree.root, *(joint.child for joint in tree.joints)):
         link = _link(robot, name, solids.get(name, ()))
         if name in inertials:
             _inertial(link, inertials[name])

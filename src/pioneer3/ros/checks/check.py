@@ -188,7 +188,7 @@ def _frames(expected: Expectation, samples: Sequence[Sample], tree: Tree) -> Ite
     if expected.frame is None:
         usual = []
     else:  # a robot's own name of its base counts as well
-        every = (tree.frames, replace(tree.frames, base=tree.base or tree.frames.base))
+        every = (tree.frames, replace(tree.frames, base=tree.body or tree.frames.base))
         usual = [expected.frame(frames) for frames in every]
     for used in dict.fromkeys(each.frame for each in samples if each.frame is not None):
         yield from frame_faults(tree, used, usual, reachable=expected.row != "odom")

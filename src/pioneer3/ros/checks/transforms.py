@@ -57,6 +57,13 @@ class Tree:
         frames = self.frames
         return tuple(dict.fromkeys(filter(None, (self.base, frames.base, frames.footprint))))
 
+    @property
+    def body(self) -> str:
+        """The frame that odometry names, or the one below it if that is the footprint."""
+        below = [child for child, parents in self.edges.items() if self.base in parents]
+        is_footprint = self.base == self.frames.footprint and len(below) == 1
+        return below[0] if is_footprint else self.base
+
     def connected(self) -> Set[str]:
         """Return the frames with a way to the robot's; empty where nothing came."""
         neighbours: dict[str, set[str]] = {}

@@ -25,7 +25,7 @@ STRAIGHT: Final = 1e-6
 def odometry(message: Any, update: StateUpdate) -> None:
     """Fill a nav_msgs/Odometry: pose in the odom frame, twist in the robot's own."""
     fill_header(message, update.stamp, update.frames.odom)
-    message.child_frame_id = update.frames.base
+    message.child_frame_id = update.frames.root
     state = update.snapshot.odometry
     pose, twist = message.pose, message.twist
     fill_pose(pose.pose.position, pose.pose.orientation, state.robot_in_odom)
@@ -59,7 +59,7 @@ def moving_transforms(message: Any, update: StateUpdate) -> None:
     placed = []
     if options.odometry_tf:
         pose = update.snapshot.odometry.robot_in_odom
-        placed.append(_moving(update.stamp, frames.odom, frames.base, pose))
+        placed.append(_moving(update.stamp, frames.odom, frames.root, pose))
     if update.odom_in_map is not None:
         stamp, pose = update.odom_in_map
         placed.append(_moving(stamp, options.map_frame, frames.odom, pose))

@@ -286,7 +286,7 @@ class NodeNavigation:
         frames, map_frame = self._frames, self._options.map_frame
         if frame == map_frame:
             return Pose2()
-        if frame not in (frames.odom, frames.base, frames.footprint):
+        if frame not in (frames.odom, frames.base, frames.root):
             raise CommandError(
                 f"the goal is in the frame {frame}: give it in {map_frame}, {frames.odom} or"
                 f" {frames.base}"

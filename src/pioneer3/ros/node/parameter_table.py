@@ -169,6 +169,13 @@ PARAMETERS: Final = (
         note="of the robot; `base_link_frame` in `compatibility`",
     ),
     Parameter(
+        name="footprint_frame_id",
+        kind=STRING,
+        otherwise="`base_footprint`; none without `publish_description`, and none in"
+        " `compatibility` with `publish_tf`, so that `/tf` is RosAria's",
+        note="of the robot, too: `odom` to this one to `base_frame_id`; empty for none",
+    ),
+    Parameter(
         name="bumpers_frame",
         kind=STRING,
         otherwise="`bumpers`; the robot's frame in `standard` and ROS 2",
@@ -197,8 +204,9 @@ PARAMETERS: Final = (
         name="publish_tf",
         kind=BOOL,
         default=True,
-        note="`odom` to `base_link` on `/tf`; false where a filter such as robot_localization"
-        " publishes it",
+        note="`odom` to `base_footprint`, else to `base_link`, on `/tf`; false where a filter"
+        " publishes it: robot_pose_ekf as it is, robot_localization with `base_link_frame:"
+        " base_footprint`",
     ),
     Parameter(
         name="publish_description",

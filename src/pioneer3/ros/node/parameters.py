@@ -110,7 +110,7 @@ class NodeParameters:
     camera: str | None = None
     camera_view: float | None = None
     options: MessageOptions = field(
-        default_factory=lambda: MessageOptions(frames=Frames(laser="laser_frame"))
+        default_factory=lambda: MessageOptions(frames=Frames(footprint="", laser="laser_frame"))
     )
 
 
@@ -224,6 +224,7 @@ def _frames(raw: RawParameters, profile: Profile) -> Frames:
     return Frames(
         odom=frame(raw, odom, default.odom),
         base=base,
+        footprint=_footprint(raw, profile),
         bumpers=frame(
             raw,
             "bumpers_frame",
@@ -233,6 +234,20 @@ def _frames(raw: RawParameters, profile: Profile) -> Frames:
         sonar_prefix=frame(raw, "sonar_frame_prefix", default.sonar_prefix),
         laser=frame(raw, "laser_frame_id", laser),
     )
+
+
+def _footprint(raw: RawParameters, profile: Profile) -> str:
+    """Return the frame between those of odometry and the robot; empty for none.
+
+    RosAria's `/tf` has none, and nobody else but `/tf_static` tells where the robot's frame is in
+    it.
+    """
+    name = "footprint_frame_id"
+    if name in raw:
+        return frame(raw, name, "") if raw[name] else ""
+    of_rosaria = profile is Profile.COMPATIBILITY and flag(raw, "publish_tf", default=True)
+    described = flag(raw, "publish_description", default=True)
+    return "" if of_rosaria or not described else Frames().footprint
 
 
 def _profile(raw: RawParameters) -> Profile:

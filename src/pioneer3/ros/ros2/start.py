@@ -123,6 +123,7 @@ async def serve(node: NodeOptions, options: Options, tell: Callable[[str], None]
         middleware.settings = {
             "cmd_vel_timeout": 0.0 if isinf(parameters.timeout) else parameters.timeout,
             "enable_stamped_cmd_vel": bool(parameters.stamped),
+            "footprint_frame_id": frames.footprint,
             "bumpers_frame": frames.bumpers,
             "laser_frame_id": frames.laser,
             **arguments.raw,

@@ -46,9 +46,19 @@ async def test_our_node_is_all_right_without_services() -> None:
     assert [each for each in report.rows if each.faults] == []
 
 
-async def test_names_of_frames_that_are_not_usual_are_told_once() -> None:
-    words = ("-p", "base_frame_id:=base", "-p", "odom_frame_id:=start")
-    report = await checked(*words, node=NodeName("pioneer3"))
-    told = [fault.reason for each in report.rows for fault in each.faults]
-    assert told == ["frame_id is start", "child_frame_id is base"]
+@pytest.mark.parametrize(
+    ("footprint", "told"),
+    [
+        ("base_footprint", []),
+        ("", ["child_frame_id is base"]),
+    ],
+)
+async def test_names_of_frames_that_are_not_usual_are_told_once(
+    footprint: str, told: list[str]
+) -> None:
+    words = ("base_frame_id:=base", "odom_frame_id:=start", f"footprint_frame_id:='{footprint}'")
+    arguments = [word for each in words for word in ("-p", each)]
+    report = await checked(*arguments, node=NodeName("pioneer3"))
+    found = [fault.reason for each in report.rows for fault in each.faults]
+    assert found == ["frame_id is start", *told]
     assert report.count(Level.FAIL) == 0

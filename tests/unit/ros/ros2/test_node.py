@@ -144,10 +144,10 @@ async def test_the_state_comes_ten_times_a_second() -> None:
         for heard in (odometry, trees, bumpers, stopped):
             assert 19 <= len(heard) <= 21
         assert odometry[0].header.frame_id == "odom"
-        assert odometry[0].child_frame_id == "base_link"
+        assert odometry[0].child_frame_id == "base_footprint"
         assert odometry[0].pose.covariance[35] > 0
         children = {each.child_frame_id for each in trees[0].transforms}
-        assert {"base_link", "front_left_wheel"} <= children | {"front_left_wheel"}
+        assert {"base_footprint", "front_left_wheel"} <= children | {"front_left_wheel"}
         assert ranges
         assert not any(isnan(each.range) for each in ranges)
         assert [each.size for each in bumpers[0].layout.dim] == [2, len(bumpers[0].data) // 2]
