@@ -99,6 +99,13 @@ async def test_on_leaving_nothing_stays_on_the_parameter_server(lab: Lab) -> Non
     assert "/RosAria/" not in await ros("rosparam", "list")
 
 
+async def test_a_parameter_of_a_laser_leaves_no_empty_folder(ros1: None) -> None:
+    async with laboratory("_laser/angle_min:=-1.0") as lab:
+        assert (await ros("rosparam", "get", "/RosAria/laser")).strip() == "angle_min: -1.0"
+        await lab.node.end(signal.SIGINT)
+        assert "RosAria" not in await ros("rosparam", "get", "/")
+
+
 async def listed(name: str, tool: str) -> None:
     """Wait until one of ROS's tools lists `name`."""
     async with asyncio.timeout(PATIENCE):

@@ -121,9 +121,18 @@ def _introduce(info: RobotInfo) -> None:
 
 def _forget(arguments: Sequence[str]) -> None:
     """Delete the parameters that were for this run only: they would hold for the next one."""
-    import rospy
-
     private = [each[1:] for each in arguments if each.startswith("_") and each[1:2] != "_"]
     for name in (*(each.partition(":=")[0] for each in private), MODEL, SIMULATED):
-        with suppress(OSError, KeyError, rospy.ROSException):
-            rospy.delete_param(f"~{name}")
+        _delete(f"~{name}")
+
+
+def _delete(name: str) -> None:
+    """Delete a parameter, and the folders of parameters that are empty without it."""
+    import rospy
+
+    with suppress(OSError, KeyError, rospy.ROSException):
+        full = rospy.resolve_name(name)
+        rospy.delete_param(full)
+        folder = full.rpartition("/")[0]
+        if folder and rospy.get_param(folder, None) == {}:
+            _delete(folder)
