@@ -7,8 +7,10 @@ from pathlib import Path
 
 import pytest
 
+from pioneer3.cli.ros1 import ros1 as ros1_command
+from pioneer3.geometry import Twist2
 from pioneer3.ros.ros1.master import LOOK, SURVEY_EVERY
-from tests.e2e.processes import PATIENCE, free_port
+from tests.e2e.processes import PATIENCE, free_port, until
 from tests.ros1.conftest import Lab, laboratory, simulated
 from tests.ros1.master import ended, environment_of, ros, roscore, script
 
@@ -58,6 +60,33 @@ async def test_nothing_is_published_of_a_robot_that_has_gone(ros1: None) -> None
         async with simulated(port):
             await lab.warns("connected again")
             assert "---" in await ros(*POSE)
+
+
+async def test_a_remapping_works_as_the_help_prints_it(ros1: None) -> None:
+    rule = "~cmd_vel:=/teleop/cmd_vel"
+    assert f"'{rule}'" in str(ros1_command.__doc__)
+    async with laboratory(rule) as lab:
+        drive = ("rostopic", "pub", "-r", "10", "/teleop/cmd_vel", "geometry_msgs/Twist")
+        publishing = asyncio.create_task(ended(*drive, "{linear: {x: 0.2}}", patience=3.0))
+        await until(lambda: lab.tap.now == Twist2(0.2))
+        await publishing
+
+
+async def test_a_remapping_of_no_name_is_told_with_the_right_one(ros1: None) -> None:
+    async with laboratory("cmd_vel:=/teleop/cmd_vel") as lab:
+        await lab.warns("there is no /cmd_vel here; did you mean '~cmd_vel:=/teleop/cmd_vel'?")
+
+
+async def test_in_a_namespace_a_name_is_remapped_once(ros1: None) -> None:
+    rules = [
+        *("cmd_vel:=/cmd_vel", "/cmd_vel:=/twice"),
+        *("odom:=/odom", "/odom:=/twice_odom"),
+        *("e_stop_trigger:=/halt", "/halt:=/twice_halt"),
+    ]
+    async with laboratory("__ns:=/r1", "_profile:=standard", *rules):
+        said = await ros("rosnode", "info", "/r1/RosAria")
+        assert {"/cmd_vel", "/odom", "/halt"} <= set(said.split())
+        assert "/twice" not in said
 
 
 async def test_a_new_master_is_registered_with(home: Path, monkeypatch: pytest.MonkeyPatch) -> None:

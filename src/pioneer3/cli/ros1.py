@@ -66,7 +66,8 @@ def ros1(
     Example: pioneer3 ros1 --map office --start Lab
 
     Args:
-        arguments: ROS's own: _port:=/dev/ttyS0, __name:=front, cmd_vel:=/teleop/cmd_vel.
+        arguments: ROS's own: _port:=/dev/ttyS0, __name:=front, '~cmd_vel:=/teleop/cmd_vel';
+            with _profile:=standard cmd_vel:=/teleop/cmd_vel.
         which: The robot.
         baud: Serial speed to try first.
         lasers: Of the robot; or by ROS parameters such as _laser/serial_port:=/dev/ttyACM0.

@@ -82,7 +82,11 @@ class Commands:
                 self._age = middleware.age
                 row = STAMPED_COMMANDS if topic.stamped else COMMANDS
                 middleware.subscribe(
-                    name, row.type_name, partial(self.receive, topic), queue=QUEUE, left=self.left
+                    topic.name,
+                    row.type_name,
+                    partial(self.receive, topic),
+                    queue=QUEUE,
+                    left=self.left,
                 )
 
     def begin(self) -> None:

@@ -42,6 +42,7 @@ async def serve_laser(
         spec = parameters.applied_to(await find(parameters.ports))[0]
         tell(f"laser at {spec.url}")
         driver = LaserDriver(spec.config(), mounting=lambda: spec.mounting_on(None))
-        node = LaserNode(driver, parameters.frame or FRAME, RospyMiddleware())
-        await node.run(lambda: announce(tell))
+        middleware = RospyMiddleware()
+        node = LaserNode(driver, parameters.frame or FRAME, middleware)
+        await node.run(lambda: announce(middleware, tell))
     return 0

@@ -130,21 +130,50 @@ class Publisher:
 class RospyTopics:
     """Publishing and subscribing; :func:`find_rospy` comes first."""
 
+    def __init__(self) -> None:
+        self._asked: set[str] = set()
+
     def make(self, type_name: str) -> Any:
         """Return an empty message."""
         return message_class(type_name)()
 
     def resolve(self, name: str) -> str:
-        """Return the full name of a topic after remapping."""
+        """Return the full name of a topic, service or parameter after remapping."""
+        full = _full(name)
+        self._asked.add(full)
+        final = {_full(source): _full(target) for source, target in _rules().items()}
+        return final.get(full, full)
+
+    def tell_unused_rules(self) -> None:
+        """Warn of each remapping of a name that this node does not have, in a thread."""
         import rospy
 
-        return str(rospy.resolve_name(name))
+        own = f"{rospy.get_name()}/"
+        for source, target in _rules().items():
+            full, last = _full(source), source.rpartition("/")[2].lstrip("~")
+            if full in self._asked or _is_known(_full(target)):
+                continue
+            meant = sorted(each for each in self._asked if each.rpartition("/")[2] == last)
+            name = meant[0].replace(own, "~") if meant else ""
+            hint = f"; did you mean '{name}:={target}'?" if name else ""
+            rospy.logwarn(f"{source}:={target} changes nothing: there is no {full} here{hint}")
+
+    def _once(self, name: str) -> str:
+        """Return a name after remapping that rospy does not remap again.
+
+        It looks the full name up in its rules twice, so one rule would follow another.
+        """
+        import rospy
+
+        final = self.resolve(name)
+        rospy.names.get_resolved_mappings().pop(final, None)
+        return final
 
     def advertise(
         self, name: str, type_name: str, *, latched: bool = False, queue: int = QUEUE
     ) -> Publisher:
         """Return a publisher."""
-        return Publisher(name, type_name, latched=latched, queue=queue)
+        return Publisher(self._once(name), type_name, latched=latched, queue=queue)
 
     def subscribe(
         self,
@@ -167,13 +196,44 @@ class RospyTopics:
             senders[id(header)] = sender
             receive(message, sender)
 
+        full = self._once(name)
         subscriber = rospy.Subscriber(
-            name, message_class(type_name), received, queue_size=queue, tcp_nodelay=True
+            full, message_class(type_name), received, queue_size=queue, tcp_nodelay=True
         )
         if left is not None:
             watch = partial(_watch, subscriber, senders, left)
-            Thread(target=watch, name=f"publishers of {name}", daemon=True).start()
+            Thread(target=watch, name=f"publishers of {full}", daemon=True).start()
         return subscriber
+
+
+def _rules() -> dict[str, str]:
+    """Return the rules of remapping, as somebody has written them."""
+    import rospy
+
+    rules: dict[str, str] = rospy.names.get_mappings()
+    return {source: target for source, target in rules.items() if not source.startswith("__")}
+
+
+def _full(name: str) -> str:
+    """Return the full name of what this node calls `name`, before remapping."""
+    import rosgraph
+    import rospy
+
+    return str(rosgraph.names.resolve_name(name, rospy.get_name()))
+
+
+def _is_known(name: str) -> bool:
+    """Return whether rospy, or dynamic_reconfigure in it, has a topic, service or parameter."""
+    import rospy
+    from rospy.impl.registration import get_service_manager, get_topic_manager
+
+    topics, services = get_topic_manager(), get_service_manager()
+    several = topics.get_publications(), topics.get_subscriptions(), services.get_services()
+    if any(name == each for rows in several for each, _ in rows):
+        return True
+    with suppress(OSError, rospy.ROSException):  # the master may be gone
+        return bool(rospy.has_param(name))
+    return True
 
 
 def _watch(subscriber: Any, senders: dict[int, Sender], left: Callable[[Sender], None]) -> None:
@@ -196,6 +256,7 @@ class RospyMiddleware(RospyTopics):
     serves = True
 
     def __init__(self) -> None:
+        super().__init__()
         self._described: str | None = None
         self._reconfigure: Reconfigure | None = None
 
@@ -231,17 +292,16 @@ class RospyMiddleware(RospyTopics):
                 setattr(response, field, getattr(result, field))
             return response
 
-        rospy.Service(name, getattr(srv, kind), handled)
+        rospy.Service(self._once(name), getattr(srv, kind), handled)
 
     def describe(self, urdf: str) -> None:
         """Set `robot_description`, unless it has a description that is not of this package."""
         import rospy
 
+        name = self.resolve(DESCRIPTION)
         there = rospy.get_param(DESCRIPTION, "")
         if there and MAKER not in str(there):
-            rospy.logwarn(
-                f"{rospy.resolve_name(DESCRIPTION)} is somebody else's: it stays as it is"
-            )
+            rospy.logwarn(f"{name} is somebody else's: it stays as it is")
             return
         if there != urdf:
             rospy.set_param(DESCRIPTION, urdf)

@@ -5,6 +5,7 @@ import gc
 import os
 from collections.abc import AsyncIterator, Callable, Sequence
 from contextlib import asynccontextmanager, suppress
+from threading import Thread
 from typing import Final
 from urllib.parse import urlsplit
 
@@ -63,12 +64,13 @@ async def on_ros(
         rospy.signal_shutdown("the program ends")
 
 
-def announce(tell: Callable[[str], None]) -> None:
-    """Tell the names of the node and its master."""
+def announce(middleware: RospyMiddleware, tell: Callable[[str], None]) -> None:
+    """Tell the names of the node and its master, and warn of remappings that change nothing."""
     import rosgraph
     import rospy
 
     tell(f"node {rospy.get_name()} on {rosgraph.get_master_uri()}")
+    Thread(target=middleware.tell_unused_rules, name="unused remappings", daemon=True).start()
 
 
 async def serve(options: Options, tell: Callable[[str], None]) -> int:
@@ -88,9 +90,10 @@ async def serve(options: Options, tell: Callable[[str], None]) -> int:
         gc.freeze()  # else all that was imported is searched for garbage again and again
         async with connected_robot(options, parameters, tell) as robot:
             await asyncio.to_thread(_introduce, robot.info)
-            node = RobotNode(robot, parameters, RospyMiddleware(), raw)
+            middleware = RospyMiddleware()
+            node = RobotNode(robot, parameters, middleware, raw)
             watch.on_registered = node.describe_robot
-            await node.run(lambda: announce(tell))
+            await node.run(lambda: announce(middleware, tell))
     return 0
 
 
