@@ -10,7 +10,7 @@ import pytest
 from pioneer3.cli.ros1 import ros1 as ros1_command
 from pioneer3.geometry import Twist2
 from pioneer3.ros.ros1.master import LOOK, SURVEY_EVERY
-from tests.e2e.processes import PATIENCE, free_port, until
+from tests.e2e.processes import PATIENCE, free_port, running, until
 from tests.ros1.conftest import Lab, laboratory, simulated
 from tests.ros1.master import ended, environment_of, ros, roscore, script
 
@@ -60,6 +60,29 @@ async def test_nothing_is_published_of_a_robot_that_has_gone(ros1: None) -> None
         async with simulated(port):
             await lab.warns("connected again")
             assert "---" in await ros(*POSE)
+
+
+async def test_an_address_of_another_computer_is_told_at_the_start(
+    ros1: None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("ROS_IP", "192.0.2.77")
+    async with simulated() as (_, url), running("ros1", "--port", url) as node:
+        said = await node.line()
+        assert said.startswith("WARN ROS_IP=192.0.2.77: this computer does not have that address")
+        assert "export ROS_IP=" in said
+        await node.line()
+        await node.line()
+        await node.end(signal.SIGINT)
+
+
+async def test_an_address_of_no_master_ends_the_start(
+    ros1: None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("ROS_MASTER_URI", "localhost:11311")
+    async with running("ros1") as node:
+        code, said = await node.end()
+    assert code != 0
+    assert "export ROS_MASTER_URI=http://localhost:11311" in said
 
 
 async def test_a_remapping_works_as_the_help_prints_it(ros1: None) -> None:

@@ -73,8 +73,9 @@ def doctor(
 ) -> int:
     """Check everything from the plug to the wheels; say what is wrong and what to do.
 
-    Nothing moves, and the motors stay off. The exit code is 0 unless a check
-    failed; then 3 (no robot can be reached), 4 (no permission) or 1.
+    Nothing moves, and the motors stay off. Variables of ROS 1 are checked, too, if
+    they are set. The exit code is 0 unless a check failed; then 3 (no robot can be
+    reached), 4 (no permission) or 1.
 
     Example: pioneer3 doctor --port /dev/ttyUSB0
 
@@ -88,17 +89,20 @@ def doctor(
 
 
 async def _doctor(which: RobotOptions, baud: int | None, seconds: float, *, json: bool) -> int:
+    import asyncio
+
     from pioneer3.cli.process import busy_sign, write_json
     from pioneer3.doctor.diagnose import (
         diagnose,
         exit_code,
         gather,
     )
+    from pioneer3.ros.ros1.environment import check_environment
 
     port = which.url
     with busy_sign(f"Asking {port}, and listening for {seconds:g} s ..."):
         facts = await gather(port, baud=baud, model=which.given_model, seconds=seconds)
-        findings = diagnose(facts)
+        findings = (*diagnose(facts), *await asyncio.to_thread(lambda: [*check_environment()]))
     code = exit_code(findings)
     if json:
         write_json({"port": port, "exit_code": code, "findings": findings}, indent=2)

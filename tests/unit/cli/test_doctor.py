@@ -27,6 +27,16 @@ def test_json_is_all_there_is_on_stdout(capsys: pytest.CaptureFixture[str]) -> N
     assert [finding["level"] for finding in report["findings"]] == ["fail"]
 
 
+def test_a_wrong_variable_of_ros_is_told_with_the_right_value(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("ROS_MASTER_URI", "robot:11311")
+    assert doctor(which=RobotOptions(port="/dev/no-such-port")) == 3
+    out = capsys.readouterr().out
+    assert "warn  ROS 1" in out
+    assert "export ROS_MASTER_URI=http://robot:11311" in out
+
+
 @pytest.mark.parametrize(
     ("levels", "words"),
     [

@@ -82,7 +82,7 @@ async def test_scans_are_asked_for_while_somebody_subscribes() -> None:
 
 async def test_commands_drive_and_the_end_of_the_node_stops() -> None:
     async with a_node(cmd_vel_timeout=0) as the:
-        the.middleware.drive("/RosAria/cmd_vel", 0.3)
+        the.middleware.drive("~cmd_vel", 0.3)
         await asyncio.sleep(2.0)
         assert the.sim.body.speeds[0] == pytest.approx(0.3, abs=0.01)
         the.middleware.shut_down()

@@ -26,6 +26,7 @@ from pioneer3.ros.client.graph import RobotTopics, robots_on
 from pioneer3.ros.client.joining import FIRST, joined
 from pioneer3.ros.client.robot import TopicRobot
 from pioneer3.ros.node.parameters import MODEL, SIMULATED
+from pioneer3.ros.ros1.environment import checked_master, environment_warnings
 from pioneer3.ros.ros1.middleware import RospyTopics, find_rospy
 from pioneer3.ros.ros1.rosout import log_in_background
 from pioneer3.ros.ros1.start import stay_on_this_computer
@@ -51,13 +52,13 @@ def find_robots() -> list[RobotTopics]:
     """Return the robots on the master whose nodes are alive.
 
     Raises:
-        ConfigError: ROS 1 is not installed.
+        ConfigError: ROS 1 is not installed, or ROS_MASTER_URI is no address.
         NoRobotError: there is no master.
     """
     find_rospy()
     import rosgraph
 
-    uri = rosgraph.get_master_uri()
+    uri = checked_master(rosgraph.get_master_uri())
     master = rosgraph.Master("/pioneer3")
     try:
         publishers, subscribers, _ = master.getSystemState()
@@ -140,7 +141,7 @@ def _robot_of(node: str) -> RobotTopics:
     find_rospy()
     import rosgraph
 
-    uri = rosgraph.get_master_uri()
+    uri = checked_master(rosgraph.get_master_uri())
     if not _is_alive(uri, MASTER_PATIENCE):  # rospy would wait for minutes
         raise NoRobotError(f"there is no ROS master at {uri}: start roscore, or set ROS_MASTER_URI")
     for robot in find_robots():
@@ -158,6 +159,7 @@ async def _program(name: str, arguments: Sequence[str]) -> AsyncIterator[asyncio
     odd = [argument for argument in arguments if ":=" not in argument]
     if odd:
         raise ConfigError(f"{odd[0]!r} is none of ROS's arguments, such as __name:=mine")
+    wrong = await asyncio.to_thread(environment_warnings)
     stay_on_this_computer(rosgraph.get_master_uri())
     loop, ended, left = asyncio.get_running_loop(), asyncio.Event(), threading.Event()
 
@@ -169,6 +171,8 @@ async def _program(name: str, arguments: Sequence[str]) -> AsyncIterator[asyncio
     argv = ["pioneer3", *arguments]
     await asyncio.to_thread(rospy.init_node, name, argv=argv, disable_signals=True)
     log_in_background()
+    for sentence in wrong:
+        rospy.logwarn(sentence)
     rospy.on_shutdown(end)
     try:
         yield ended

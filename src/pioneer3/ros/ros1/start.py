@@ -16,6 +16,7 @@ from pioneer3.ros.node.names import NODE, lab_node
 from pioneer3.ros.node.node import RobotNode
 from pioneer3.ros.node.parameters import MODEL, SIMULATED
 from pioneer3.ros.node.start import Options, checked_parameters, connected_robot
+from pioneer3.ros.ros1.environment import checked_master, environment_warnings
 from pioneer3.ros.ros1.master import MasterWatch, wait_for_master
 from pioneer3.ros.ros1.middleware import RospyMiddleware, find_move_base, find_rospy
 from pioneer3.ros.ros1.rosout import log_in_background
@@ -36,7 +37,8 @@ async def on_ros(
         tell: Takes a line for a person.
 
     Raises:
-        ConfigError: an argument is none of ROS's, or ROS is not installed.
+        ConfigError: an argument is none of ROS's, ROS is not installed, or ROS_MASTER_URI is no
+            address.
     """
     odd = [argument for argument in arguments if ":=" not in argument]
     if odd:
@@ -48,7 +50,9 @@ async def on_ros(
     import rosgraph
     import rospy
 
-    master = rosgraph.get_master_uri()
+    master = checked_master(rosgraph.get_master_uri())
+    for sentence in await asyncio.to_thread(environment_warnings):
+        tell(f"WARN {sentence}")
     stay_on_this_computer(master)
     await wait_for_master(master, tell)
     await asyncio.to_thread(

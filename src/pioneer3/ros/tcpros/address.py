@@ -52,12 +52,16 @@ def addresses(master: str | None, environment: Mapping[str, str] = os.environ) -
         return Addresses(master=uri, host=own, bind=own)
     if parts.hostname in LOOPBACK:
         return Addresses(master=uri, host=LOCAL, bind=LOCAL)
-    own = _address_towards(parts.hostname)
+    own = address_towards(parts.hostname)
     return Addresses(master=uri, host=own, bind=own)
 
 
-def _address_towards(host: str) -> str:
-    """Return the address of this computer that `host` sees; nothing is sent."""
+def address_towards(host: str) -> str:
+    """Return the address of this computer that `host` sees; nothing is sent.
+
+    Raises:
+        ConfigError: no way leads there.
+    """
     try:
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
             probe.connect((host, PORT))

@@ -1,0 +1,164 @@
+"""Checks the variables that tell programs of ROS 1 where the master and this computer are."""
+
+import os
+import socket
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from ipaddress import ip_address
+from typing import Final
+from urllib.parse import urlsplit
+
+from pioneer3.doctor.facts import Finding, Level
+from pioneer3.errors import ConfigError
+from pioneer3.ros.tcpros.address import LOCAL, LOOPBACK, PORT, address_towards
+
+MASTER: Final = "ROS_MASTER_URI"
+ADDRESS: Final = "ROS_IP"
+NAME: Final = "ROS_HOSTNAME"
+ELSEWHERE: Final = "192.0.2.1"
+"""An address that nobody has (RFC 5737): the way there leads out of this computer."""
+
+
+def resolve(host: str) -> tuple[str, ...]:
+    """Return the addresses of a name; none if it has none."""
+    try:
+        found = socket.getaddrinfo(host, None, type=socket.SOCK_STREAM)
+    except (OSError, UnicodeError):
+        return ()
+    return tuple(dict.fromkeys(str(each[4][0]) for each in found))
+
+
+def is_own(address: str) -> bool:
+    """Return whether this computer has an address."""
+    family = socket.AF_INET6 if ip_address(address).version == 6 else socket.AF_INET
+    try:
+        with socket.socket(family, socket.SOCK_DGRAM) as probe:
+            probe.bind((address, 0))
+    except OSError:
+        return False
+    return True
+
+
+def own_address(master: str) -> str:
+    """Return the address of this computer that the master's computer sees; nothing is sent."""
+    for host in (ELSEWHERE if master in LOOPBACK else master, ELSEWHERE):
+        try:
+            return address_towards(host)
+        except ConfigError:
+            continue
+    return LOCAL
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Network:
+    """The questions to this computer and its network, which may take seconds.
+
+    Attributes:
+        resolve: Returns the addresses of a name.
+        is_own: Returns whether this computer has an address.
+        own_address: Returns the address that a master's computer sees.
+    """
+
+    resolve: Callable[[str], tuple[str, ...]] = resolve
+    is_own: Callable[[str], bool] = is_own
+    own_address: Callable[[str], str] = own_address
+
+
+THIS: Final = Network()
+
+
+def check_environment(
+    environment: Mapping[str, str] = os.environ, network: Network = THIS
+) -> Iterator[Finding]:
+    """Yield a finding for each variable of ROS 1 that is wrong; ROS_HOSTNAME hides ROS_IP."""
+    uri = environment.get(MASTER, "")
+    yield from _check_master(uri)
+    master = _host_of(uri) or LOCAL
+    if environment.get(NAME):
+        yield from _check_name(environment[NAME], master, network)
+    elif environment.get(ADDRESS):
+        yield from _check_address(environment[ADDRESS], master, network)
+
+
+def environment_warnings() -> list[str]:
+    """Return a sentence for each variable of this program that is wrong, in a thread."""
+    return [f"{each.found}: {each.meaning}; {each.advice}" for each in check_environment()]
+
+
+def checked_master(uri: str) -> str:
+    """Return the address of a master.
+
+    Raises:
+        ConfigError: no program could find it by that.
+    """
+    for finding in _check_master(uri):
+        raise ConfigError(f"{finding.found}: {finding.meaning}; {finding.advice}")
+    return uri
+
+
+def _check_master(uri: str) -> Iterator[Finding]:
+    if uri and _host_of(uri) is None:
+        host = uri.rpartition("//")[2].strip("/").partition("/")[0]
+        name, _, port = host.partition(":")
+        right = f"http://{name or 'localhost'}:{port if port.isdigit() else PORT}"
+        yield _finding(
+            f"{MASTER}={uri}",
+            "the address of a master begins with http:// and ends with its port",
+            f"export {MASTER}={right}",
+        )
+
+
+def _check_name(name: str, master: str, network: Network) -> Iterator[Finding]:
+    own = network.own_address(master)
+    advice = f"unset {NAME}; export {ADDRESS}={own}"
+    found = network.resolve(name)
+    if not found:
+        yield _finding(
+            f"{NAME}={name}", "nobody finds this computer by that name: it has no address", advice
+        )
+    elif not any(map(network.is_own, found)):
+        yield _finding(
+            f"{NAME}={name}", f"that name is {found[0]}, no address of this computer", advice
+        )
+
+
+def _check_address(address: str, master: str, network: Network) -> Iterator[Finding]:
+    advice = f"export {ADDRESS}={network.own_address(master)}"
+    if not _is_numeric(address):
+        yield _finding(
+            f"{ADDRESS}={address}", f"that is no address in numbers; names are for {NAME}", advice
+        )
+    elif not network.is_own(address):
+        yield _finding(
+            f"{ADDRESS}={address}",
+            "this computer does not have that address, so no program reaches its nodes",
+            advice,
+        )
+    elif ip_address(address).is_loopback and master not in LOOPBACK:
+        yield _finding(
+            f"{ADDRESS}={address}",
+            f"only this computer reaches that address, and the master is at {master}",
+            advice,
+        )
+
+
+def _finding(found: str, meaning: str, advice: str) -> Finding:
+    return Finding(check="ROS 1", level=Level.WARN, found=found, meaning=meaning, advice=advice)
+
+
+def _host_of(uri: str) -> str | None:
+    """Return the host of a master's address; `None` if that is none."""
+    try:
+        parts = urlsplit(uri)
+        is_whole = parts.scheme == "http" and bool(parts.port)
+    except ValueError:
+        return None
+    return parts.hostname if is_whole else None
+
+
+def _is_numeric(address: str) -> bool:
+    try:
+        ip_address(address)
+    except ValueError:
+        return False
+    return True
