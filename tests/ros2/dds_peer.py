@@ -162,9 +162,9 @@ class Peer:
             message.data = [number % 101 for number in range(fill)]
         self.entities[key].write(message)
 
-    def send_raw(self, *, key: str, cdr: str) -> None:
-        """Send bytes as they are, four or more."""
-        clayer.ddspy_write(self.entities[key]._ref, bytes.fromhex(cdr))
+    def send_raw(self, *, key: str, cdr: str, zeros: int = 0) -> None:
+        """Send bytes as they are, four or more, and zeros after them."""
+        clayer.ddspy_write(self.entities[key]._ref, bytes.fromhex(cdr) + bytes(zeros))
 
     def close(self, *, key: str) -> None:
         """Close a reader or a writer."""

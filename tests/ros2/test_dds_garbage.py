@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from functools import partial
 from itertools import product
 from math import inf, nan
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -24,6 +25,8 @@ LOG = "rcl_interfaces/msg/Log"
 LITTLE = b"\0\1\0\0"
 VELOCITY = struct.pack("<6d", 0.3, 0, 0, 0, 0, 0)
 ENCAPSULATIONS = (b"\0\3\0\0", b"\0\7\0\0", b"\0\x0b\0\0", b"\1\0\0\0", b"\xff\xff\xff\xff")
+HUGE_SIZE = 60_000_000
+"""Length of a message [B]."""
 HUGE = struct.pack("<I", 0xFFFF_FFFF)
 ROUNDS = 200
 
@@ -85,6 +88,35 @@ async def test_bytes_that_are_no_velocity_never_drive_and_are_told_once() -> Non
         await heard_and_obeyed(program, robot)
         assert all(abs(twist.v) < 0.21 and twist.w == 0 for _, twist in robot.tap.velocities)
         assert len(refused()) == 1
+
+
+def highest_memory(robot: Robot) -> int:
+    """Return the most memory that the node has had [B]."""
+    status = Path(f"/proc/{robot.node.process.pid}/status").read_text()
+    return int(status.partition("VmHWM:")[2].split()[0]) * 1024
+
+
+async def test_large_messages_take_no_memory_and_are_told_and_counted() -> None:
+    async with (
+        network_of(BackendName.DDS) as network,
+        program_on(network) as program,
+        robot_on(network) as robot,
+    ):
+        logs = await program.reader("rt/rosout", LOG, latched=True, depth=100)
+        await program.writer(CMD_VEL, TWIST, depth=1)
+        before = highest_memory(robot)
+        refused = partial(warnings_in, logs, "1000004 bytes, of 76 at most")
+        await program.send_until(refused, cdr=LITTLE.hex(), zeros=1_000_000)
+        for _ in range(8):
+            program.do("send_raw", key=CMD_VEL, cdr=LITTLE.hex(), zeros=HUGE_SIZE)
+        program.do("send_raw", key=CMD_VEL, cdr=LITTLE.hex(), zeros=1_000_000)
+        await heard_and_obeyed(program, robot)
+        await program.close(CMD_VEL)
+        await until(partial(warnings_in, logs, "messages were refused"))
+        assert len(refused()) == 1
+        assert highest_memory(robot) - before < HUGE_SIZE
+        _, errors = await robot.node.end(signal.SIGINT)
+        assert "dropping oversize" in errors
 
 
 async def test_bytes_that_are_no_graph_hide_nobody() -> None:

@@ -9,6 +9,7 @@ from math import inf
 from time import monotonic
 from typing import Any, Final
 
+from pioneer3.ros.dds.settings import LARGEST
 from pioneer3.ros.ros2.backend import Closable, Left, Received
 
 SAMPLES: Final = 64
@@ -23,7 +24,7 @@ log = logging.getLogger(__name__)
 
 
 class DdsWriter:
-    """A publisher; a message that finds its history full is dropped, and counted.
+    """A publisher; a message that finds its history full, or is too long, is dropped and counted.
 
     Args:
         writer: Of the library.
@@ -36,7 +37,7 @@ class DdsWriter:
 
         self._writer, self._sample, self._release = writer, sample, release
         self._error: type[Exception] = DDSException
-        self._open = True
+        self._open, self._told = True, False
         self._matched_until = -inf
         self.dropped = 0
 
@@ -59,6 +60,14 @@ class DdsWriter:
             self._writer.write(self._sample(cdr))
         except self._error:  # a timeout of 0: somebody is slow
             self.dropped += 1
+            if len(cdr) > LARGEST and not self._told:
+                self._told = True
+                log.warning(
+                    "a message of %d bytes is not sent: DDS takes %d at most, unless CYCLONEDDS_URI"
+                    " has another MaxSampleSize, on both sides",
+                    len(cdr),
+                    LARGEST,
+                )
 
     def close(self) -> None:
         """Publish no more."""

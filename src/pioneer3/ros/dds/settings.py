@@ -20,9 +20,13 @@ COMPATIBILITY: Final = (
 )
 """Fast DDS 3, in Kilted and Lyrical, describes types in a way that Cyclone DDS refuses: without
 this every type with an array would silently get no samples."""
-KEYS: Final = "<Internal><GenerateKeyhash>true</GenerateKeyhash></Internal>"
+KEYS: Final = "<GenerateKeyhash>true</GenerateKeyhash>"
 """Fast DDS reads from the hash of the key alone which publisher, subscriber or participant is gone:
 without it those that leave would stay in its graph, participants for 10 s more."""
+LARGEST: Final = 16 * 2**20
+"""Longest message that is sent or taken, such as a map of 4096 x 4096 cells [B]: Cyclone DDS drops
+longer ones at their first fragment, with a line of log, and would otherwise keep several of any
+length in memory."""
 LOOPBACK: Final = "127.0.0.1"
 INTERFACE: Final = "NetworkInterface"
 SETTINGS: Final = "CYCLONEDDS_URI"
@@ -89,7 +93,9 @@ class DdsOptions:
             f"<Domain><General>{general}</General><Discovery>"
             f"<ParticipantIndex>auto</ParticipantIndex>"
             f"<MaxAutoParticipantIndex>{INDEXES}</MaxAutoParticipantIndex>"
-            f"<Peers>{peers}</Peers>{ANNOUNCED}</Discovery>{KEYS}{COMPATIBILITY}</Domain>"
+            f"<Peers>{peers}</Peers>{ANNOUNCED}</Discovery>"
+            f"<Internal>{KEYS}<MaxSampleSize>{LARGEST} B</MaxSampleSize></Internal>"
+            f"{COMPATIBILITY}</Domain>"
         )
         return ",".join(filter(None, (own, os.environ.get(SETTINGS, ""))))
 

@@ -151,7 +151,7 @@ class Ros2Topics:
         queue: int,
         left: Callable[[Sender], None] | None = None,
     ) -> TopicSubscription:
-        """Call `receive` in a thread of the backend; other bytes are told of once."""
+        """Call `receive` in a thread of the backend; other bytes are told of once, and counted."""
         full = checked_topic(self.resolve(name))
         return self._subscribe(full, type_name, receive, self._qos_to_read(full, queue), left)
 
@@ -165,24 +165,27 @@ class Ros2Topics:
     ) -> TopicSubscription:
         type_ = self._types.message_type(type_name)
         qos = overridden(qos, full, Kind.SUBSCRIBER, self._arguments.parameters)
-        told = set[bytes]()
+        refused: dict[bytes, int] = {}
 
         def received(cdr: bytes, gid: bytes) -> None:
             sender = self._senders.of(full, gid)
             try:
                 message = self._types.decode(cdr, type_.name)
             except ValueError as error:
-                if gid not in told and len(told) < REMEMBERED:
-                    told.add(gid)
+                if gid not in refused and len(refused) < REMEMBERED:
+                    refused[gid] = 0
                     self.warn(
                         f"{sender.node} sends bytes on {full} that are no {type_.name}: {error}"
                     )
+                if gid in refused:
+                    refused[gid] += 1
                 return
             receive(message, sender)
 
         def gone(gid: bytes) -> None:
             sender = self._senders.lose(full, gid)
-            told.discard(gid)
+            if (number := refused.pop(gid, 0)) > 1 and sender is not None:
+                self.warn(f"{sender.node} has left {full}: {number} messages were refused")
             if left is not None and sender is not None:
                 left(sender)
 

@@ -9,10 +9,12 @@ from collections.abc import Callable, Mapping
 from functools import cache
 from hashlib import sha256
 from importlib.resources import files
+from math import inf
 from typing import Any, Final
 
 from pioneer3.errors import ConfigError
 from pioneer3.ros.ros2.backend import MessageType, ServiceType
+from pioneer3.ros.ros2.cdr import LARGEST as LARGEST_NUMBER
 from pioneer3.ros.ros2.cdr import encoder
 from pioneer3.ros.ros2.distros import Distro
 from pioneer3.ros.typestore import ARRAY, BASE, NAME, MessageStore, full_name
@@ -39,6 +41,8 @@ ARRAY_OFFSET, BOUNDED_OFFSET, UNBOUNDED_OFFSET, NESTED = 48, 96, 144, 1
 EVENT_INFO: Final = "service_msgs/msg/ServiceEventInfo"
 HEADER: Final = 4
 """Bytes before a serialized message that tell how it is serialized."""
+LONGEST_TEXT: Final = 2**20
+"""Longest text in a message without sequences that is taken [B]."""
 NO_FIELD: Final = "structure_needs_at_least_one_member"
 
 
@@ -68,6 +72,7 @@ class MessageTypes(MessageStore):
                 part_name = f"{name}_{part.title()}"
                 (fields,) = get_types_from_msg(text, part_name).values()
                 self._store.register({part_name: fields})
+        self._largest: dict[str, float] = {}
         self._encoders: dict[str, Callable[[Any], bytes]] = {}
 
     def message_type(self, name: str) -> MessageType:
@@ -111,12 +116,17 @@ class MessageTypes(MessageStore):
         """Return the message of a type such as `nav_msgs/msg/Odometry` in `cdr`.
 
         Raises:
-            ValueError: `cdr` is none of this type.
+            ValueError: `cdr` is none of this type, or longer than one of it can be.
         """
         from rosbags.serde import SerdeError
 
+        full = full_name(name)
+        if full not in self._largest:
+            self._largest[full] = HEADER + largest(full, self._store.fielddefs)
+        if len(cdr) > self._largest[full]:
+            raise ValueError(f"{len(cdr)} bytes, of {self._largest[full]:.0f} at most")
         try:
-            return self._store.deserialize_cdr(cdr, full_name(name))
+            return self._store.deserialize_cdr(cdr, full)
         except (SerdeError, AssertionError, IndexError) as error:
             raise ValueError(str(error)) from error
 
@@ -131,6 +141,21 @@ class MessageTypes(MessageStore):
 
     def _hash(self, name: str) -> str:
         return type_hash(name, self._store.fielddefs) if self.distro.type_hashes else ""
+
+
+def largest(name: str, fields: Mapping[str, Any]) -> float:
+    """Return the most bytes that a message may have; `inf` if it has sequences without a bound."""
+
+    def size(kind: int, what: Any) -> float:
+        if kind == NAME:
+            return largest(what, fields)
+        if kind == BASE:
+            base, limit = what
+            return LARGEST_NUMBER + (limit or LONGEST_TEXT if base == "string" else 0)
+        item, length = what
+        return LARGEST_NUMBER + (length or inf) * size(*item)
+
+    return sum((size(*desc) for _, desc in fields[name][1]), LARGEST_NUMBER)
 
 
 def type_hash(name: str, fields: Mapping[str, Any]) -> str:

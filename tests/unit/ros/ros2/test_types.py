@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from rosbags.typesys import Stores, get_typestore
 
 from pioneer3.ros.ros2.distros import distro_of, distros
-from pioneer3.ros.ros2.types import MessageTypes
+from pioneer3.ros.ros2.types import HEADER, LONGEST_TEXT, MessageTypes, largest
 from pioneer3.ros.typestore import full_name
 from tests.combinations import examples
 from tests.unit.ros.ros2.messages import for_rosbags, leaves, put, type_names, values
@@ -47,11 +47,26 @@ def test_messages_are_the_bytes_of_rosbags(
     types, store, full = types_of(distro), store_of(distro), full_name(type_name)
     content = data.draw(values(full, store.fielddefs))
     expected = bytes(store.serialize_cdr(for_rosbags(content, store), full, little_endian=True))
+    assert len(expected) <= HEADER + largest(full, store.fielddefs)
     ours = types.encode(put(content, types.make))
     assert ours == expected
     decoded = types.decode(expected, full)
     assert list(leaves(decoded)) == list(leaves(store.deserialize_cdr(expected, full)))
     assert types.encode(decoded) == expected
+
+
+@pytest.mark.parametrize(
+    ("name", "most"),
+    [
+        ("geometry_msgs/msg/Twist", 2 * 6 * 8),
+        ("geometry_msgs/msg/TwistStamped", 2 * LONGEST_TEXT),
+        ("rmw_dds_common/msg/Gid", 2 * 16 * 8),
+    ],
+)
+def test_messages_that_are_longer_than_their_type_can_be_are_refused(name: str, most: int) -> None:
+    types = types_of("jazzy")
+    with pytest.raises(ValueError, match=f"{most + HEADER} bytes, of .* at most"):
+        types.decode(bytes((0, 1, 0, 0)) + bytes(most), name)
 
 
 @each_distro
