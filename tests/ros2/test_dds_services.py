@@ -67,6 +67,7 @@ async def test_requests_that_are_none_are_left_out() -> None:
         await until(lambda: 77 in numbers(replies, CLIENT))
         _, errors = await robot.node.end(signal.SIGINT)
         assert "Traceback" not in errors
+        assert errors.count("requests of /sonar/enable cannot be read") == 1
 
 
 @pytest.mark.parametrize("distro", ["humble", "jazzy"])

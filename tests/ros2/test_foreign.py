@@ -2,6 +2,7 @@
 
 import asyncio
 import signal
+import struct
 import time
 from collections.abc import AsyncIterator
 from pathlib import Path
@@ -22,6 +23,7 @@ from pioneer3.ros.ros2.types import MessageTypes
 from pioneer3.ros.typestore import full_name
 from tests.e2e.processes import until
 from tests.ros2.conftest import robot_on
+from tests.ros2.dds_network import CMD_VEL, TWIST, Program, program_on
 from tests.ros2.foreign import foreign
 from tests.ros2.networks import network_of
 from tests.ros2.rclpy_network import ForeignLab, foreign_lab, rclpy_peer
@@ -310,6 +312,35 @@ async def test_a_start_and_goals_by_pose_and_by_name_are_taken(
                 await until(lambda: lab.robot.tap.now.v > 0.1)
         for service in NAVIGATION_SERVICES:
             await use(service, lab)
+
+
+def with_no_text_as_name(program: Program) -> str:
+    """Return a message of the graph: the program is a node whose name is no UTF-8 [hex]."""
+    guid, writer = bytes.fromhex(program.guid), bytes.fromhex(program.guids[CMD_VEL])
+    one, none = struct.pack("<I", 1), struct.pack("<I", 0)
+    names = struct.pack("<I", 2) + b"/\0\0\0" + struct.pack("<I", 3) + b"\xff\xfe\0\0"
+    return (b"\0\1\0\0" + guid + one + names + none + one + writer).hex()
+
+
+@pytest.mark.parametrize("distro", ["jazzy"])
+async def test_a_name_that_is_no_text_hides_nobody_from_the_robot_and_is_told_once(
+    distro: str,
+) -> None:
+    """The program is on DDS, for no program with rclpy has such a name."""
+    info = "rmw_dds_common/msg/ParticipantEntitiesInfo"
+    async with foreign_lab(BackendName.RCLPY, distro) as lab, program_on(lab.network) as program:
+        await program.writer("ros_discovery_info", info, latched=True, depth=1)
+        await program.writer(CMD_VEL, TWIST)
+        cdr = with_no_text_as_name(program)
+        program.do("send_raw", key="ros_discovery_info", cdr=cdr)
+        slow = {"linear": {"x": 0.2}}
+        await program.send_until(lambda: lab.robot.tap.now.v > 0.1, fields=slow)
+        await program.close(CMD_VEL)
+        await until(lambda: lab.robot.tap.now.is_zero)
+        _, errors = await lab.robot.node.end(signal.SIGINT)
+    assert errors.count("cannot be read") == 1
+    assert "names of other nodes or topics could not be read" in errors  # there were more
+    assert "Traceback" not in errors
 
 
 @pytest.mark.thorough

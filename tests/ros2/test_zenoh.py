@@ -217,6 +217,36 @@ def test_a_service_that_nobody_offers_or_answers_times_out(
         client.call("/switch", SWITCH, b"", 0.5)
 
 
+def test_requests_that_are_none_are_told_once_and_counted(
+    router: str, nodes: Nodes, caplog: pytest.LogCaptureFixture
+) -> None:
+    server, raw = nodes("server", router), raw_session(router)
+    types = MessageTypes(distro_of("jazzy"))
+
+    def respond(request: bytes) -> bytes:
+        types.decode(request, f"{SWITCH.name}_Request")
+        return b"done"
+
+    end = server.serve("/switch", SWITCH, respond)
+    key = f"{DOMAIN}/switch/std_srvs::srv::dds_::SetBool_/{SETBOOL}"
+
+    def response_to(request: bytes) -> "zenoh.Reply | None":
+        return next(iter(raw.get(key, payload=request, timeout=20)), None)
+
+    wait_for(lambda: response_to(b"\0\1\0\0\1"), "a response")
+    for garbage in (b"", b"\0\1\0\0", b"\xff" * 100, b"\0\1\0\0" + b"x" * 9000):
+        reply = response_to(garbage)
+        assert reply is not None
+        assert reply.err is not None
+        assert b"cannot be read" in reply.err.payload.to_bytes()
+    end.close()
+    raw.close()
+    assert "Traceback" not in caplog.text
+    first, last = (record.getMessage() for record in caplog.records)
+    assert first.startswith(f"requests of {key} cannot be read: ")
+    assert last == f"4 requests of {key} could not be read"
+
+
 def test_tokens_are_those_of_ros(router: str, nodes: Nodes) -> None:
     node = nodes("pioneer3", router)
     node.advertise("/test/odom", TEXT, Qos())

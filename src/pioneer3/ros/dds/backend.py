@@ -31,6 +31,7 @@ from pioneer3.ros.ros2.backend import (
     ServiceType,
 )
 from pioneer3.ros.ros2.types import MessageTypes
+from pioneer3.ros.ros2.unread import Unread
 
 LOOK: Final = 0.01
 """Pause between two looks whether a service is there [s]."""
@@ -85,7 +86,7 @@ class DdsBackend:
         self._readers: list[DdsReader] = []
         self._infos: DdsWriter | None = None
         self._unread: set[bytes] = set()
-        self._unclear = 0
+        self._unclear = Unread("descriptions of endpoints")
         self._failed: Failed | None = None
         self._has_failed = False
         self._lock = threading.RLock()
@@ -168,6 +169,7 @@ class DdsBackend:
         with self._lock:
             self._readers.clear()
             self._entities.close()
+        self._unclear.close()
         DOMAINS.leave(self._options)
 
     def _advertise(
@@ -286,9 +288,7 @@ class DdsBackend:
             except DDSException:
                 raise
             except Exception as error:  # the library has no class for, say, names without UTF-8
-                self._unclear += 1
-                if self._unclear <= WARNINGS:
-                    log.warning("an endpoint is left out, for it cannot be read: %s", error)
+                self._unclear.add(error)
                 continue
             if not taken:
                 return

@@ -16,6 +16,7 @@ from threading import BoundedSemaphore
 from typing import Any, Final
 
 from pioneer3.ros.ros2.backend import Respond
+from pioneer3.ros.ros2.unread import Unread
 
 ENCAPSULATION: Final = 4
 """Length of the header of CDR."""
@@ -63,13 +64,15 @@ class Server:
         self._name, self._respond, self._refusal, self._write = name, respond, refusal, write
         self._worker = ThreadPoolExecutor(1, f"dds-service{name}")
         self._room = BoundedSemaphore(WAITING)
-        self._full = self._unclear = False
+        self._full = False
+        self._unread = Unread(f"requests of {name}")
 
     def take(self, cdr: bytes, _: bytes) -> None:
         """Take a request, without a wait; one without a header is left out."""
         try:
             request, client, sequence = without_id(cdr)
-        except ValueError:
+        except ValueError as error:
+            self._unread.add(error)
             return
         if self._room.acquire(blocking=False):
             self._full = False
@@ -84,15 +87,14 @@ class Server:
     def close(self) -> None:
         """Respond to no more requests."""
         self._worker.shutdown(wait=False, cancel_futures=True)
+        self._unread.close()
 
     def _answer(self, request: bytes, client: int, sequence: int) -> None:
         response = self._refusal
         try:
             response = self._respond(request)
         except ValueError as error:  # bytes that are no request
-            if not self._unclear:
-                self._unclear = True
-                log.warning("a request of %s could not be read: %s", self._name, error)
+            self._unread.add(error)
         except Exception:
             log.exception("a request of %s could not be answered", self._name)
         finally:

@@ -18,7 +18,7 @@ from typing import Any, Final
 from pioneer3.errors import ConfigError
 from pioneer3.ros.rclpy.definitions import Definitions
 from pioneer3.ros.rclpy.endpoints import Closing, RclpyReader, RclpyWriter
-from pioneer3.ros.rclpy.graph import graph_of, identities
+from pioneer3.ros.rclpy.graph import graph_of, publishers
 from pioneer3.ros.ros2.backend import (
     Failed,
     Graph,
@@ -31,6 +31,7 @@ from pioneer3.ros.ros2.backend import (
     ServiceType,
 )
 from pioneer3.ros.ros2.types import MessageTypes
+from pioneer3.ros.ros2.unread import Unread
 
 RANGE: Final = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 """The variable of ROS 2, since Iron, that says who finds a node."""
@@ -81,6 +82,7 @@ class RclpyBackend:
         from pioneer3.ros.rclpy.taking import Taking
 
         self._types, self._definitions = types, Definitions(types)
+        self._unread = Unread("names of other nodes or topics")
         self._context = Context()
         os.environ.setdefault(RANGE, HERE)
         self._context.init(args=[], domain_id=domain)  # unlike rclpy.init: no signal handlers
@@ -135,7 +137,7 @@ class RclpyBackend:
         reader = RclpyReader(
             received,
             left,
-            lambda: identities(self._node.get_publishers_info_by_topic(name)),
+            lambda: publishers(self._node, name, self._unread),
             lambda: self._destroy(reader, self._unsubscribe, subscription),
         )
         with self._lock:
@@ -156,11 +158,15 @@ class RclpyBackend:
         from rclpy.serialization import deserialize_message, serialize_message
 
         kind = self._definitions.service(type_)
+        unread = Unread(f"requests of {name}")
 
         def handle(request: Any, response: Any) -> Any:
             try:
                 asked = self._types.trimmed(serialize_message(request), type_.request.name)
                 return deserialize_message(respond(asked), kind.Response)
+            except ValueError as error:
+                unread.add(error)
+                return response
             except Exception:  # it would end the executor, and rclpy has no response that says so
                 log.exception("the service %s fails", name)
                 return response
@@ -194,7 +200,7 @@ class RclpyBackend:
 
     def graph(self) -> Graph:
         """Return the nodes and endpoints that are known now."""
-        return Graph() if self._closed.is_set() else graph_of(self._node)
+        return Graph() if self._closed.is_set() else graph_of(self._node, self._unread)
 
     def on_failure(self, call: Failed) -> None:
         """Do nothing: an executor that fails begins again."""
@@ -214,6 +220,7 @@ class RclpyBackend:
             each.close()
         self._end_executor()
         self._node.destroy_node()
+        self._unread.close()
 
     def _end_executor(self) -> None:
         """End it without waiting for requests that wait."""

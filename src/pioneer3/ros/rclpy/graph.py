@@ -1,26 +1,35 @@
 """The graph of nodes, by the graph functions of a node of rclpy."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import Any, Final
 
 from pioneer3.names import printable
 from pioneer3.ros.ros2.backend import DEPTH, Endpoint, Graph, Kind, NodeName, Qos
+from pioneer3.ros.ros2.unread import Unread
 
 UNKNOWN: Final = "_NODE_NAME_UNKNOWN_"
 """Name of the node of an endpoint whose participant has told no node."""
 HASH: Final = "RIHS"
 
 
-def identities(found: Iterable[Any]) -> frozenset[bytes]:
-    """Return the identities of endpoints that `get_publishers_info_by_topic` has found."""
+def publishers(node: Any, topic: str, unread: Unread) -> frozenset[bytes]:
+    """Return the identities of all publishers on a topic.
+
+    There are none where rclpy cannot read a name: in doubt, who drives the robot is gone.
+    """
+    found = _told(unread, node.get_publishers_info_by_topic, topic)
     return frozenset(bytes(each.endpoint_gid) for each in found)
 
 
-def graph_of(node: Any) -> Graph:
-    """Return the nodes and endpoints that a node of rclpy knows."""
-    known = [NodeName(name, space) for name, space in node.get_node_names_and_namespaces()]
-    endpoints = [*_of_topics(node), *_of_services(node, dict.fromkeys(known))]
+def graph_of(node: Any, unread: Unread) -> Graph:
+    """Return the nodes and endpoints that a node of rclpy knows.
+
+    Where somebody has a name that is no UTF-8, rclpy tells none of those beside it.
+    """
+    names = _told(unread, node.get_node_names_and_namespaces)
+    known = [NodeName(name, space) for name, space in names]
+    endpoints = [*_of_topics(node, unread), *_of_services(node, dict.fromkeys(known), unread)]
     return Graph(
         tuple(sorted(printable(each.full) for each in known)),
         tuple(_printable(each) for each in endpoints),
@@ -37,15 +46,24 @@ def _printable(endpoint: Endpoint) -> Endpoint:
     )
 
 
-def _of_topics(node: Any) -> Iterator[Endpoint]:
-    for name, _ in node.get_topic_names_and_types():
-        for each in node.get_publishers_info_by_topic(name):
+def _told(unread: Unread, ask: Callable[..., Any], *about: str) -> Sequence[Any]:
+    """Return what rclpy tells; nothing where it cannot read a name."""
+    try:
+        return list(ask(*about))
+    except UnicodeDecodeError as error:
+        unread.add(error)
+        return ()
+
+
+def _of_topics(node: Any, unread: Unread) -> Iterator[Endpoint]:
+    for name, _ in _told(unread, node.get_topic_names_and_types):
+        for each in _told(unread, node.get_publishers_info_by_topic, name):
             yield _endpoint(Kind.PUBLISHER, name, each)
-        for each in node.get_subscriptions_info_by_topic(name):
+        for each in _told(unread, node.get_subscriptions_info_by_topic, name):
             yield _endpoint(Kind.SUBSCRIBER, name, each)
 
 
-def _of_services(node: Any, known: Iterable[NodeName]) -> Iterator[Endpoint]:
+def _of_services(node: Any, known: Iterable[NodeName], unread: Unread) -> Iterator[Endpoint]:
     from rclpy.node import NodeNameNonExistentError
 
     for each in known:
@@ -54,7 +72,7 @@ def _of_services(node: Any, known: Iterable[NodeName]) -> Iterator[Endpoint]:
             (Kind.CLIENT, node.get_client_names_and_types_by_node),
         ):
             try:
-                found = names_and_types(each.name, each.namespace)
+                found = _told(unread, names_and_types, each.name, each.namespace)
             except NodeNameNonExistentError:  # it has just left
                 continue
             for name, type_names in found:

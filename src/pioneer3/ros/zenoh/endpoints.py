@@ -11,6 +11,7 @@ from threading import BoundedSemaphore, Condition, Thread, current_thread
 from typing import TYPE_CHECKING, Any, Final
 
 from pioneer3.ros.ros2.backend import Left, Qos, Received
+from pioneer3.ros.ros2.unread import Unread
 from pioneer3.ros.zenoh.keys import GID_BYTES, Attachment, parse_attachment
 
 if TYPE_CHECKING:
@@ -260,6 +261,7 @@ class ZenohServer:
         self._release = release
         self.is_open = True
         self._room = BoundedSemaphore(REQUESTS)
+        self._unread = Unread(f"requests of {key}")
         self._queryable = session.declare_queryable(key, self._asked, complete=True)
 
     def close(self) -> None:
@@ -268,6 +270,7 @@ class ZenohServer:
             self.is_open = False
             self._release()
             self._queryable.undeclare()
+            self._unread.close()
 
     def _asked(self, query: "zenoh.Query") -> None:
         if not self.is_open or not self._room.acquire(blocking=False):
@@ -282,6 +285,9 @@ class ZenohServer:
             request = query.payload.to_bytes() if query.payload is not None else b""
             response = self._respond(request)
             query.reply(self._key, response, attachment=replace(asked, stamp=time.time_ns()).pack())
+        except ValueError as error:  # bytes that are no request
+            self._unread.add(error)
+            query.reply_err(f"the request cannot be read: {error}".encode())
         except Exception:
             log.exception("a request of %s could not be answered", self._key)
             query.reply_err(b"the request could not be answered; the server's log has the reason")
