@@ -7,7 +7,8 @@ from random import Random
 import pytest
 
 from pioneer3.geometry import TURN
-from pioneer3.lasers.client import Identified, Lost, Measured, Patience, ScanSettings
+from pioneer3.lasers.client import Event, Identified, Lost, Measured, Patience, ScanSettings
+from pioneer3.lasers.scip.client import ScipClient
 from pioneer3.lasers.scip.device import ScipDevice
 from pioneer3.lasers.scip.unit import STABLE
 from pioneer3.models.lasers import LASERS, LaserModel, LaserProtocol, Steps
@@ -381,3 +382,57 @@ def test_a_bad_comparison_of_clocks_is_remarked() -> None:
     rig.spoil = lambda data: data[:-2] + b"~\n\n" if data.startswith(b"TM1") else data
     expect_scans(rig)
     assert rig.remarks == ["the laser does not tell its time: scans are dated as they come"]
+
+
+def asked(answer: Callable[[str], str], seconds: float = 10.0) -> tuple[list[str], list[Event]]:
+    """Return the commands to a laser that gives `answer` at once, and the events."""
+    now, commands, events = 100.0, list[str](), list[Event]()
+    client = ScipClient(now)
+    while now < 100.0 + seconds:
+        events += client.tick(now)
+        for command in client.outgoing().decode().split():
+            commands.append(command)
+            now += 0.0001
+            events += client.receive(f"{command}\n{answer(command)}\n\n".encode(), now)
+        now = max(min(client.deadline, 200.0), now + 0.0001)
+    return commands, events
+
+
+SCIP1_VERSION = (
+    "0\nVEND:Hokuyo\nPROD:URG-04LX\nFIRM:3.0.00,05/09/27\nPROT:00003,(SCIP 1.1)\nSERI:H1"
+)
+
+
+@pytest.mark.parametrize("status", ["00P", "01Q", "0Ee", "10Q", "0Mm", "E", "0", "1"])
+def test_a_laser_that_always_answers_the_same_is_asked_with_pauses_and_lost(status: str) -> None:
+    commands, events = asked(lambda _: status)
+    assert 1 < len(commands) < 250
+    assert isinstance(events[-1], Lost)
+    assert events[-1].reason.startswith("no scan comes from the laser: it ")
+
+
+@pytest.mark.parametrize("known", ["QT", "SCIP2.0", "VV", "PP", "BM", "MD", "TM0"])
+@pytest.mark.parametrize("status", ["00P", "0"])
+def test_a_laser_that_knows_one_command_is_asked_with_pauses(known: str, status: str) -> None:
+    commands, events = asked(lambda command: status if command.startswith(known) else "E")
+    assert len(commands) < 250
+    assert isinstance(events[-1], Lost)
+
+
+def test_a_laser_that_agrees_to_scip_2_in_vain_is_said_to_speak_scip_1() -> None:
+    answers = {"SCIP2.0": "0", "V": SCIP1_VERSION}
+    commands, events = asked(lambda command: answers.get(command, "E"))
+    assert len(commands) < 250
+    assert isinstance(events[-1], Lost)
+    assert events[-1].reason == (
+        "no scan comes from the laser: "
+        "it speaks SCIP 1 (firmware 3.0.00,05/09/27), but does not measure: "
+        "switch it off and on, or give it firmware 3.3.00 or later, which knows SCIP 2.0"
+    )
+
+
+def test_a_laser_that_agrees_to_scip_2_in_vain_is_polled() -> None:
+    rig = Rig(ScipDevice(URG, scip2=False))
+    rig.spoil = lambda data: data.replace(b"E", b"0") if rig.sent[-1] == b"SCIP2.0\n" else data
+    rig.connect(URG_SPEEDS)
+    expect_scans(rig)

@@ -167,6 +167,7 @@ class ScipClient:
             self._send_question(step, now)
             self._wait(now, self._answer_time)
         else:
+            self._answered_at += step.seconds  # it was asked nothing
             self._wait(now, step.seconds)
         return events
 
@@ -211,7 +212,7 @@ class ScipClient:
             self._interval = max(self._interval, stream.size * 10 / self._start.baud)
         self._scanned_at = self._answered_at = now
         self._device_time = None
-        self._poll()
+        self._poll(now)
         self._plan_watch()
 
     def _plan_watch(self) -> None:
@@ -219,9 +220,10 @@ class ScipClient:
             self._answered_at + self._silence / 2, self._begun_at + self._patience.give_up
         )
 
-    def _poll(self) -> None:
+    def _poll(self, now: float) -> None:
         """Ask for the next scan, where the laser does not send them by itself."""
         if self._stream is not None and not self._stream.format.streamed:
+            self._asked_at = now
             self._outbox.append(self._stream.command + b"\n")
 
     def _begin_again(self, now: float, reason: str) -> list[Event]:
@@ -242,14 +244,14 @@ class ScipClient:
             later = Answer(answer.lines[1:], answer.began).after(stream.command)
             scan = self._scan_from(stream, later.lines, None) if later else None
         if scan is None:
-            if answer.after(stream.command):
-                self._poll()
+            if answer.after(stream.command) and now >= self._asked_at + stream.turn / 2:
+                self._poll(now)  # what answers at once measures nothing
             return []
         self.scans += 1
         self._interval = max(stream.period, now - self._scanned_at)
         self._scanned_at = self._answered_at = self._begun_at = now
-        self._start.findings = ""
-        self._poll()
+        self._start.scanned()
+        self._poll(now)
         self._plan_watch()
         return [Measured(scan)]
 
@@ -262,7 +264,10 @@ class ScipClient:
             return []
         if found.status in OK:
             return []
-        return self._begin_again(now, f"the laser reports status {found.status}")
+        reason = f"the laser reports status {found.status}"
+        if not self._stream.summed and self._start.findings:
+            reason += f"; {self._start.findings}"
+        return self._begin_again(now, reason)
 
     def _scan_from(
         self, stream: Stream, lines: Sequence[bytes], arrived: float | None

@@ -5,6 +5,7 @@
     each speed: LF QT ─00─► VV, PP, II ─► [SS] ─► [TM0, TM1, TM2] ─► BM ─► MD, ME, ... ─00─► scans
                  │ 0E: TM2, again
                  │ E: SCIP2.0, again; still E: V, L1 ─► G, G, ... (SCIP 1.1)
+                 │ others: a pause, then anew
                  └ nothing: the next speed
 
 Rules:
@@ -15,6 +16,8 @@ Rules:
 2. A question without a good answer is asked three times. Then the dialogue begins anew.
 3. A laser that reports an error is reset, twice. One that says that it is not ready yet is asked
    again.
+4. A dialogue that follows one in vain begins after a pause, so that no laser is flooded that
+   answers at once, but wrongly.
 
 The dialogue is a generator: it yields what it asks, when it pauses and what is worth an event, and
 is sent the answers.
@@ -51,12 +54,14 @@ RESETS: Final = 2
 BREATH: Final = 0.05
 """A laser changes its speed, or is reset, within this [s]."""
 NOT_READY: Final = "0M"
-UNSTABLE_WAIT: Final = 0.5
+IN_VAIN: Final = 0.5
+"""Pause after a dialogue that has not brought scans [s]."""
 OK: Final = {"00", "0"}
 LASER_ON: Final = {"00", "02"}
 IN_TM_MODE: Final = "0E"
 UNKNOWN_IN_SCIP1: Final = "E"
 ALREADY_SET: Final = "03"
+NO_SCANS: Final = "it agrees to measure, but sends nothing: does its mirror turn?"
 CANNOT: Final = {"01", "02", "03", "04", "05", "06", "07", "0C", "0D", "0E", "0F", "E"}
 """The laser does not know a measuring command, or not with these parameters."""
 
@@ -128,6 +133,7 @@ class Start:
         self._keep_speed = False
         self._scip1 = False
         self._resets = 0
+        self._in_vain = False
 
     @property
     def baud(self) -> int | None:
@@ -137,6 +143,9 @@ class Start:
     def run(self) -> Generator[Step, Reply, Stream]:
         """Return the stream that has been started."""
         while True:
+            if self._in_vain:
+                yield Pause(IN_VAIN)
+            self._in_vain = True
             try:
                 yield from self._find()
                 steps = yield from self._get_acquainted()
@@ -150,8 +159,19 @@ class Start:
                 continue
             if stream is not None:
                 self._resets = 0
-                self.findings = "it agrees to measure, but sends nothing: does its mirror turn?"
+                self.findings = self._on_scip1() if self._scip1 else NO_SCANS
                 return stream
+
+    def scanned(self) -> None:
+        """Note that a scan has come."""
+        self.findings, self._in_vain = "", False
+
+    def _on_scip1(self) -> str:
+        firmware = f" (firmware {self.identity.firmware})" if self.identity else ""
+        return (
+            f"it speaks SCIP 1{firmware}, but does not measure: "
+            "switch it off and on, or give it firmware 3.3.00 or later, which knows SCIP 2.0"
+        )
 
     def _find(self) -> Generator[Step, Reply, None]:
         """Go over all speeds until the laser answers and is idle."""
@@ -165,20 +185,27 @@ class Start:
             number += 1
 
     def _wake(self) -> Generator[Step, Reply, bool]:
-        """End old scans and modes; return whether the laser answers."""
-        self._scip1 = False
+        """End old scans and modes; return whether the laser answers.
+
+        Raises:
+            _NoAnswerError: it answers, but not as a laser that is idle.
+        """
+        self._scip1 = switched = False
         for _ in range(TRIES):
             reply = yield Ask(b"QT", prefix=b"\n")
             if reply.status == IN_TM_MODE:
                 yield Ask(b"TM2")
             elif reply.status == UNKNOWN_IN_SCIP1:
-                switched = yield Ask(b"SCIP2.0")
-                if switched.status == UNKNOWN_IN_SCIP1:
+                if switched or (yield Ask(b"SCIP2.0")).status == UNKNOWN_IN_SCIP1:
                     self._scip1 = True
                     return True
+                switched = True
+            elif reply.status and reply.status not in OK:
+                self.findings = f"it answers QT with status {reply.status}: switch it off and on"
+                raise _NoAnswerError
             else:
                 return reply.status in OK
-        return False
+        raise _NoAnswerError
 
     def _get_acquainted(self) -> Generator[Step, Reply, Steps]:
         if self._scip1:
@@ -189,7 +216,6 @@ class Start:
             found = steps_from((yield from self._pairs(b"PP")))
             if found is None:
                 self.findings = "its answer to PP is not the geometry of a laser"
-                yield Pause(UNSTABLE_WAIT)
                 raise _NoAnswerError
             steps = found
             state = yield from self._pairs(b"II", needed=False)
@@ -263,7 +289,6 @@ class Start:
         self.findings = f"it answers, but does not measure: {reports}"
         if status == NOT_READY:
             yield Remarked(f"the laser is not ready yet: {reports}")
-            yield Pause(UNSTABLE_WAIT)
             return
         if self._resets >= RESETS:
             yield Lost(
