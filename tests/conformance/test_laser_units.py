@@ -12,7 +12,8 @@ from struct import unpack
 import pytest
 
 from pioneer3.lasers.lms2xx.telegram import encode
-from tests.conformance.laser_hosts import BOOT, LmsHost, NetworkHost, simulated
+from pioneer3.sim.server import laser_hosts
+from tests.conformance.laser_hosts import BOOT, PATIENCE, LmsHost, NetworkHost, simulated
 from tests.support import until
 
 pytestmark = pytest.mark.realtime
@@ -104,8 +105,8 @@ async def test_lms_a_host_may_change_its_speed_without_waiting_for_the_answer(
         host.close()
 
 
-@pytest.mark.thorough  # the kernel may hand the bytes over after the speed
 async def test_lms_a_host_may_leave_at_the_speed_that_it_came_with(monkeypatch: Patch) -> None:
+    monkeypatch.setattr(laser_hosts, "LANDING", PATIENCE)  # however late the kernel is
     async with simulated("lms-200", monkeypatch) as laser:
         assert laser.pty is not None
         host = LmsHost(laser.pty)

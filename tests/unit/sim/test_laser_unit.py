@@ -176,6 +176,27 @@ async def test_a_host_in_the_network_gets_nothing_that_faults_have_held_back() -
     assert second.heard == b""
 
 
+@pytest.mark.parametrize(("late", "heard"), [(0.04, b"?"), (0.06, b"")])
+async def test_bytes_that_land_after_a_new_speed_are_understood_for_a_moment(
+    monkeypatch: pytest.MonkeyPatch, late: float, heard: bytes
+) -> None:
+    clock, speed = [100.0], [19200]
+    monkeypatch.setattr(laser_hosts, "_now", lambda: clock[0])
+    bench = Bench("urg-04lx")
+    assert isinstance(bench.laser.hosts, laser_hosts.OneHost)
+    bench.laser.hosts.set_terminal(lambda: speed[0])
+    bench.run(TICK)
+    speed[0] = 9600
+    clock[0] += 10.0  # the simulator is held up
+    bench.run(TICK)
+    clock[0] += late
+    bench.run(TICK)
+    clock[0] += 10.0  # again, before it reads
+    bench.send(Host(permanent=True), b"?")
+    bench.run(TICK)
+    assert bench.device.connections[0].heard == heard
+
+
 @pytest.mark.parametrize("name", ["ust-10lx", "utm-30lx"])
 async def test_a_host_of_another_unit_has_a_connection_of_its_own(name: str) -> None:
     bench = Bench(name)
