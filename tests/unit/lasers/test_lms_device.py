@@ -29,7 +29,7 @@ def cable(start_speed: int = 9600, **options: int | float) -> Cable:
 
 
 def measurements(data: bytes) -> list[Measurement]:
-    found = [t for t in telegrams(data) if t.code in {0xB0, 0xB7}]
+    found = [t for t in telegrams(data) if t.code in {0xB0, 0xB6, 0xB7, 0xBF}]
     return [Measurement.from_body(t.code, t.body) for t in found]
 
 
@@ -70,6 +70,10 @@ def test_answers_are_as_published(request_: str, answer: str) -> None:
         commands.mode(Mode.RANGE_AND_REFLECTIVITY, bytes(4)),
         commands.mode(Mode.SUBRANGE, bytes.fromhex("0000b500")),
         commands.mode(Mode.SUBRANGE, bytes.fromhex("0100ffff")),
+        commands.mode(Mode.MEAN),
+        commands.mode(Mode.MEAN, b"\x01"),
+        commands.mode(Mode.MEAN, b"\xfb"),
+        commands.mode(Mode.MEAN_OF_SUBRANGE, bytes.fromhex("0a0000b500")),
         encode(Command.SCAN, b"\x02"),
         encode(Command.CONFIGURE, MM_15_BITS),
         encode(Command.KEEP_SPEED, b"\x01"),
@@ -224,6 +228,27 @@ def test_single_turns_come_in_order() -> None:
         assert len(scan.values) == 101 - (offset > 0)
         expected = 4 - radians(50 - offset / 100)
         assert scan.values[0] / 100 == pytest.approx(expected, abs=0.006)
+
+
+@pytest.mark.parametrize(
+    ("wanted", "data", "first", "last"),
+    [(Mode.MEAN, "0a", 1, 181), (Mode.MEAN_OF_SUBRANGE, "0a5b005d00", 91, 93)],
+)
+def test_the_mean_of_ten_scans(wanted: Mode, data: str, first: int, last: int) -> None:
+    def scene(_turn: Turn, index: int) -> float:
+        return inf if index == 91 and line.turns % 2 else 1.0 + line.turns % 10 / 100
+
+    line = cable(38400)
+    line.scene = scene
+    line.ask(commands.variant(Variant(180, 100)))
+    scans = measurements(line.ask(commands.mode(wanted, bytes.fromhex(data)), 2.0))
+    assert len(scans) == 14  # one in ten turns, 13.3 ms each
+    for scan in scans:
+        assert scan.sample == 10
+        assert len(scan.values) == last - first + 1
+        assert (scan.first, scan.last) == ((first, last) if wanted in commands.PARTS else (0, 0))
+        assert scan.values[91 - first] in {104, 105}  # even turns only, or odd ones
+        assert scan.values[92 - first] == 104
 
 
 def test_a_part_of_the_values() -> None:

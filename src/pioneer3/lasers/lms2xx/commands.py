@@ -82,6 +82,13 @@ STREAMS: Final = frozenset(
 )
 """Modes in which a unit sends scans unasked."""
 
+MEANS: Final = frozenset({Mode.MEAN, Mode.MEAN_OF_SUBRANGE})
+"""Modes in which each telegram is the mean of several scans."""
+PARTS: Final = frozenset({Mode.SUBRANGE, Mode.MEAN_OF_SUBRANGE})
+"""Modes in which a part of the field is sent."""
+SAMPLES: Final = range(2, 251)
+"""Scans that a mean may be of."""
+
 
 def mode(wanted: Mode, data: bytes = b"") -> bytes:
     """Return the request for a mode, with the data that it needs."""

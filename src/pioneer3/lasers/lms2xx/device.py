@@ -24,10 +24,10 @@ from typing import Final
 from pioneer3.lasers.device import Connection, Sweep, Turn
 from pioneer3.lasers.line import ROUNDING, Line
 from pioneer3.lasers.lms2xx.blocks import REAL_TIME_INDICES
-from pioneer3.lasers.lms2xx.commands import ANSWER, STREAMS, Command, Mode, Unasked
+from pioneer3.lasers.lms2xx.commands import ANSWER, MEANS, PARTS, STREAMS, Command, Mode, Unasked
 from pioneer3.lasers.lms2xx.measuring import MEASURING_MODES, Units
-from pioneer3.lasers.lms2xx.mirror import Mirror, Readings
-from pioneer3.lasers.lms2xx.scans import SUBRANGE_VALUES, VALUES, Measurement
+from pioneer3.lasers.lms2xx.mirror import Mirror, Readings, mean_of
+from pioneer3.lasers.lms2xx.scans import TELEGRAMS, VALUES, Measurement
 from pioneer3.lasers.lms2xx.telegram import (
     ANY_UNIT,
     USUAL_STATUS,
@@ -86,6 +86,7 @@ class LmsDevice:
         self._ready_at: float | None = None
         self._scan_wanted = False
         self._partial_number = 0
+        self._sampled: list[Readings] = []
         self._scans = self._telegrams = 0
 
     @property
@@ -137,6 +138,8 @@ class LmsDevice:
         number = self._mirror.number
         scan = self._mirror.add(sweep)
         self._scans += scan is not None
+        if self.unit.mode in MEANS:
+            scan = self._sample(scan)
         is_free = not self._line.is_busy(now)
         if self._scan_wanted:
             if scan is not None:
@@ -168,6 +171,7 @@ class LmsDevice:
 
     def _begin_measuring(self) -> None:
         self._scan_wanted, self._partial_number = False, 0
+        self._sampled.clear()
         self._mirror.restart(self.unit.variant)
 
     def _schedule(self) -> None:
@@ -214,19 +218,27 @@ class LmsDevice:
             elif code in {Command.MODE, Command.VARIANT}:
                 self._begin_measuring()
 
+    def _sample(self, scan: Readings | None) -> Readings | None:
+        """Keep a scan; return the mean of all that are kept once they are enough."""
+        if scan is not None:
+            self._sampled.append(scan)
+        if len(self._sampled) < self.unit.sample:
+            return None
+        sampled, self._sampled = self._sampled, []
+        return mean_of(sampled)
+
     def _send_scan(self, scan: Readings, now: float) -> None:
-        values = self._values(scan)
-        if self.unit.mode is Mode.SUBRANGE:
-            first, last = self.unit.subrange
-            part = values[first - 1 : last]
-            self._send_values(
-                Measurement(
-                    code=SUBRANGE_VALUES, values=part, units=self._units, first=first, last=last
-                ),
-                now,
-            )
-        else:
-            self._send_values(Measurement(code=VALUES, values=values, units=self._units), now)
+        unit, values = self.unit, self._values(scan)
+        first, last = unit.subrange if unit.mode in PARTS else (1, len(values))
+        telegram = Measurement(
+            code=TELEGRAMS.get(unit.mode, VALUES),
+            values=values[first - 1 : last],
+            units=self._units,
+            sample=unit.sample,
+            first=first,
+            last=last,
+        )
+        self._send_values(telegram, now)
 
     def _send_turn(self, readings: Readings, number: int, now: float) -> None:
         telegram = Measurement(

@@ -1,7 +1,9 @@
 """The mirror of an LMS-2xx: turns with pulses 1 degree apart, and scans put together from them."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from math import radians
+from math import inf, radians
+from statistics import fmean
 
 from pioneer3.lasers.device import Sweep, Turn
 from pioneer3.lasers.lms2xx.measuring import MIRROR_TURN, PULSE_STEP_CDEG, Variant
@@ -61,3 +63,13 @@ class Mirror:
             scan.intensities[number :: self.variant.turns] = taken.intensities
         self._taken = []
         return scan
+
+
+def mean_of(scans: Sequence[Readings]) -> Readings:
+    """Return the mean of scans; a reading that has no range in some is the mean of the others."""
+    ranges = []
+    for column in zip(*[scan.ranges for scan in scans], strict=True):
+        seen = [metres for metres in column if metres < inf]
+        ranges.append(fmean(seen) if seen else inf)
+    lights = zip(*[scan.intensities for scan in scans], strict=True)
+    return Readings(ranges, [fmean(column) for column in lights])

@@ -3,6 +3,7 @@
 Facts: lms2xx.md 1.5 to 1.7.
 """
 
+from struct import unpack
 from typing import Final
 
 from pioneer3.lasers.lms2xx import commands
@@ -29,7 +30,8 @@ class Unit:
         power_on_speed: Speed after power-on [baud], also in the EEPROM.
         mode: Operating mode.
         variant: The field and step that it scans.
-        subrange: First and last reading, from 1, that go out in the mode SUBRANGE.
+        subrange: First and last reading, from 1, that go out in modes that send a part.
+        sample: Scans that are one telegram in modes that send means.
         speed: Of its line [baud]; a new one is the caller's business.
     """
 
@@ -47,6 +49,7 @@ class Unit:
         self.mode = Mode.ON_REQUEST
         self.variant = AT_POWER_ON
         self.subrange = (1, self.variant.count)
+        self.sample = commands.SAMPLES[0]
 
     def answer(self, code: int, data: bytes) -> bytes | None:
         """Obey a request; return the body of the answer, or `None` to refuse it."""
@@ -84,16 +87,27 @@ class Unit:
                 return bytes((commands.MODE_WRONG_PASSWORD,))
             case b"\x24" | b"\x25" | b"\x2a", b"":
                 self.mode = Mode(data[0])
-            case b"\x27", part if len(part) == 4:
-                first, last = part[0] | part[1] << 8, part[2] | part[3] << 8
-                if not 1 <= first <= last <= self.variant.count:
-                    return None
-                self.mode, self.subrange = Mode.SUBRANGE, (first, last)
+            case b"\x26", count if len(count) == 1 and count[0] in commands.SAMPLES:
+                self.mode, self.sample = Mode.MEAN, count[0]
+            case b"\x27", part if len(part) == 4 and self._choose(part):
+                self.mode = Mode.SUBRANGE
+            case b"\x28", part if (
+                len(part) == 5 and part[0] in commands.SAMPLES and self._choose(part[1:])
+            ):
+                self.mode, self.sample = Mode.MEAN_OF_SUBRANGE, part[0]
             case _, b"" if data and self.speed_after(Command.MODE, data) is not None:
                 pass
             case _:
                 return None
         return MODE_TAKEN
+
+    def _choose(self, part: bytes) -> bool:
+        """Take the first and the last reading of a part of the field; return if there are such."""
+        first, last = unpack("<HH", part)
+        exists = 1 <= first <= last <= self.variant.count
+        if exists:
+            self.subrange = (first, last)
+        return bool(exists)
 
     def speed_after(self, code: int, data: bytes) -> int | None:
         """Return the speed that a request asks for [baud], or `None`."""
