@@ -177,7 +177,9 @@ def _misfit(place: str, value: object, hint: object, problem: str) -> str:
         return f"expected {expected}, got {_said(value)}"
     if problem.startswith("Invalid enum value"):
         choices = [part for part in _parts(hint) if isinstance(part, str)]
-        return f"{shown(str(value))} is none of {', '.join(choices)}"
+        close = get_close_matches(str(value)[:LONGEST_KEY], choices, n=1)
+        meant = f", did you mean {close[0]}?" if close else ""
+        return f"{shown(str(value))} is not one of {', '.join(choices)}{meant}"
     if re.match(r"Expected `\w+` [<>]=|Number out of range", problem):
         low, high = next((p.ge, p.le) for p in _parts(hint) if getattr(p, "ge", None) is not None)
         return f"{_said(value)} is out of range, expected {low:g} to {high:g}"

@@ -97,12 +97,12 @@ class Number:
     def read(self, reader: Reader) -> int:
         number = reader.take(1)[0]
         if number not in self.choices:
-            raise ValueError(f"{number} is none of {self.choices}")
+            raise ValueError(f"{number} is not one of {self.choices}")
         return number
 
     def write(self, value: object, out: bytearray) -> None:
         if value not in self.choices:
-            raise CommandError(f"{value!r} is none of {self.choices}")
+            raise CommandError(f"{value!r} is not one of {self.choices}")
         out.append(self.choices[self.choices.index(value)])
 
 
@@ -150,7 +150,7 @@ class Enumerated:
             member = self.choices(checked(value, self.kind))
         except ValueError:
             names = ", ".join(f"{choice.value} {choice.name}" for choice in self.choices)
-            raise CommandError(f"{value!r} is none of {names}") from None
+            raise CommandError(f"{value!r} is not one of {names}") from None
         self.kind.write(member, out)
 
 

@@ -108,7 +108,7 @@ def _run(
     if mode.led:
         leader = leader or known[0]
         if leader not in known:
-            raise ConfigError(f"--leader {leader}: it is none of {', '.join(known)}")
+            raise ConfigError(f"--leader {leader}: it is not one of {', '.join(known)}")
     if not (sys.stdin and sys.stdin.isatty() and sys.stdout and sys.stdout.isatty()):
         raise ConfigError(f"fleet {mode.name()} needs a terminal: its keys and table are on it")
     manner = Manner(speed=speeds[0], turn_rate=speeds[1], max_speed=speeds[2])

@@ -30,7 +30,9 @@ laser_app = App(
     help_format="plaintext",
 )
 
-Where = Annotated[str, Parameter(env_var="PIONEER3_LASER", metavar="PORT")]
+Where = Annotated[
+    str, Parameter(name=["--port", "--laser"], env_var="PIONEER3_LASER", metavar="PORT")
+]
 Pose = Annotated[str, Parameter(metavar="POSE", allow_leading_hyphen=True)]
 Mask = Annotated[str, Parameter(metavar="SECTORS", allow_leading_hyphen=True, show_default=False)]
 PATIENCE = 9.0

@@ -9,7 +9,7 @@ from contextlib import suppress
 from enum import IntEnum
 from threading import Thread
 
-from cyclopts import App, CycloptsError, Group
+from cyclopts import App, CycloptsError, Group, Parameter, UnusedCliTokensError
 
 from pioneer3 import __version__
 from pioneer3.cli.access import access_app
@@ -25,7 +25,7 @@ from pioneer3.cli.map import map_app
 from pioneer3.cli.model import model_app
 from pioneer3.cli.monitor import monitor
 from pioneer3.cli.motion import MODE_COMMANDS, move, turn
-from pioneer3.cli.options import UNITS
+from pioneer3.cli.options import UNITS, shown_default
 from pioneer3.cli.patrol import patrol
 from pioneer3.cli.process import LogFormatter, write_error
 from pioneer3.cli.ros1 import ros1_app
@@ -71,6 +71,7 @@ app = App(
     help_format="plaintext",
     version=__version__,
     group_commands=Group("This program", sort_key=100),
+    default_parameter=Parameter(show_default=shown_default),
 )
 app.register_install_completion_command(help="Let the Tab key complete commands and options.")
 GROUPS: dict[str, tuple[Callable[..., object], ...]] = {
@@ -153,7 +154,7 @@ def execute(arguments: Sequence[str]) -> int:
             result_action="return_value",
         )
     except CycloptsError as error:
-        return _tell(error, Exit.USAGE)
+        return _tell(_usage(error), Exit.USAGE)
     except KeyboardInterrupt:
         return Exit.INTERRUPTED
     except PioneerError as error:
@@ -166,6 +167,15 @@ def execute(arguments: Sequence[str]) -> int:
             raise
         return _tell_full(error)
     return result if isinstance(result, int) else Exit.OK
+
+
+def _usage(error: CycloptsError) -> Exception:
+    """Return an error of usage in words of ours where cyclopts has none for people."""
+    if not isinstance(error, UnusedCliTokensError):
+        return error
+    words = " ".join(error.unused_tokens or ())
+    command = " ".join(("pioneer3", *(error.command_chain or ())))
+    return ConfigError(f"{words!r}: {command} takes no further words; see: {command} --help")
 
 
 def _tell_full(error: OSError) -> Exit:

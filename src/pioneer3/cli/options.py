@@ -135,6 +135,13 @@ def reads(
     )
 
 
+def shown_default(value: object) -> str | None:
+    """Return how a help shows a default; nothing for one that is nothing."""
+    if value in (None, "None", "", ()) or value is False:
+        return None
+    return " ".join(map(str, value)) if isinstance(value, tuple) else str(value)
+
+
 def _patient(seconds: float) -> float:
     from pioneer3.teleop.keyboard import patient
 

@@ -192,6 +192,17 @@ def _blamed_on(source: Source, place: str) -> Iterator[None]:
         raise source.wrong(place, said) from None
 
 
+REMEDY: Mapping[str, str] = {
+    "name": "; give each robot a name of its own",
+    "host": "; each robot has a computer of its own, with a host name of its own",
+    "address": "; each robot has a computer of its own; robots that are simulated on this one "
+    "have 127.0.0.1, 127.0.0.2, ..., and `pioneer3 sim --fleet FILE` starts them",
+    "port": "; give the other robot's address, or another TCP port",
+    "node": "; give one of them `node`, or a `network` of its own",
+}
+"""What makes robots differ again, for each key."""
+
+
 def _refuse_shared(source: Source, robots: Sequence[Robot]) -> None:
     keys: Mapping[str, Callable[[Robot], object]] = {
         "name": lambda robot: robot.name.lower(),
@@ -205,7 +216,7 @@ def _refuse_shared(source: Source, robots: Sequence[Robot]) -> None:
         for index, robot in enumerate(robots):
             value = value_of(robot)
             if value is not None and value in seen:
-                problem = f"{getattr(robot, key)} is robot[{seen[value]}]'s already"
+                problem = f"{getattr(robot, key)} is robot[{seen[value]}]'s already{REMEDY[key]}"
                 raise source.wrong(f"robot[{index}].{key}", problem)
             seen[value] = index
 

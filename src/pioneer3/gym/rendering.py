@@ -40,7 +40,7 @@ def metadata_of(simulation: GoalSimulation, render_mode: str | None) -> dict[str
     """
     modes = METADATA["render_modes"]
     if render_mode is not None and render_mode not in modes:
-        raise ConfigError(f"render_mode: {render_mode!r} is none of {', '.join(modes)}")
+        raise ConfigError(f"render_mode: {render_mode!r} is not one of {', '.join(modes)}")
     return METADATA | {"render_fps": max(1, round(1 / simulation.task.dt))}
 
 

@@ -83,11 +83,11 @@ class Task:
         """Refuse an impossible task, naming the field."""
         if self.sensors not in get_args(Sensors):
             raise ConfigError(
-                f"sensors: {self.sensors!r} is none of {', '.join(get_args(Sensors))}"
+                f"sensors: {self.sensors!r} is not one of {', '.join(get_args(Sensors))}"
             )
         if self.physics not in get_args(Physics):
             raise ConfigError(
-                f"physics: {self.physics!r} is none of {', '.join(get_args(Physics))}"
+                f"physics: {self.physics!r} is not one of {', '.join(get_args(Physics))}"
             )
         if not 0 < self.dt <= LONGEST_STEP:
             raise ConfigError(f"dt: {self.dt} s is not between 0 and {LONGEST_STEP:g} s")

@@ -12,6 +12,10 @@ TCP_PORT = 8101
 """Default port of ARCOS simulators and ARIA (protocol.md 1.1)."""
 FORMS = "/dev/ttyUSB0, COM3, localhost:8101, tcp://host:8101, replay:FILE"
 HOST_AND_PORT = re.compile(r"(\[[0-9A-Fa-f:.]+\]|[\w.-]+):\d+")
+BARE_HOST = re.compile(r"localhost|\d+\.\d+\.\d+\.\d+|\[[0-9A-Fa-f:.]+\]", re.IGNORECASE)
+"""A computer that can be told from a path or a typing mistake, without a port."""
+DEVICE = re.compile(r"(tty|cu\.|rfcomm)\w+[\w.-]*|(serial|pts)/\S+")
+"""A serial port without its folder."""
 COM_PORT = re.compile(r"COM\d+", re.IGNORECASE)
 """A serial port of Windows."""
 
@@ -20,7 +24,8 @@ async def open_link(url: str, *, baud: int | None = None) -> Link:
     """Open the link that `url` names.
 
     Args:
-        url: `serial:PATH` or just a path, `tcp://HOST[:PORT]` or `HOST:PORT`, `replay:FILE`.
+        url: `serial:PATH` or just a path, `tcp://HOST[:PORT]`, `HOST:PORT`, `localhost` or an
+            address, `replay:FILE`.
         baud: Serial speed to try first.
 
     Raises:
@@ -65,7 +70,7 @@ def split_url(url: str) -> tuple[str, str]:
     if not isinstance(url, str):
         raise ConfigError(f"a port is written as text, such as {FORMS}; not {url!r}")
     scheme, colon, rest = url.partition(":")
-    if HOST_AND_PORT.fullmatch(url):
+    if HOST_AND_PORT.fullmatch(url) or BARE_HOST.fullmatch(url):
         return "tcp", f"//{url}"
     if COM_PORT.fullmatch(url):
         return "serial", url
@@ -76,7 +81,8 @@ def split_url(url: str) -> tuple[str, str]:
         return scheme, str(Path(path).expanduser())
     if colon and scheme == "tcp":
         return "tcp", rest
-    raise ConfigError(f"{url!r} names no port; use one of: {FORMS}")
+    meant = f", did you mean /dev/{url}?" if DEVICE.fullmatch(url) else ";"
+    raise ConfigError(f"{url!r} names no port{meant} use one of: {FORMS}")
 
 
 def split_host(url: str) -> tuple[str, int]:

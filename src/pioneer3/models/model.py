@@ -250,7 +250,7 @@ class RobotModel:
             _check_mount(ir.x, ir.y, 0.0, f"table_irs[{number}].")
         if self.switch_speed not in SWITCH_SPEEDS:
             speeds = ", ".join(map(str, SWITCH_SPEEDS))
-            raise ConfigError(f"switch_speed: {self.switch_speed} is none of {speeds}")
+            raise ConfigError(f"switch_speed: {self.switch_speed} is not one of {speeds}")
 
     @property
     def corner(self) -> float:

@@ -146,7 +146,7 @@ class Parameters:
         """Return a whole number out of `choices`."""
         value = self.count(key, Bounds(min(choices), max(choices)), default)
         if value not in choices:
-            self._lines[key.lower()].refuse(f"{value} is none of {', '.join(map(str, choices))}")
+            self._lines[key.lower()].refuse(f"{value} is not one of {', '.join(map(str, choices))}")
         return value
 
     def flag(self, key: str, *, default: bool) -> bool:

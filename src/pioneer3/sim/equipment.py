@@ -130,7 +130,7 @@ class EquipmentOptions:
     gyro_type: int | None = None
     bumpers: int | None = None
     joystick: bool | None = None
-    camera: Literal["none"] | Camera | None = None
+    camera: Camera | Literal["none"] | None = None
     camera_port: int | None = None
     picture_port: int | None = None
     picture_width: int | None = None
@@ -138,7 +138,7 @@ class EquipmentOptions:
     picture_rate: float | None = None
     laser: str | None = None
     laser_port: int | None = None
-    table_ir: Literal["none"] | TableWiring | None = None
+    table_ir: TableWiring | Literal["none"] | None = None
     north: float | None = None
     compass_noise: float | None = None
     gyro_bias: float | None = None
@@ -170,4 +170,4 @@ NO_OPTIONS = EquipmentOptions()
 
 def _one_of(field: str, value: object, choices: tuple[object, ...]) -> None:
     if value not in choices:
-        raise ConfigError(f"{field}: {value!r} is none of {', '.join(map(str, choices))}")
+        raise ConfigError(f"{field}: {value!r} is not one of {', '.join(map(str, choices))}")

@@ -65,7 +65,7 @@ class OdometryErrors:
     def __post_init__(self) -> None:
         """Refuse impossible values, with the name of the field."""
         if self.mode not in MODES:
-            raise ConfigError(f"odometry mode: {self.mode!r} is none of {', '.join(MODES)}")
+            raise ConfigError(f"odometry mode: {self.mode!r} is not one of {', '.join(MODES)}")
         for name in ("wheel_ratio", "base_ratio", "scale"):
             _within(name, getattr(self, name), 0.5, 2.0)
         for name in ("way_noise", "turn_noise", "drift_noise"):

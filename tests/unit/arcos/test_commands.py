@@ -50,7 +50,7 @@ def test_a_speed_that_does_not_fit_is_refused_by_name(value: float) -> None:
         (c.named("ROTKP", 2**16), "ROTKP.gain: 65536 is outside 0..65535"),
         (c.named("ROTKP", True), "ROTKP.gain: True is not an integer"),
         (c.Enable(on=1), "Enable.on: 1 is neither True nor False"),  # type: ignore[arg-type]
-        (c.JoyInfo(3), "JoyInfo.how: 3 is none of 0 STOP, 1 ONCE, 2 STREAM"),  # type: ignore[arg-type]
+        (c.JoyInfo(3), "JoyInfo.how: 3 is not one of 0 STOP, 1 ONCE, 2 STREAM"),  # type: ignore[arg-type]
         (c.Say((c.Tone(9.0, 1),)), "Say.tones: Tone.duration: 9.0 is outside 0..5.1"),
         (c.Say((c.Tone(1.0, 1),) * 21), "Say.tones: 42 bytes are more than 40"),
         (c.Tty2(bytes(200)), "Tty2.data: 200 bytes are more than 199"),

@@ -161,7 +161,7 @@ def test_what_makes_no_sense_is_unknown_and_keeps_its_bytes(payload: str) -> Non
     [
         (r.Encoders(2**31, 0), "Encoders.left_counts: 2147483648 is outside"),
         (r.SyncIdentity("a\0b", "", ""), "SyncIdentity.name: 'a\\\\x00b' contains a NUL"),
-        (r.SyncEcho(3), r"SyncEcho.number: 3 is none of \(0, 1, 2\)"),
+        (r.SyncEcho(3), r"SyncEcho.number: 3 is not one of \(0, 1, 2\)"),
         (r.ArmStatus(0, 0, (1, 2)), "ArmStatus.positions_raw: 2 values are not 6"),
         (
             r.SimLaserExtended(total=1, first=0, readings=(r.LaserReading(70000),)),

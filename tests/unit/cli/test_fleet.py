@@ -64,7 +64,8 @@ def test_a_wrong_robot_is_told_at_once_and_asked_for_again(
     told = capsys.readouterr().err
     assert "expected NAME=ADDRESS" in told
     assert "expected an IP address" in told
-    assert "10.0.0.1 is robot[0]'s already" in told
+    assert "10.0.0.1 is robot[0]'s already; each robot has a computer of its own" in told
+    assert "127.0.0.2, ..., and `pioneer3 sim --fleet FILE` starts them" in told
 
 
 def test_a_file_that_is_there_is_never_lost(

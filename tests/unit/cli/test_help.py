@@ -111,6 +111,16 @@ def test_the_examples_of_a_help_can_be_copied(
                 load_model(value.partition(":")[0])
 
 
+@pytest.mark.parametrize("words", ["ros2", "ros2 bridge", "map edit", "sim"])
+def test_a_help_shows_no_default_that_is_nothing(
+    words: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    execute([*words.split(), "--help"])
+    told = " ".join(capsys.readouterr().out.replace("\u2502", "").split())
+    assert "default: " in told or words == "map edit"
+    assert not re.search(r"default: (\(|False|None|\"\"|\])", told)
+
+
 def test_there_are_examples_to_copy() -> None:
     assert len({each for words in ("", *COMMANDS) for each in examples(words)}) > 15
 

@@ -104,12 +104,30 @@ def test_wrong_usage_is_told_in_one_line_with_the_word_that_is_wrong(
     assert any(word in told.err for word in line.split()[-2:])
 
 
-@pytest.mark.parametrize(("typed", "meant"), [("rnu", "run"), ("sim --prot 1", "--port")])
+@pytest.mark.parametrize(
+    ("typed", "meant"),
+    [
+        ("rnu", "run"),
+        ("sim --prot 1", "--port"),
+        ("info -p ttyUSB0", "/dev/ttyUSB0"),
+        ("laser serial/by-id/usb-Hokuyo", "/dev/serial/by-id/usb-Hokuyo"),
+        ("sim --fit camera=sonny", "sony"),
+    ],
+)
 def test_a_typing_mistake_is_met_with_the_nearest_name(
     typed: str, meant: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     execute(typed.split())
-    assert meant in capsys.readouterr().err.partition("Did you mean ")[2].split("?")[0]
+    told = capsys.readouterr().err.lower().partition("did you mean ")[2]
+    assert meant.lower() in told.split("?")[0]
+
+
+def test_a_word_too_many_is_named_with_the_help_that_tells_the_others(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert execute(["laser", "/dev/ttyACM9", "show"]) == Exit.USAGE
+    told = capsys.readouterr().err
+    assert "'show': pioneer3 laser takes no further words; see: pioneer3 laser --help" in told
 
 
 def test_a_full_disk_is_told_in_one_sentence(

@@ -303,5 +303,5 @@ def test_with_physics_an_episode_repeats_and_a_robot_arrives() -> None:
 
 
 def test_physics_that_are_none_are_refused() -> None:
-    with pytest.raises(ConfigError, match="physics: 'bullet' is none of planar, mujoco"):
+    with pytest.raises(ConfigError, match="physics: 'bullet' is not one of planar, mujoco"):
         Task(physics="bullet")  # type: ignore[arg-type]

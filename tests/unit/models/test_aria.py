@@ -246,7 +246,7 @@ def test_a_missing_essential_key_is_named(key: str) -> None:
         ("FrontBumpers 2", "'2' is neither true nor false"),
         ("NumRearBumpers 8", "8 is out of range, expected 0 to 7"),
         ("NumRearBumpers 1.5", "1.5 is not a whole number"),
-        ("SwitchToBaudRate 38401", "38401 is none of 0, 9600"),
+        ("SwitchToBaudRate 38401", "38401 is not one of 0, 9600"),
         ("SonarNum -1", "-1 is out of range, expected 0 to 256"),
         ("SonarUnit", "too few values, expected x y th from value 2 on"),
         ("SonarUnit 0 1 2", "too few values, expected x y th from value 2 on"),

@@ -74,7 +74,7 @@ def test_a_backward_sonar_is_wrapped_like_every_angle() -> None:
         ),
         ('"skid"', '"tank"', "drive: Invalid enum value 'tank', expected skid or differential"),
         ('"p3at-sh"', '""', "name: '' is empty or not printable"),
-        ("= 38400", "= 4800", "switch_speed: 4800 is none of 0, 9600"),
+        ("= 38400", "= 4800", "switch_speed: 4800 is not one of 0, 9600"),
         ("front_bumpers = 0", "front_bumpers = 8", "front_bumpers: 8 is out of range"),
         ("front_bumpers = 0", "front_bumpers = 2.5", "front_bumpers: Expected int, got float"),
         ("request_io = false", "request_io = 0", "request_io: Expected bool, got int"),

@@ -254,7 +254,7 @@ def test_materials_are_kept_by_writing(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("table", "problem"),
     [
-        ('material="glas"', "box[0].material: 'glas' is none of plain, black, glass, reflector"),
+        ('material="glas"', "box[0].material: 'glas' is not one of plain, black, glass, reflector"),
         ('material="glass"\nmovable=true', "box[0].material: a movable box is never of glass"),
     ],
 )
@@ -278,7 +278,7 @@ def test_a_laser_is_a_word_of_the_equipment(tmp_path: Path) -> None:
 
 
 def test_an_unknown_laser_is_refused() -> None:
-    with pytest.raises(ConfigError, match="laser: 'utm' is none of none, urg-04lx"):
+    with pytest.raises(ConfigError, match="laser: 'utm' is not one of urg-04lx"):
         parse_equipment("laser=utm")
     with pytest.raises(ConfigError, match="did you mean utm-30lx"):
         Equipment(laser="utm-30")

@@ -111,7 +111,7 @@ def test_the_command_line_fits_with_the_same_words(text: str, options: Options) 
     [
         ("griper", "--fit: griper: unknown key, did you mean gripper?"),
         ("camera", "--fit: camera: needs a value, such as camera=vcc4"),
-        ("camera=canon", "--fit: camera: 'canon' is none of none, vcc4, sony"),
+        ("camera=canon", "--fit: camera: 'canon' is not one of vcc4, sony, none"),
         ("camera=1", "--fit: camera: expected a text, got 1"),
         ("camera_port", "--fit: camera_port: needs a value, such as camera-port=1"),
         ("camera-port=4", "--fit: camera_port: 4 is out of range, expected 1 to 3"),
@@ -136,7 +136,7 @@ def test_a_wrong_word_is_named(text: str, complaint: str) -> None:
         ("'gripper'", "w.toml:3: robot[0].equipment: expected a table, got 'gripper'"),
         ("{ griper = 1 }", "w.toml:3: robot[0].equipment.griper: unknown key, did you mean gri"),
         ("{ gyro = 9 }", "w.toml:3: robot[0].equipment.gyro: 9 is out of range, expected 0 to 2"),
-        ("{ camera = 'x' }", "robot[0].equipment.camera: 'x' is none of none, vcc4, sony"),
+        ("{ camera = 'x' }", "robot[0].equipment.camera: 'x' is not one of vcc4, sony, none"),
     ],
 )
 def test_a_wrong_key_is_named_with_its_line(tmp_path: Path, equipment: str, complaint: str) -> None:

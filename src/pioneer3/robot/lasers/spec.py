@@ -7,7 +7,7 @@ from pathlib import Path
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2, wrap
 from pioneer3.lasers.client import AS_DELIVERED, ScanSettings
-from pioneer3.links.urls import HOST_AND_PORT, opener, split_url
+from pioneer3.links.urls import BARE_HOST, HOST_AND_PORT, opener, split_url
 from pioneer3.models import LaserMount, RobotModel
 from pioneer3.models.lasers import HOKUYO_PORT, LASERS, LaserProtocol, load_laser
 from pioneer3.models.model import REACH
@@ -127,6 +127,8 @@ def parse_laser(text: str) -> LaserSpec:
         load_laser(model)  # says which there are
     if not at or model not in LASERS:
         model, url = "", text
+    if BARE_HOST.fullmatch(url):
+        url = f"tcp://{url}"
     if url.startswith("tcp:") and not HOST_AND_PORT.search(url):
         ports = LASERS[model].tcp_ports if model else ()
         url = f"{url.rstrip('/')}:{ports[0] if ports else HOKUYO_PORT}"

@@ -92,7 +92,7 @@ _RANGES = {
     "picture_width": _picture_range(int, "picture_width"),
     "picture_height": _picture_range(int, "picture_height"),
     "picture_rate": _picture_range(float, "picture_rate"),
-    "laser": Literal.__getitem__(("none", *LASERS)),
+    "laser": Literal.__getitem__((*LASERS, "none")),
     "laser_port": Annotated[int, Meta(ge=1, le=LAST_PORT)],
     "north": Angle,
     "compass_noise": Annotated[float, Meta(ge=0, le=180)],

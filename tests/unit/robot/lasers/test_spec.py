@@ -37,6 +37,7 @@ SCIP, LMS, COLA = LaserProtocol.SCIP, LaserProtocol.LMS2XX, LaserProtocol.COLA
         ("ust-10lx@tcp://laser", "tcp://laser:10940", SCIP),
         ("lms-111@tcp://192.168.0.1", "tcp://192.168.0.1:2111", COLA),
         ("tim551@tcp://192.168.0.1:2112", "tcp://192.168.0.1:2112", COLA),
+        ("192.168.0.10", "tcp://192.168.0.10:10940", None),
         ("replay:walk.log", "replay:walk.log", None),
         ("/dev/serial/by-id/usb-a@b", "/dev/serial/by-id/usb-a@b", None),
     ],

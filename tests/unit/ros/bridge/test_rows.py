@@ -166,7 +166,7 @@ def test_a_wrong_file_is_told_by_line_and_key(tmp_path: Path, line: str, words: 
 def test_an_unknown_way_is_told(tmp_path: Path) -> None:
     path = tmp_path / "topics.toml"
     path.write_text('[[topic]]\nros1 = "/joy"\ntype = "sensor_msgs/Joy"\nway = "there"\n')
-    with pytest.raises(ConfigError, match="'there' is none of to_ros1, to_ros2, both"):
+    with pytest.raises(ConfigError, match="'there' is not one of to_ros1, to_ros2, both"):
         read_topics(path, CONVERTER)
 
 
