@@ -254,3 +254,42 @@ def test_the_help_names_every_option_and_shows_an_example(
         "--noninteractive",
     ):
         assert option in shown
+
+
+MOBILESIMS = (
+    "--nomap --start random --no-error --odom-error-mode none --bind-to-address localhost",
+    "-l {here}/log --log-file-max-size 1000 --log-timing-stats 30 --verbose --html",
+    "--no-gui --no-graphics --lite-graphics --fullscreen-gui --maximize-gui --minimize-gui",
+    "--noninteractive --no-crash-debug --no-crash-restart --no-network-discovery",
+    "--update-interval 100 --update-sim-time 100 --resolution 20 --ignore-command 4",
+    "--srisim-compat --no-srisim-laser-compat --log-packets-received --log-movement-sent",
+    "--echo-stage-worldfile --warn-unsupported-commands --lines-chunksize 9 --points-chunksize 9",
+)
+
+
+@pytest.mark.parametrize("line", MOBILESIMS)
+def test_the_options_of_mobilesim_are_taken(
+    line: str, simulated: Seen, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    given(line.format(here=tmp_path), simulated)
+    for told in capsys.readouterr().err.splitlines():
+        assert told.startswith("WARNING: --")
+        assert " has no effect: " in told
+        assert told.split()[1] in line
+
+
+@pytest.mark.parametrize("line", ["-W lab.world", "--stageworld lab.world", "--daemonize"])
+def test_an_option_of_mobilesim_that_would_lead_astray_is_refused_in_a_sentence(
+    line: str, simulated: Seen, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert execute(["sim", *line.split()]) == 2
+    assert "is not supported: " in capsys.readouterr().err
+    assert not simulated
+
+
+def test_a_folder_is_changed_to_before_maps_are_looked_for(
+    simulated: Seen, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(Path.cwd())  # puts the folder back
+    given(f"--cwd {tmp_path}", simulated)
+    assert Path.cwd() == tmp_path
