@@ -4,6 +4,7 @@ That of navigation takes hours, and is run only where it is named.
 """
 
 import argparse
+from importlib.util import find_spec
 
 from benchmarks import (
     bench_behaviors,
@@ -70,7 +71,10 @@ def main() -> int:
     given = parser.parse_args()
     names = given.names
     if unknown := set(names) - BENCHMARKS.keys() - LONG.keys():
-        parser.error(f"no benchmark is called {', '.join(sorted(unknown))}")
+        name = min(unknown)
+        own = find_spec(f"benchmarks.{name}") if name.isidentifier() else None
+        advice = f"; it prints a table of its own: python -m benchmarks.{name}" if own else ""
+        parser.error(f"no benchmark is called {', '.join(sorted(unknown))}{advice}")
     missed = 0
     for name in names or BENCHMARKS:
         if name in LONG:

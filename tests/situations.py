@@ -137,11 +137,11 @@ def brake(model: str, physics: Physics) -> tuple[float, float]:
     return drive.body.robot_in_world.x - began, max(tilts)
 
 
-def slope() -> WorldFile:
-    """Return a ramp of 10 degrees, 4 m long, that begins 0.6 m ahead."""
-    length = 4.0 * cos(radians(SLOPE))
+def slope(angle: float = SLOPE) -> WorldFile:
+    """Return a ramp of this angle [degrees], 4 m long, that begins 0.6 m ahead."""
+    length = 4.0 * cos(radians(angle))
     ramp = Ramp(
-        pose=Pose2(0.6 + length / 2, 0.0), size=(length, 2.0), height=length * tan(radians(SLOPE))
+        pose=Pose2(0.6 + length / 2, 0.0), size=(length, 2.0), height=length * tan(radians(angle))
     )
     return WorldFile(name="slope", solids=(ramp,))
 
@@ -166,6 +166,17 @@ def climb(model: str, physics: Physics) -> tuple[float, float]:
     stood = _along(drive, 0.0)
     drive.wait(10.0)
     return made, abs(_along(drive, stood)) / 10.0 * 1000
+
+
+def gets_up(model: str, angle: float) -> bool:
+    """Return whether a robot gets up a ramp of this angle [degrees] at 0.3 m/s."""
+    drive = Drive.of(model, "mujoco", slope(angle))
+    drive.body.drive.linear.top = 0.3
+    drive.body.drive.linear.go(0.3)
+    drive.wait(5.0)
+    began = _along(drive, 0.0)
+    drive.wait(3.0)
+    return _along(drive, began) > 0.9 * 0.3 * 3.0
 
 
 def _along(drive: Drive, since: float) -> float:

@@ -27,10 +27,11 @@ SETUP = Path(__file__).parents[2] / "scripts/setup"
 
 
 def how_to_get(extra: str) -> str:
-    """Return the command that installs an optional part of this package."""
+    """Return the command that installs an optional part of this package, which no index has."""
     if SETUP.is_file():
         return f"the extra `{extra}` is missing; run: {SETUP}"
-    return f"the extra `{extra}` is missing; run: python -m pip install 'pioneer3[{extra}]'"
+    command = f"python -m pip install '.[{extra}]'"
+    return f"the extra `{extra}` is missing; in the folder of the package's clone run: {command}"
 
 
 class PioneerError(Exception):

@@ -21,6 +21,8 @@ NAMES = "|".join(page.stem for page in CITED)
 CITATION = re.compile(rf"({NAMES})\.md\s+(?:# )?({SECTION}(?:(?:,| to| and|;)\s+{SECTION})*)")
 HEADING = re.compile(r"^#{2,3} (\d+(?:\.\d+)?)\.? ", re.MULTILINE)
 PAGE = re.compile(r"[\w./-]*\w\.md\b")
+LINK = re.compile(r"\]\((?!https?:|mailto:|#)([^)#\s]+)")
+CODE = re.compile(r"```.*?```", re.DOTALL)
 ELSEWHERE = re.compile(r"user-needs|\.\./shared/|\bshared/(?!maps|captures)\w")
 
 
@@ -54,6 +56,22 @@ def test_the_tables_of_the_fleet_are_up_to_date() -> None:
 def test_a_table_of_modes_is_up_to_date(page: Path) -> None:
     text = page.read_text(encoding="utf-8")
     assert text == mode_tables.filled(text), "run: uv run docs/reference/mode_tables.py"
+
+
+def test_links_lead_to_files() -> None:
+    pages = (*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md"))
+    dead = [
+        f"{page.relative_to(ROOT)}: {link}"
+        for page in pages
+        for link in LINK.findall(CODE.sub("", page.read_text(encoding="utf-8")))
+        if not (page.parent / link).exists()
+    ]
+    assert dead == []
+
+
+def test_nobody_is_told_to_install_it_from_an_index_that_does_not_have_it() -> None:
+    asks = re.compile(r"pip install [^.\n`]*'?pioneer3")
+    assert [name for name, text in texts() if asks.search(text)] == []
 
 
 def test_every_command_is_on_the_page() -> None:

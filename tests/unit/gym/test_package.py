@@ -36,7 +36,7 @@ def test_without_a_clone_pip_brings_the_extra(tmp_path: Path) -> None:
     before = f"import sys; sys.path.insert(0, {str(copy.parent)!r})"
     done = run(f"{before}; sys.modules['gymnasium'] = None; import pioneer3.gym")
     assert done.returncode == 1
-    assert "run: python -m pip install 'pioneer3[gym]'" in done.stderr
+    assert "in the folder of the package's clone run: python -m pip install '.[gym]'" in done.stderr
 
 
 @pytest.mark.parametrize("code", BLOCKS, ids=range(len(BLOCKS)))

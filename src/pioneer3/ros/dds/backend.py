@@ -11,7 +11,7 @@ from importlib.metadata import version
 from time import monotonic, sleep
 from typing import Any, Final
 
-from pioneer3.errors import ConfigError
+from pioneer3.errors import ConfigError, how_to_get
 from pioneer3.ros.dds.discovery import TOPIC, Discovery
 from pioneer3.ros.dds.endpoints import SAMPLES, DdsReader, DdsWriter, Together
 from pioneer3.ros.dds.entities import Entities
@@ -65,7 +65,7 @@ class DdsBackend:
             import_module("cyclonedds.domain")
         except ImportError as error:
             raise ConfigError(
-                "DDS needs Cyclone DDS: pip install 'pioneer3[dds]'; on Linux it has no package"
+                f"DDS needs Cyclone DDS: {how_to_get('dds')}; on Linux it has no package"
                 " for arm64: take --backend zenoh there"
             ) from error
         self._types, self._options, self._node = types, options, node

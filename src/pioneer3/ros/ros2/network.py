@@ -8,7 +8,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from pioneer3.errors import ConfigError
+from pioneer3.errors import ConfigError, how_to_get
 from pioneer3.ros.ros2.backend import Backend, NodeName
 from pioneer3.ros.ros2.distros import DEFAULT, Distro, distro_of, distros
 from pioneer3.ros.ros2.types import MessageTypes
@@ -185,10 +185,8 @@ class Network:
         for library, backend in reversed(order) if asks_zenoh else order:
             if find_spec(library) is not None:
                 return backend
-        raise ConfigError(
-            "neither ROS 2 nor a library that speaks it is here: pip install 'pioneer3[zenoh]',"
-            " or 'pioneer3[dds]'"
-        )
+        advice = how_to_get("zenoh")
+        raise ConfigError(f"neither ROS 2 nor a library that speaks it is here: {advice}")
 
 
 def open_backend(network: Network, node: NodeName, types: MessageTypes) -> Backend:

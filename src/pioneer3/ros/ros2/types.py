@@ -12,7 +12,7 @@ from importlib.resources import files
 from math import inf
 from typing import Any, Final
 
-from pioneer3.errors import ConfigError
+from pioneer3.errors import ConfigError, how_to_get
 from pioneer3.ros.ros2.backend import MessageType, ServiceType
 from pioneer3.ros.ros2.cdr import LARGEST as LARGEST_NUMBER
 from pioneer3.ros.ros2.cdr import encoder
@@ -60,9 +60,8 @@ class MessageTypes(MessageStore):
         try:
             from rosbags.typesys import Stores, get_types_from_msg, get_typestore
         except ImportError as error:
-            raise ConfigError(
-                "ROS 2 without ROS needs rosbags: pip install 'pioneer3[dds]' or 'pioneer3[zenoh]'"
-            ) from error
+            advice = how_to_get("zenoh")
+            raise ConfigError(f"ROS 2 without ROS needs rosbags: {advice}") from error
         self.distro = distro
         super().__init__(get_typestore(Stores(f"ros2_{distro.name}")))
         self._services = set()

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from hashlib import md5
 from typing import Any, Final
 
-from pioneer3.errors import ConfigError
+from pioneer3.errors import ConfigError, how_to_get
 from pioneer3.ros.typestore import MessageStore, full_name
 
 FURTHER: Final = {
@@ -46,9 +46,8 @@ class Ros1Types(MessageStore):
         try:
             from rosbags.typesys import Stores, get_types_from_msg, get_typestore
         except ImportError as error:
-            raise ConfigError(
-                "ROS 1 without ROS needs rosbags: pip install 'pioneer3[dds]' or 'pioneer3[zenoh]'"
-            ) from error
+            advice = how_to_get("zenoh")
+            raise ConfigError(f"ROS 1 without ROS needs rosbags: {advice}") from error
         super().__init__(get_typestore(Stores.ROS1_NOETIC))
         for name, text in FURTHER.items():
             self._store.register(get_types_from_msg(text, name))

@@ -8,7 +8,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from pioneer3.errors import ConfigError
+from pioneer3.errors import ConfigError, how_to_get
 from pioneer3.ros.zenoh.config_file import ConfigFile, read_config
 
 if TYPE_CHECKING:
@@ -74,9 +74,8 @@ def load_zenoh() -> None:
     try:
         import_module("zenoh.ext")
     except ImportError as error:
-        raise ConfigError(
-            "ROS 2 over Zenoh needs eclipse-zenoh: pip install 'pioneer3[zenoh]'"
-        ) from error
+        advice = how_to_get("zenoh")
+        raise ConfigError(f"ROS 2 over Zenoh needs eclipse-zenoh: {advice}") from error
 
 
 def session_config(options: ZenohOptions) -> "zenoh.Config":

@@ -5,7 +5,18 @@ from pathlib import Path
 import pytest
 
 pytest.importorskip("mujoco")
-from tests.situations import SITUATIONS, brake, climb, fall, hit, push, sill, square, straight
+from tests.situations import (
+    SITUATIONS,
+    brake,
+    climb,
+    fall,
+    gets_up,
+    hit,
+    push,
+    sill,
+    square,
+    straight,
+)
 
 MODELS = ["p3at-sh", "p3dx-sh"]
 
@@ -70,6 +81,15 @@ def test_a_sill_is_too_high_for_small_wheels() -> None:
 def test_an_edge_is_fallen_over(model: str) -> None:
     assert fall(model, "mujoco")[0] > 60
     assert fall(model, "planar") == (0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("model", "steepest"),
+    [("p3at-sh", 30), ("p3dx-sh", 14), ("amigo-sh", 14), ("peoplebot-sh", 12)],
+)
+def test_ramps_are_climbed_up_to_the_angle_on_the_page(model: str, steepest: int) -> None:
+    assert gets_up(model, steepest)
+    assert not gets_up(model, steepest + 2)
 
 
 def test_the_page_has_these_situations() -> None:
