@@ -32,6 +32,7 @@ BAR_GAP, BAR_CPU = 300.0, 150.0
 SETTLE = 5.0
 """Time before it is measured [s]."""
 TICKS = os.sysconf("SC_CLK_TCK")
+JSON = {"Content-Type": "application/json"}
 
 
 def main() -> None:
@@ -111,7 +112,7 @@ def _cpu(process: int) -> float:
 def _join(options: argparse.Namespace, number: int) -> str:
     """Let a student join; return the cookie."""
     body = json.dumps({"token": options.token, "name": f"Student {number}"}).encode()
-    request = Request(f"{options.base}/api/class/join", body, {"Content-Type": "application/json"})
+    request = Request(f"{options.base}/api/class/join", body, JSON)
     with urlopen(request) as answer:
         return str(answer.headers["Set-Cookie"]).partition(";")[0]
 
@@ -120,6 +121,9 @@ async def pages(options: argparse.Namespace) -> None:
     """Open the page of each student, and the teacher's; print the gaps between their frames."""
     gaps: list[list[float]] = [[] for _ in range(options.students)]
     until = monotonic() + SETTLE + options.seconds
+
+    shared = Request(f"{options.base}/api/class/shared", b'{"shared": true}', JSON, method="PUT")
+    await asyncio.to_thread(urlopen, shared)  # all are at this computer
 
     async def page(number: int) -> None:
         cookie = await asyncio.to_thread(_join, options, number)

@@ -58,6 +58,7 @@ class Class:
             self.ask("POST", f"/robots/{seat['robot']}/reset")
         self.ask("PUT", "/class/paused", paused=False)
         self.ask("PUT", "/class/locked", locked=False)
+        self.ask("PUT", "/class/shared", shared=True)
         self.ask("POST", "/class/put_back")
 
     @property

@@ -191,7 +191,9 @@ async def school(
     try:
         text = "\n".join(lines)
         url = re.findall(r"http://localhost:(\d+)/join#([\w-]+)", text)[0]
-        yield School(Caller(f"http://127.0.0.1:{url[0]}"), url[1], tmp_path / "runs", lines)
+        teacher = Caller(f"http://127.0.0.1:{url[0]}")
+        await teacher.ask("PUT", "/class/shared", shared=True)  # all are at this computer
+        yield School(teacher, url[1], tmp_path / "runs", lines)
     finally:
         task.cancel()
         with suppress(asyncio.CancelledError):
@@ -232,9 +234,17 @@ async def test_each_student_sees_and_drives_the_own_robot_only(tmp_path: Path) -
             assert set(anns.refused) == {"this is not your robot"}
             assert all_.pose[2] == before[2]
             assert {client["name"] for client in anns.latest["people"]["clients"]} == {"Ann"}
-            for refused in ("pause", "pause_robots", "put_back", "free_seat", "lock_joining"):
+            for refused in (
+                "pause",
+                "pause_robots",
+                "put_back",
+                "free_seat",
+                "lock_joining",
+                "share_addresses",
+            ):
                 fields = {"paused": True} if refused.startswith("pause") else {"robot": 1}
                 fields = {"locked": True} if refused == "lock_joining" else fields
+                fields = {"shared": True} if refused == "share_addresses" else fields
                 count = len(anns.refused)
                 await anns.say(refused, **fields)
                 await until(lambda n=count: len(anns.refused) > n)  # type: ignore[misc]
@@ -255,6 +265,7 @@ async def test_the_api_is_as_strict(tmp_path: Path) -> None:
             ("POST", "/class/put_back", {}),
             ("POST", "/class/robots/1/put_back", {}),
             ("PUT", "/class/locked", {"locked": True}),
+            ("PUT", "/class/shared", {"shared": True}),
             ("DELETE", "/class/robots/2", {}),
             ("PUT", "/class/robots/2/recording", {"step": "begin"}),
             ("GET", "/class/link", {}),
@@ -320,6 +331,19 @@ async def test_joining_is_for_who_has_the_token_while_there_is_room(tmp_path: Pa
         assert (await ann.ask("POST", "/robots/1/drive", v=0.1)).status in {401, 200}
         _, joined = await the.join("Eve")
         assert joined["robot"] == 1
+
+
+async def test_who_throws_the_cookie_away_gets_no_second_seat(tmp_path: Path) -> None:
+    async with school(tmp_path) as the:
+        await the.teacher.ask("PUT", "/class/shared", shared=False)
+        ann, _ = await the.join("Ann")
+        again = await Caller(the.teacher.base).ask(
+            "POST", "/class/join", token=the.token, name="Eve"
+        )
+        assert (again.status, b"ask your teacher" in again.body) == (409, True)
+        assert (await the.seat(2))["name"] is None
+        kept = await ann.ask("POST", "/class/join", token=the.token, name="Anna")
+        assert kept.json["robot"] == 1
 
 
 async def test_a_program_comes_before_the_page_and_the_teacher_before_both(tmp_path: Path) -> None:

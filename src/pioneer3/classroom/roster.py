@@ -6,7 +6,10 @@ Rules:
    until the teacher frees it.
 2. No two students have the same name; the second Anna is `Anna 2`.
 3. A session joins once: when it joins again, it only changes the name.
-4. The teacher pauses all robots, or some. To let all go on ends every pause; to let one go on while
+4. A network address has one student at most, until the teacher lets several join from one. The
+   cookie of the session cannot tell clients apart here: who throws it away is new. Behind one
+   router or proxy all students have its address; that the teacher knows, and no program can tell.
+5. The teacher pauses all robots, or some. To let all go on ends every pause; to let one go on while
    all are paused leaves the others paused.
 """
 
@@ -22,10 +25,17 @@ ONE_PAUSED = "the teacher has paused this robot"
 
 @dataclass(frozen=True, slots=True)
 class Student:
-    """A student: the id of the session, and the name to show."""
+    """A student of a class.
+
+    Attributes:
+        session: Id of the session.
+        name: To show.
+        address: The network address that the student joined from.
+    """
 
     session: str
     name: str
+    address: str = ""
 
 
 class Roster:
@@ -36,11 +46,12 @@ class Roster:
 
     Attributes:
         locked: Whether nobody else can join.
+        shared: Whether several students may join from one network address.
         all_paused: Whether the teacher has paused all robots.
     """
 
     def __init__(self, robots: Iterable[int]) -> None:
-        self.locked = False
+        self.locked = self.shared = False
         self.all_paused = False
         self._students: dict[int, Student | None] = dict.fromkeys(robots)
         self._paused: set[int] = set()
@@ -50,33 +61,34 @@ class Roster:
         """The numbers of the robots, in order."""
         return list(self._students)
 
-    def join(self, session: str, name: str) -> int:
+    def join(self, session: str, name: str, address: str) -> int:
         """Give a session a robot, and return its number.
 
         Raises:
-            CommandError: The name is empty, nobody else can join, or no robot is free.
+            CommandError: The name is empty, nobody else can join, from this address or at all, or
+                no robot is free.
         """
         wanted = clean_name(name)
         if not wanted:
             raise CommandError("type your name: it is shown to your teacher")
         robot = self.robot_of(session)
         if robot is None:
-            robot = self._free_robot()
+            robot = self._free_robot(address)
         taken = {
             student.name
             for number, student in self._students.items()
             if student is not None and number != robot
         }
-        self._students[robot] = Student(session, free_name(wanted, taken))
+        self._students[robot] = Student(session, free_name(wanted, taken), address)
         return robot
 
-    def check_room(self) -> None:
-        """Do nothing if one more student can join.
+    def check_room(self, address: str) -> None:
+        """Do nothing if one more student can join from a network address.
 
         Raises:
             CommandError: As :meth:`join` does.
         """
-        self._free_robot()
+        self._free_robot(address)
 
     def free(self, robot: int) -> Student | None:
         """Take the robot from its student; return the student, `None` if it had none."""
@@ -135,9 +147,15 @@ class Roster:
             return ALL_PAUSED
         return ONE_PAUSED if robot in self._paused else ""
 
-    def _free_robot(self) -> int:
+    def _free_robot(self, address: str) -> int:
         if self.locked:
             raise CommandError("nobody else can join now: ask your teacher to open the class")
+        here = (student.address for student in self._students.values() if student is not None)
+        if not self.shared and address in here:
+            raise CommandError(
+                f"somebody has joined from your address, {address}: go on in that browser, or ask "
+                "your teacher to let several join from one address"
+            )
         robot = next((number for number, who in self._students.items() if who is None), None)
         if robot is None:
             raise CommandError(

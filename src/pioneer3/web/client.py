@@ -272,6 +272,7 @@ class Client:
                 | requests.PutBack()
                 | requests.FreeSeat()
                 | requests.LockJoining()
+                | requests.ShareAddresses()
                 | requests.RecordRun()
             ):
                 refused = self._ask_class(request)

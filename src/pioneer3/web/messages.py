@@ -643,12 +643,14 @@ class Seat(Part, frozen=True):
 class Class(Message, tag="class", frozen=True):
     """The class. Students get their own seat and runs only, and no `join_url`.
 
-    `paused` says that the teacher has paused all robots, `locked` that nobody else can join, and
-    `lan` that other devices can reach `join_url`.
+    `paused` says that the teacher has paused all robots, `locked` that nobody else can join,
+    `shared` that several may join from one network address, and `lan` that other devices can reach
+    `join_url`.
     """
 
     paused: bool
     locked: bool
+    shared: bool
     lan: bool
     join_url: str | None
     seats: tuple[Seat, ...]

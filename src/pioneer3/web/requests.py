@@ -361,6 +361,12 @@ class LockJoining(Request, tag="lock_joining"):
     locked: bool
 
 
+class ShareAddresses(Request, tag="share_addresses"):
+    """Let several students join the class from one network address, or one from each."""
+
+    shared: bool
+
+
 class RecordRun(Request, tag="record_run"):
     """Record a run of a robot of the class, end the recording, hand it in, or drop it.
 
@@ -401,7 +407,7 @@ MapChange = EraseWalls | DrawWall | Forbid | NamePlace | RenameObject | RemoveOb
 """Changes the draft of the map."""
 MapEdit = MapChange | UndoMapEdit | DiscardMapEdits | SaveMap
 """Concerns the draft of the map."""
-ClassRequest = PauseRobots | PutBack | FreeSeat | LockJoining | RecordRun
+ClassRequest = PauseRobots | PutBack | FreeSeat | LockJoining | ShareAddresses | RecordRun
 """Concerns a class."""
 RobotAction = DriveRequest | ControlRequest | ModeRequest | MapRequest
 AnyRequest = RobotAction | StartGroupMode | ViewRequest | Ping | Edit | MapEdit | ClassRequest

@@ -17,7 +17,8 @@ NO_CLASS = ErrorResponse(404, "there is no class here: start one with pioneer3 c
 def join_class(request: ApiRequest, body: types.JoinRequest) -> types.Joined | ErrorResponse:
     """Join a class with its token; the answer sets a cookie.
 
-    Who has joined already keeps the robot, and gets the new name.
+    Who has joined already keeps the robot, and gets the new name. Others join from other addresses,
+    until the teacher lets several join from one.
     """
     classroom = request.page.classroom
     if classroom is None:
@@ -30,7 +31,7 @@ def join_class(request: ApiRequest, body: types.JoinRequest) -> types.Joined | E
             403, "this link is not good any more: ask your teacher for the new one"
         )
     try:
-        session, secret = classroom.join(body.name, request.session)
+        session, secret = classroom.join(body.name, request.address, request.session)
     except (CommandError, OverflowError) as error:
         return ErrorResponse(409, str(error))
     if secret is not None:
@@ -50,6 +51,7 @@ def get_class(request: ApiRequest) -> types.ClassState | ErrorResponse:
     return types.ClassState(
         paused=classroom.roster.all_paused,
         locked=classroom.roster.locked,
+        shared=classroom.roster.shared,
         seats=tuple(map(classroom.seat, chosen)),
         handed_in=classroom.handed_in(own),
     )
@@ -88,6 +90,11 @@ def put_back_robot(request: ApiRequest) -> ErrorResponse | None:
 def lock_class(request: ApiRequest, body: types.Locked) -> ErrorResponse | None:
     """Let no more students join, or let them again."""
     return _do(request, lambda classroom: classroom.lock(locked=body.locked))
+
+
+def share_addresses(request: ApiRequest, body: types.Shared) -> ErrorResponse | None:
+    """Let several students join from one network address, or one from each."""
+    return _do(request, lambda classroom: classroom.share_addresses(shared=body.shared))
 
 
 def free_seat(request: ApiRequest) -> ErrorResponse | None:
@@ -149,6 +156,7 @@ CLASS = (
     operation("PUT", "/api/class/paused", pause_all, DRIVER, 404, 409),
     operation("POST", "/api/class/put_back", put_back_all, DRIVER, 404, 409),
     operation("PUT", "/api/class/locked", lock_class, DRIVER, 404, 409),
+    operation("PUT", "/api/class/shared", share_addresses, DRIVER, 404, 409),
     operation("GET", "/api/class/runs", list_runs, STUDENT, 404),
     operation("GET", "/api/class/runs/{file}", get_run, STUDENT, 404),
     operation("PUT", f"{ROBOT}/paused", pause_robot, DRIVER, 404, 409),

@@ -276,6 +276,12 @@ class Locked(Body):
     locked: bool
 
 
+class Shared(Body):
+    """Whether several students may join from one network address."""
+
+    shared: bool
+
+
 class RecordingStep(Body):
     """The next step of a recording; handing in ends it."""
 
@@ -294,5 +300,6 @@ class ClassState(msgspec.Struct):
 
     paused: bool
     locked: bool
+    shared: bool
     seats: tuple[Seat, ...]
     handed_in: tuple[HandedIn, ...]

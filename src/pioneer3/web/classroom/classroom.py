@@ -115,11 +115,14 @@ class Classroom:
         """Whether `token` is that of the class."""
         return compare_digest(fingerprint(token), fingerprint(self.token))
 
-    def join(self, name: str, session: Session | None = None) -> tuple[Session, str | None]:
+    def join(
+        self, name: str, address: str, session: Session | None = None
+    ) -> tuple[Session, str | None]:
         """Let a student in; return the session, and its secret if it is new.
 
         Args:
             name: As typed.
+            address: The network address of the caller.
             session: The caller's. A student's is kept, and only the name changes.
 
         Raises:
@@ -128,10 +131,10 @@ class Classroom:
         """
         secret = None
         if session is None or self.roster.robot_of(session.id) is None:
-            self.roster.check_room()
+            self.roster.check_room(address)
             session, secret = self._page.access.sessions.open(name, Role.STUDENT, Kind.BROWSER)
         try:
-            robot = self.roster.join(session.id, name)
+            robot = self.roster.join(session.id, name, address)
         except CommandError:
             if secret is not None:
                 self._page.access.sessions.revoke(session.id)
@@ -192,6 +195,8 @@ class Classroom:
                     self.free(robot)
                 case requests.LockJoining(locked):
                     self.lock(locked=locked)
+                case requests.ShareAddresses(shared):
+                    self.share_addresses(shared=shared)
                 case requests.RecordRun(step, robot):
                     self.record(robot, step)
         except (CommandError, ConfigError) as error:
@@ -250,6 +255,11 @@ class Classroom:
         self.roster.locked = locked
         self.update()
 
+    def share_addresses(self, *, shared: bool) -> None:
+        """Let several students join from one network address, or one from each."""
+        self.roster.shared = shared
+        self.update()
+
     def record(self, robot: int | None, step: str) -> Run | None:
         """Take a step of the recording of a robot's run; return what was handed in.
 
@@ -299,6 +309,7 @@ class Classroom:
         return messages.Class(
             paused=self.roster.all_paused,
             locked=self.roster.locked,
+            shared=self.roster.shared,
             lan=self.lan,
             join_url=self.join_url if audience.small else None,
             seats=tuple(seat for number, seat in seats.items() if own in {None, number}),

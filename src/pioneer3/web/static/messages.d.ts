@@ -365,11 +365,12 @@ export interface Client {
   role: Role;
 }
 
-/** The class. Students get their own seat and runs only, and no `join_url`. `paused` says that the teacher has paused all robots, `locked` that nobody else can join, and `lan` that other devices can reach `join_url`. */
+/** The class. Students get their own seat and runs only, and no `join_url`. `paused` says that the teacher has paused all robots, `locked` that nobody else can join, `shared` that several may join from one network address, and `lan` that other devices can reach `join_url`. */
 export interface Class {
   type: "class";
   paused: boolean;
   locked: boolean;
+  shared: boolean;
   lan: boolean;
   join_url: string | null;
   seats: Seat[];
@@ -1004,6 +1005,12 @@ export interface LockJoining {
   locked: boolean;
 }
 
+/** Let several students join the class from one network address, or one from each. */
+export interface ShareAddresses {
+  type: "share_addresses";
+  shared: boolean;
+}
+
 /** Record a run of a robot of the class, end the recording, hand it in, or drop it. Handing in ends it. `robot` is null for a student's own. */
 export interface RecordRun {
   type: "record_run";
@@ -1013,4 +1020,4 @@ export interface RecordRun {
 
 export type ToPage = Hello | Status | Robots | Scans | Map | MapDraft | World | People | Class | ClassRobots | Way | Navigation | Mapping | Told | Refused | EditRefused | Added | Pong | Details | NoDetails | Config;
 
-export type ToServer = Drive | Stop | EmergencyStop | ResetEmergencyStop | SwitchMotors | TakeControl | TakeOver | HandOver | ReleaseControl | StartMode | GotoPlace | MakeMap | EndMode | Patrol | LookAround | PlaceRobot | StartGroupMode | WatchDetails | AskConfig | WatchLasers | PlanWay | Ping | AddBox | AddPerson | AddRobot | Move | Remove | PressStopButton | PlugCable | SetCharge | Pause | Step | SetSpeed | EraseWalls | DrawWall | Forbid | NamePlace | RenameObject | RemoveObject | UndoMapEdit | DiscardMapEdits | SaveMap | PauseRobots | PutBack | FreeSeat | LockJoining | RecordRun;
+export type ToServer = Drive | Stop | EmergencyStop | ResetEmergencyStop | SwitchMotors | TakeControl | TakeOver | HandOver | ReleaseControl | StartMode | GotoPlace | MakeMap | EndMode | Patrol | LookAround | PlaceRobot | StartGroupMode | WatchDetails | AskConfig | WatchLasers | PlanWay | Ping | AddBox | AddPerson | AddRobot | Move | Remove | PressStopButton | PlugCable | SetCharge | Pause | Step | SetSpeed | EraseWalls | DrawWall | Forbid | NamePlace | RenameObject | RemoveObject | UndoMapEdit | DiscardMapEdits | SaveMap | PauseRobots | PutBack | FreeSeat | LockJoining | ShareAddresses | RecordRun;

@@ -81,12 +81,13 @@ function show() {
 }
 
 function showAll() {
-  const { paused, locked } = told;
+  const { paused, locked, shared } = told;
   document.body.classList.toggle("all-paused", paused);
   put(byId("pause-all-text"), paused ? "Go on" : "Pause all");
   put(byId("paused"), paused ? "All robots are paused: they stand, and nobody can drive." : "");
   put(byId("lock"), locked ? "Let students join" : "Lock joining");
   set(byId("lock"), "aria-pressed", String(locked));
+  set(byId("share"), "aria-pressed", String(shared));
   const latched = [...model.robots.values()].filter(({ snapshot }) => snapshot?.emergency_stop);
   byId("latched").hidden = latched.length === 0;
   const which = latched.length === model.robots.size ? "of all robots" : `of ${latched.map(({ id }) => nameOf(id)).join(", ")}`;
@@ -147,6 +148,7 @@ onPress(byId("stop-all"), stopAll);
 byId("pause-all").addEventListener("click", () => (told?.paused ? send({ type: "pause_robots", paused: false }) : pauseAll()));
 byId("reset-all").addEventListener("click", resetAll);
 byId("lock").addEventListener("click", () => send({ type: "lock_joining", locked: !told?.locked }));
+byId("share").addEventListener("click", () => send({ type: "share_addresses", shared: !told?.shared }));
 byId("put-all-back").addEventListener("click", async () => {
   if (await confirmed("Put all robots back?", "They stop, and stand where they began.", "Put all back")) send({ type: "put_back" });
 });
