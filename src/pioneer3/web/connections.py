@@ -12,6 +12,7 @@ import asyncio
 import logging
 import socket
 import ssl
+from collections import Counter
 from collections.abc import Callable
 from enum import IntEnum
 from pathlib import Path
@@ -51,6 +52,26 @@ BATCH = 4
 OUT_OF_FILES = 0.1
 """Pause when the operating system gives no connection [s]."""
 FULL = b"HTTP/1.1 503 Service Unavailable\r\nConnection: close\r\nContent-Length: 0\r\n\r\n"
+
+
+class TenfoldFilter(logging.Filter):
+    """Lets the first, tenth, hundredth ... warning of one kind pass, with its number.
+
+    Whoever sends what is no HTTP or no text fills no log.
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._counts: Counter[str] = Counter()
+
+    def filter(self, record: logging.LogRecord) -> bool:
+        """Count `record`; return whether it passes."""
+        if record.levelno != logging.WARNING:
+            return True
+        self._counts[record.msg] += 1
+        number = str(self._counts[record.msg])
+        record.msg += "" if number == "1" else f" ({number} times so far)"
+        return number.rstrip("0") == "1"
 
 
 class Phase(IntEnum):

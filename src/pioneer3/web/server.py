@@ -2,6 +2,7 @@
 
 import asyncio
 import errno
+import logging
 import socket
 from collections.abc import AsyncIterator, Collection
 from contextlib import AsyncExitStack, ExitStack, asynccontextmanager, suppress
@@ -14,9 +15,11 @@ from pioneer3.tasks import running
 from pioneer3.web.access.certificate import Certificate
 from pioneer3.web.access.hosts import is_loopback, others_urls, own_names
 from pioneer3.web.app import make_app
-from pioneer3.web.connections import BACKLOG, ConnectionLimits, Server
+from pioneer3.web.connections import BACKLOG, ConnectionLimits, Server, TenfoldFilter
 from pioneer3.web.page import Page
 from pioneer3.web.websocket import BoundedWebSocket
+
+log = logging.getLogger("uvicorn.error")
 
 GOODBYE = 1
 """Longest wait for open pages at the end [s]."""
@@ -59,6 +62,8 @@ async def serve(
     """
     names, limits = own_names(host), ConnectionLimits()
     async with AsyncExitStack() as stack:
+        log.addFilter(counting := TenfoldFilter())
+        stack.callback(log.removeFilter, counting)
         await stack.enter_async_context(running(page.run()))
         plain = _listen(host, port, stack)
         await stack.enter_async_context(_running(page, names, limits, plain))

@@ -24,6 +24,8 @@ SLICE = 1024
 MOST_UNREAD = 65_536
 """A page that has sent so much more than could be read is closed [bytes]."""
 POLICY_VIOLATION = 1008
+NOT_TEXT = 1007
+"""Close code for text that is not UTF-8 (RFC 6455, 8.1)."""
 FLOODS = "this page sends too much"
 
 
@@ -77,6 +79,16 @@ class BoundedWebSocket(WebSocketsSansIOProtocol):
         self._count()
         super().handle_cont(event)
 
+    def send_receive_event_to_app(self) -> None:
+        """Pass a whole message on, unless it is closed; text that is not UTF-8 closes it."""
+        if self._closing:
+            return
+        if self.curr_msg_data_type == "text" and not _is_utf8(b"".join(self.frames)):
+            self.logger.warning("A page was closed: it sent text that is not UTF-8")
+            self._disconnect(NOT_TEXT, "this is not UTF-8")
+        else:
+            super().send_receive_event_to_app()
+
     def handle_ping(self) -> None:
         """Count it with the messages; browsers send none."""
         self._count()
@@ -109,19 +121,25 @@ class BoundedWebSocket(WebSocketsSansIOProtocol):
             self.conn.send_text(encode(Told(message)).encode())
             self.transport.write(b"".join(self.conn.data_to_send()))
 
-    def _disconnect(self) -> None:
+    def _disconnect(self, code: int = POLICY_VIOLATION, why: str = FLOODS) -> None:
         """Accept no more, and tell the application that this page is gone."""
         if self._closing:
             return
         self._closing = True
         self._unread.clear()
-        self.queue.put_nowait(
-            {"type": "websocket.disconnect", "code": POLICY_VIOLATION, "reason": FLOODS}
-        )
-        self._hang_up(POLICY_VIOLATION, FLOODS)
+        self.queue.put_nowait({"type": "websocket.disconnect", "code": code, "reason": why})
+        self._hang_up(code, why)
 
     def _hang_up(self, code: int, reason: str) -> None:
         """Send the reason, if that is possible; then drop the connection and its unsent data."""
         self.conn.fail(code, reason)
         self.transport.write(b"".join(self.conn.data_to_send()))
         self.loop.call_later(CLOSE_TIME, self.transport.abort)
+
+
+def _is_utf8(data: bytes) -> bool:
+    try:
+        data.decode()
+    except UnicodeDecodeError:
+        return False
+    return True

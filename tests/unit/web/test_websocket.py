@@ -148,3 +148,59 @@ async def test_who_drives_and_looks_as_a_page_does_is_never_told() -> None:
             await asyncio.sleep(0.02)
         await page.close()
         assert await listening == []
+
+
+def masked(opcode: int, data: bytes) -> bytes:
+    """Return a frame as it is on the wire, masked with zeros."""
+    return bytes([opcode, 0x80 | len(data)]) + bytes(4) + data
+
+
+@pytest.mark.parametrize(
+    "frames",
+    [
+        pytest.param(masked(0x81, b"\xff\xfe"), id="one frame"),
+        pytest.param(masked(0x01, b"\xe2") + masked(0x80, b"\x28\xa1"), id="fragments"),
+    ],
+)
+async def test_text_that_is_not_utf8_closes_the_page_and_stops_what_it_drives(
+    frames: bytes, caplog: pytest.LogCaptureFixture
+) -> None:
+    async with served() as (sim, where), connect(f"ws://{where}/ws") as page:
+        await until_driving(sim, page)
+        page.transport.write(frames)
+        assert await closing_code(page) == 1007
+        await until_standing(sim)
+    (record,) = caplog.records
+    assert record.getMessage() == "A page was closed: it sent text that is not UTF-8"
+    assert record.exc_info is None
+
+
+async def test_text_in_fragments_that_part_a_letter_is_understood() -> None:
+    first, rest = '{"type":"ping","t":1,"é":0}'.encode().split(b"\xc3")
+    async with served() as (_, where), connect(f"ws://{where}/ws") as page:
+        page.transport.write(masked(0x01, first + b"\xc3") + masked(0x80, rest))
+        async with asyncio.timeout(PATIENCE):
+            async for text in page:
+                if '"pong"' in str(text) or '"refused"' in str(text):
+                    break
+
+
+async def test_many_bad_texts_and_requests_are_a_few_lines_with_their_number(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    async with served() as (_, where):
+        for _ in range(25):
+            async with connect(f"ws://{where}/ws") as page:
+                page.transport.write(masked(0x81, b"\xff"))
+                await closing_code(page)
+        for _ in range(12):
+            reader, writer = await asyncio.open_connection(*where.split(":"))
+            writer.write(b"\xff\xff\r\n\r\n")
+            await reader.read()
+            writer.close()
+    assert [record.getMessage() for record in caplog.records] == [
+        "A page was closed: it sent text that is not UTF-8",
+        "A page was closed: it sent text that is not UTF-8 (10 times so far)",
+        "Invalid HTTP request received.",
+        "Invalid HTTP request received. (10 times so far)",
+    ]
