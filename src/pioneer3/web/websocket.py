@@ -62,6 +62,15 @@ class BoundedWebSocket(WebSocketsSansIOProtocol):
         elif not self._reading:
             self._read_on()
 
+    def connection_lost(self, exc: Exception | None) -> None:
+        """Let go of what refers back to this: cycles wait for a collection of the whole heap."""
+        self._closing = True
+        super().connection_lost(exc)
+        self.app_state = {}
+        if self.handshake_initiated:
+            self.scope = {**self.scope, "state": {}}
+        self.conn.parser.close()
+
     def handle_text(self, event: Frame) -> None:
         """Accept a message unless there were too many; a stop is always accepted."""
         if self._closing:
@@ -95,6 +104,8 @@ class BoundedWebSocket(WebSocketsSansIOProtocol):
         super().handle_ping()
 
     def _read_on(self) -> None:
+        if self._closing:
+            return
         part = bytes(self._unread[:SLICE])
         del self._unread[:SLICE]
         super().data_received(part)

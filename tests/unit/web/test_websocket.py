@@ -1,6 +1,7 @@
 """A page that sends too much is told, then closed; its stops, and others, are heard at once."""
 
 import asyncio
+import gc
 import json
 import re
 from contextlib import suppress
@@ -10,7 +11,7 @@ from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosedError
 
 from pioneer3.web.requests import is_stop
-from pioneer3.web.websocket import ENOUGH, FLOODS, MOST_UNREAD, TOO_MANY
+from pioneer3.web.websocket import ENOUGH, FLOODS, MOST_UNREAD, TOO_MANY, BoundedWebSocket
 from tests.unit.web.test_server import closing_code, served, until_driving, until_standing
 
 pytestmark = pytest.mark.realtime
@@ -204,3 +205,22 @@ async def test_many_bad_texts_and_requests_are_a_few_lines_with_their_number(
         "Invalid HTTP request received.",
         "Invalid HTTP request received. (10 times so far)",
     ]
+
+
+async def test_a_page_that_left_is_freed_without_a_collection_of_the_whole_heap() -> None:
+    def pages() -> int:
+        return sum(isinstance(one, BoundedWebSocket) for one in gc.get_objects())
+
+    async with served() as (_, where):
+        gc.collect()
+        gc.disable()
+        try:
+            async with connect(f"ws://{where}/ws") as page:
+                await page.send(PING)
+                await page.recv()
+                assert pages() == 1
+            async with asyncio.timeout(PATIENCE):
+                while pages():  # noqa: ASYNC110  the heap tells nobody
+                    await asyncio.sleep(0.02)
+        finally:
+            gc.enable()
