@@ -8,7 +8,7 @@ from typing import Any
 from xmlrpc.client import ServerProxy
 from xmlrpc.server import SimpleXMLRPCServer
 
-from pioneer3.ros.tcpros.address import LOCAL, Addresses
+from pioneer3.ros.addresses import LOCAL, Addresses
 
 Registered = dict[str, dict[str, str]]
 

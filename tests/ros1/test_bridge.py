@@ -79,7 +79,7 @@ async def test_old_programs_read_all_of_a_robot_in_ros2(ros2: Ros2) -> None:
     async with robot_on(ros2), bridge_on(ros2):
         found = await heard("/odom", "/RosAria/pose", "/tf", "/sonar/range_3", "/emergency_stop")
         assert found["/odom"]["md5sum"] == "cd5e73d190d741a2f92e81eda573aca7"
-        assert found["/RosAria/pose"]["bytes"] == found["/odom"]["bytes"] == 713
+        assert found["/RosAria/pose"]["bytes"] == found["/odom"]["bytes"] == 718  # base_footprint
         assert found["/tf"]["md5sum"] == "94810edda583a504dfda3829e70d7eec"
         assert found["/sonar/range_3"]["type"] == "sensor_msgs/Range"
         assert found["/emergency_stop"]["latching"] == "1"

@@ -9,7 +9,7 @@ from urllib.parse import urlsplit
 import pytest
 
 from pioneer3.errors import ConfigError
-from pioneer3.ros.tcpros.address import Addresses, addresses
+from pioneer3.ros.addresses import Addresses, addresses
 from pioneer3.ros.tcpros.answers import MasterRefusalError, OddAnswerError, value_of
 from pioneer3.ros.tcpros.master import CONNECTIONS, Api
 from pioneer3.ros.tcpros.node import Ros1Node, ros1_node

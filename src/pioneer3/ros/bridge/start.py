@@ -9,6 +9,7 @@ from typing import Final
 
 from pioneer3.errors import ConfigError
 from pioneer3.models import load_model
+from pioneer3.ros.addresses import addresses
 from pioneer3.ros.bridge.bridge import Bridge
 from pioneer3.ros.bridge.conversion import Converter, Frames
 from pioneer3.ros.bridge.rows import Robot, Row, ServiceRow, Side, Way, chosen, rows_of, services_of
@@ -18,7 +19,6 @@ from pioneer3.ros.ros2.names import node_name
 from pioneer3.ros.ros2.network import BackendName
 from pioneer3.ros.ros2.start import NodeOptions, on_ros2
 from pioneer3.ros.ros2.types import MessageTypes
-from pioneer3.ros.tcpros.address import addresses
 from pioneer3.ros.tcpros.node import ros1_node
 from pioneer3.ros.tcpros.subscriber import BRIDGE_FIELD
 from pioneer3.ros.tcpros.types import Ros1Types

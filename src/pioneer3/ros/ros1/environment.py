@@ -10,7 +10,7 @@ from urllib.parse import urlsplit
 
 from pioneer3.doctor.facts import Finding, Level
 from pioneer3.errors import ConfigError
-from pioneer3.ros.tcpros.address import LOCAL, LOOPBACK, PORT, address_towards
+from pioneer3.ros.addresses import LOCAL, LOOPBACK, PORT, address_towards
 
 MASTER: Final = "ROS_MASTER_URI"
 ADDRESS: Final = "ROS_IP"

@@ -11,7 +11,7 @@ from urllib.parse import urlsplit
 from weakref import WeakValueDictionary
 
 from pioneer3.errors import ConfigError, NoRobotError
-from pioneer3.ros.tcpros.address import Addresses
+from pioneer3.ros.addresses import Addresses
 from pioneer3.ros.tcpros.answers import MasterRefusalError, SystemState
 from pioneer3.ros.tcpros.framing import header_frame, prepare, read_header
 from pioneer3.ros.tcpros.liveness import Liveness
