@@ -351,7 +351,7 @@ async def test_cmd_vel_comes_first_and_then_the_robot_goes_on() -> None:
         the.goal("a", 2.5, 0.0)
         await asyncio.sleep(3.0)
         for _ in range(20):
-            the.middleware.drive("/cmd_vel", 0.0)
+            the.middleware.drive("cmd_vel", 0.0)
             await asyncio.sleep(0.1)
         assert the.sim.speed == 0.0
         assert the.results == []

@@ -109,7 +109,7 @@ async def test_motors_that_were_switched_off_are_told_with_the_service_that_help
     async with a_node(profile="standard") as the:
         assert "next command" in (await the.call("e_stop_reset")).message
         await the.call("disable_motors")
-        the.middleware.drive("/cmd_vel", 0.3)
+        the.middleware.drive("cmd_vel", 0.3)
         await asyncio.sleep(0.3)
         assert the.sim.body.speeds[0] == 0.0
         assert "do not switch them on" in (the.robot.why_not_moving() or "")
