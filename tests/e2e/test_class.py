@@ -192,7 +192,6 @@ async def school(
         text = "\n".join(lines)
         url = re.findall(r"http://localhost:(\d+)/join#([\w-]+)", text)[0]
         teacher = Caller(f"http://127.0.0.1:{url[0]}")
-        await teacher.ask("PUT", "/class/shared", shared=True)  # all are at this computer
         yield School(teacher, url[1], tmp_path / "runs", lines)
     finally:
         task.cancel()

@@ -154,6 +154,7 @@ async def class_live(options: ClassOptions, tell: Callable[[str], None]) -> int:
         served = await stack.enter_async_context(serving)
         classroom.join_url = join_url(page.access.urls, served, classroom.token)
         classroom.lan = bool(page.access.urls)
+        classroom.roster.shared = not classroom.lan  # here are the teacher's own browsers only
         await stack.enter_async_context(hosted(page, _targets(places, robots), _log))
         _name_urls(page, places, robots)
         await stack.enter_async_context(running(classroom.run()))
