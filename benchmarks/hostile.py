@@ -37,6 +37,7 @@ from pioneer3.tasks import running
 from tests.conftest import VirtualTimeLoop
 from tests.lasers import LaserUnit
 from tests.support import SimulatedRobot
+from tests.unit.web.browser import Browser, playground
 
 FILES = 256
 """What the server under attack may open."""
@@ -51,6 +52,8 @@ SETTLE = 0.5
 STAND_BAR, FROZEN_BAR, STOP_BAR = 300.0, 800.0, 300.0
 ROLL_BAR = 0.1
 """An emergency stop during a drive leaves no more way [m]."""
+ASLEEP_BAR = 3.0
+"""A page is silent for 2 s until its robot is stopped, which brakes then [s]."""
 GONE = 6.0
 """How long a laser is unplugged, and watched afterwards [s]."""
 FLOOD = 6.5
@@ -73,6 +76,7 @@ def rows() -> Iterator[Row]:
     yield from asyncio.run(_flooded_link())
     with asyncio.Runner(loop_factory=partial(VirtualTimeLoop, inf)) as runner:
         yield from runner.run(_on_its_way())
+        yield from runner.run(_asleep())
 
 
 async def _stops(manner: str, count: int, what: str) -> list[Row]:
@@ -245,6 +249,30 @@ async def _on_its_way() -> list[Row]:
         Row("goto at 0.7 m/s: emergency stop to stand, worst", max(stopped), "m", ROLL_BAR),
         Row(f"goto, laser gone for {GONE:g} s and back: way afterwards", max(came), "m", 0.01),
     ]
+
+
+async def _asleep() -> list[Row]:
+    """Put the page to sleep that sent a robot through the office at full speed."""
+    office = shipped_map("office")
+    start, goal = home(office) or Pose2(), find_place(office, "Lobby")
+    async with playground(start, line_map=office) as the, Browser(the.app) as page:
+        for view in the.page.robots.values():
+            view.navigation.in_thread = at_once
+        await page.stay(1.0)
+        page.say("goto", x=goal.x, y=goal.y, speed=0.7)
+        body = the.simulation.robots[0].body
+        while body.speeds[0] < 0.6:
+            await page.stay(1.0)
+        clock, begin = asyncio.get_running_loop().time, body.robot_in_world
+        slept = clock()
+        while any(body.speeds):
+            await asyncio.sleep(0.01)
+        end = body.robot_in_world
+        way = hypot(end.x - begin.x, end.y - begin.y)
+        return [
+            Row("goto at 0.7 m/s, page asleep: to stand", clock() - slept, "s", ASLEEP_BAR),
+            Row("the same: way", way, "m", None),
+        ]
 
 
 @asynccontextmanager
