@@ -63,7 +63,7 @@ PARTS: Mapping[str, Part] = {
         {
             "test_a_leader_that_stops_suddenly_is_not_run_into": "safety",
             "test_a_robot_that_dies_on_the_way_stops_nobody_else_and_is_not_touched": "safety",
-            "test_followers_of_a_leader_that_is_lost_stand_and_give_up": "safety",
+            "test_followers_of_a_leader_that_is_lost_stand_and_end": "safety",
         },
     ),
     "tests/e2e/test_traffic.py": Part(

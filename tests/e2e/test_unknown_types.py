@@ -236,7 +236,7 @@ async def test_no_message_of_ros_drives_it(file: Path, monkeypatch: pytest.Monke
         async with running(node.run(ready.set)):
             await ready.wait()
             for _ in range(10):
-                middleware.drive("/RosAria/cmd_vel", 0.3)
+                middleware.drive("~cmd_vel", 0.3)
                 await asyncio.sleep(0.1)
             assert any("--model FILE.p" in warning for warning in middleware.warnings)
             service = next(name for name in middleware.services if "enable" in name)
