@@ -177,7 +177,7 @@ class Decision:
 
     @property
     def lacking(self) -> str | None:
-        """What it would have to know to drive on, in words; `None` if that does not hold it up."""
+        """The missing knowledge that holds the robot up, in words; `None` if none does."""
         if self.twist.v:
             return None
         asked = any(part.channel == "v" and part.value for part in self.contributions)

@@ -200,7 +200,7 @@ REMEDY: Mapping[str, str] = {
     "port": "; give the other robot's address, or another TCP port",
     "node": "; give one of them `node`, or a `network` of its own",
 }
-"""What makes robots differ again, for each key."""
+"""Remedies for robots that share a value, by key."""
 
 
 def _refuse_shared(source: Source, robots: Sequence[Robot]) -> None:

@@ -1,4 +1,4 @@
-"""What full screens of a terminal share: their driver, their end, and where the log goes."""
+"""Parts that full screens of a terminal share: their driver, their end, the way of the log."""
 
 import asyncio
 import logging

@@ -272,7 +272,7 @@ class RclpyBackend:
 
 
 def reach(environment: Mapping[str, str], rmw: str) -> str:
-    """Return who reaches a node, in words, by the variables of ROS 2."""
+    """Return the computers that reach a node, in words, by the variables of ROS 2."""
     peers = environment.get("ROS_STATIC_PEERS", "").strip("; ")
     if rmw == "rmw_zenoh_cpp":
         return "whoever reaches its Zenoh router"

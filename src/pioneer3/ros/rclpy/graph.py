@@ -47,7 +47,7 @@ def _printable(endpoint: Endpoint) -> Endpoint:
 
 
 def _told(unread: Unread, ask: Callable[..., Any], *about: str) -> Sequence[Any]:
-    """Return what rclpy tells; nothing where it cannot read a name."""
+    """Return the answer of rclpy, or nothing where it cannot read a name."""
     try:
         return list(ask(*about))
     except UnicodeDecodeError as error:
