@@ -25,7 +25,7 @@ from pioneer3.fleet.drive import FleetDrive, Manner
 from pioneer3.fleet.screen import FleetApp
 from pioneer3.fleet.spec import Robot
 from pioneer3.links import Link, opener
-from pioneer3.runtime.connect import connect_async
+from pioneer3.navigation.connect import connect_async
 from pioneer3.runtime.driven import Driven
 from pioneer3.tasks import running
 

@@ -31,7 +31,7 @@ from pioneer3.geometry import Pose2
 from pioneer3.links import Link
 from pioneer3.maps import shipped_map
 from pioneer3.nav.places import find_place, home
-from pioneer3.runtime.navigator import Navigator
+from pioneer3.navigation.navigator import Navigator
 from pioneer3.sim.server.start import simulator
 from pioneer3.tasks import running
 from tests.conftest import VirtualTimeLoop

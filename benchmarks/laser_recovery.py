@@ -17,8 +17,8 @@ from dataclasses import dataclass
 
 from benchmarks.table import Row, percentile_99
 from pioneer3.links import open_link
+from pioneer3.navigation.connect import connect_async
 from pioneer3.robot.lasers.driver import LaserDriver
-from pioneer3.runtime.connect import connect_async
 from pioneer3.runtime.robot import Robot
 from pioneer3.sim.server.faults import LinkFaults
 from pioneer3.sim.server.laser import SimulatedLaser

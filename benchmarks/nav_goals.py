@@ -26,11 +26,11 @@ from pioneer3.models import load_model
 from pioneer3.nav.costs import CostMap
 from pioneer3.nav.places import Destination
 from pioneer3.nav.planner import CostToGo
+from pioneer3.navigation.connect import connect_async
+from pioneer3.navigation.follow_way import FollowWay
+from pioneer3.navigation.navigator import Navigator
 from pioneer3.robot.devices.laser import Laser
 from pioneer3.robot.devices.presence import Presence
-from pioneer3.runtime.connect import connect_async
-from pioneer3.runtime.follow_way import FollowWay
-from pioneer3.runtime.navigator import Navigator
 from pioneer3.sim.body import Body
 from pioneer3.sim.kernels import Kernels
 from pioneer3.sim.realism import Realism

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pioneer3.fleet.drive import FleetDrive, Manner
 from pioneer3.fleet.members import Member, Told
 from pioneer3.fleet.spec import Robot
-from pioneer3.runtime.connect import connect_async
+from pioneer3.navigation.connect import connect_async
 from pioneer3.runtime.driven import Driven
 from pioneer3.tasks import running
 from tests.support import SimulatedRobot, until

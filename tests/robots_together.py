@@ -14,7 +14,7 @@ from pioneer3.geometry import Pose2
 from pioneer3.links import Link
 from pioneer3.links.memory import Fault, MemoryLink, clean, null_modem
 from pioneer3.models import load_model
-from pioneer3.runtime.connect import connect_async
+from pioneer3.navigation.connect import connect_async
 from pioneer3.runtime.robot import Robot
 from pioneer3.sim.body import Body
 from pioneer3.sim.firmware import Firmware

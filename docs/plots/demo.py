@@ -6,7 +6,7 @@ from pathlib import Path
 
 from pioneer3.demo.app import DemoApp
 from pioneer3.demo.program import Program
-from pioneer3.runtime.connect import connect_async
+from pioneer3.navigation.connect import connect_async
 from pioneer3.sim.server.start import simulator
 
 SIZE = (92, 26)

@@ -10,7 +10,8 @@ from rich.console import Console
 from pioneer3.cli.laser import FIRST_REACH, view
 from pioneer3.demo.drawing import reach_for_points
 from pioneer3.demo.modes.sensors import points_in_robot
-from pioneer3.runtime.connect import connect_async, connect_laser_async
+from pioneer3.navigation.connect import connect_async
+from pioneer3.runtime.connect import connect_laser_async
 from pioneer3.sim.server.start import simulator
 from pioneer3.sim.worldfile import RobotSpec, WorldFile, parse_equipment
 

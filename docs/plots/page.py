@@ -11,7 +11,7 @@ from pathlib import Path
 from playwright.async_api import Browser, ViewportSize, async_playwright
 
 from pioneer3.geometry import Pose2
-from pioneer3.runtime.connect import connect_async
+from pioneer3.navigation.connect import connect_async
 from pioneer3.sim.server.start import simulator
 from pioneer3.sim.worldfile import RobotSpec, WorldFile, parse_equipment
 from pioneer3.web.page import Page

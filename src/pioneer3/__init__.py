@@ -24,8 +24,9 @@ if TYPE_CHECKING:
     )
     from pioneer3.geometry import Pose2, Twist2
     from pioneer3.models import RobotModel, load_model
-    from pioneer3.runtime.blocking import BlockingLaser, BlockingRobot, connect, connect_laser
-    from pioneer3.runtime.connect import connect_async, connect_laser_async
+    from pioneer3.navigation.connect import connect, connect_async
+    from pioneer3.runtime.blocking import BlockingLaser, BlockingRobot, connect_laser
+    from pioneer3.runtime.connect import connect_laser_async
     from pioneer3.runtime.robot import Robot
     from pioneer3.state import Scan, Snapshot
 
@@ -48,8 +49,8 @@ _HOME = {
     "Scan": "state",
     "Snapshot": "state",
     "Twist2": "geometry",
-    "connect": "runtime.blocking",
-    "connect_async": "runtime.connect",
+    "connect": "navigation.connect",
+    "connect_async": "navigation.connect",
     "connect_laser": "runtime.blocking",
     "connect_laser_async": "runtime.connect",
     "load_model": "models",

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from pioneer3.runtime.connect import connect_async
+from pioneer3.navigation.connect import connect_async
 from pioneer3.sim.server import listeners
 from pioneer3.sim.server.start import simulator
 

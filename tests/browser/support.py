@@ -18,7 +18,7 @@ from typing import TypeVar
 from playwright.sync_api import Error, Page
 
 from pioneer3.errors import PortBusyError
-from pioneer3.runtime.connect import connect_async
+from pioneer3.navigation.connect import connect_async
 from pioneer3.runtime.robot import Robot
 from pioneer3.sim.server.running import RunningSimulation
 from pioneer3.sim.server.start import simulator

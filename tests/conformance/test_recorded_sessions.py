@@ -18,7 +18,7 @@ import pytest
 from pioneer3.behaviors.modes import goto, wander
 from pioneer3.errors import MotionError
 from pioneer3.geometry import Pose2
-from pioneer3.runtime.connect import connect_async
+from pioneer3.navigation.connect import connect_async
 from pioneer3.runtime.robot import Robot
 from pioneer3.sim.equipment import Equipment
 from pioneer3.sim.worldfile import load_map

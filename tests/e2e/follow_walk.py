@@ -8,7 +8,7 @@ from math import atan2, hypot, radians
 
 from pioneer3.behaviors.modes.follow import Rule, follow
 from pioneer3.geometry import Pose2
-from pioneer3.runtime.connect import connect_async
+from pioneer3.navigation.connect import connect_async
 from pioneer3.runtime.robot import Robot
 from pioneer3.sim.body import Body
 from pioneer3.sim.kernels.drives import TOUCHED

@@ -11,10 +11,10 @@ import pytest
 from pioneer3 import mjpeg
 from pioneer3.errors import ConfigError, DeviceError
 from pioneer3.mjpeg import START, Login, authorization, parse_url
+from pioneer3.navigation.connect import connect_async
 from pioneer3.robot import camera_driver
 from pioneer3.robot.camera_driver import CameraDriver
 from pioneer3.robot.devices.pictures import decode
-from pioneer3.runtime.connect import connect_async
 from pioneer3.state import Picture
 from pioneer3.tasks import running
 from tests.cameras import Script, fake_camera, films, jpeg_of, says

@@ -29,8 +29,8 @@ from pioneer3.errors import ConfigError, PortNotFoundError
 from pioneer3.links import Link
 from pioneer3.links.memory import MemoryLink, null_modem
 from pioneer3.maps import LineMap
+from pioneer3.navigation.connect import connect_async
 from pioneer3.robot.devices import Acts, Presence
-from pioneer3.runtime.connect import connect_async
 from pioneer3.sim.equipment import Equipment
 from pioneer3.teleop.keyboard import PATIENCE
 from tests.support import SimulatedRobot, frame, until, wall_at

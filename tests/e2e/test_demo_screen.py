@@ -11,7 +11,7 @@ from textual.pilot import Pilot
 
 from pioneer3.demo.app import DemoApp
 from pioneer3.demo.program import Program
-from pioneer3.runtime.connect import connect_async
+from pioneer3.navigation.connect import connect_async
 from pioneer3.sim.equipment import Equipment
 from tests.support import SimulatedRobot, wall_at
 

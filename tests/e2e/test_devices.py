@@ -14,9 +14,9 @@ from pioneer3.arcos.commands import Command, GripperAction, RequestMode, SimLase
 from pioneer3.arcos.packet import PacketReader, encode
 from pioneer3.errors import CommandError, DeviceError
 from pioneer3.geometry import Pose2
+from pioneer3.navigation.connect import connect_async
 from pioneer3.robot.devices import Presence
 from pioneer3.robot.devices.gripper import Paddles
-from pioneer3.runtime.connect import connect_async
 from pioneer3.runtime.robot import Robot
 from pioneer3.sim.accessories import HeldObject
 from pioneer3.sim.equipment import Equipment

@@ -9,7 +9,7 @@ import pytest
 
 from pioneer3.fleet.spec import Robot
 from pioneer3.fleet.stop import exit_code, stop_all
-from pioneer3.runtime.connect import connect_async
+from pioneer3.navigation.connect import connect_async
 from pioneer3.runtime.driven import Driven
 from pioneer3.runtime.robot import Robot as Driver
 from pioneer3.sim.server.start import simulator

@@ -7,7 +7,7 @@ import pytest
 
 from pioneer3.behaviors.modes.follow import RULES, Rule, follow
 from pioneer3.geometry import Pose2
-from pioneer3.runtime.connect import connect_async
+from pioneer3.navigation.connect import connect_async
 from pioneer3.sim.kernels.drives import TOUCHED
 from pioneer3.sim.realism import Realism
 from pioneer3.sim.worldfile import Person

@@ -6,7 +6,7 @@ from functools import partial
 
 import pytest
 
-from pioneer3.runtime.connect import connect_async
+from pioneer3.navigation.connect import connect_async
 from pioneer3.sim.server.start import simulator
 from pioneer3.teleop.evdev import EV_ABS, EV_KEY, EV_SYN, EVENT, open_gamepad, read
 from pioneer3.teleop.gamepad_drive import GamepadDriver

@@ -17,8 +17,8 @@ from pioneer3.links import Link
 from pioneer3.links.memory import MemoryLink, Noise, bytewise, clean
 from pioneer3.links.serial import SPEEDS, remembered_speed
 from pioneer3.models import load_model
+from pioneer3.navigation.connect import connect_async
 from pioneer3.robot.session import Session
-from pioneer3.runtime.connect import connect_async
 from tests.support import (
     TICK,
     First,

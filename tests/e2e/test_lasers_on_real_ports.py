@@ -11,7 +11,7 @@ import pytest
 
 from pioneer3.doctor.lasers import laser_at
 from pioneer3.models.lasers import LaserProtocol
-from pioneer3.runtime.connect import connect_async
+from pioneer3.navigation.connect import connect_async
 from pioneer3.sim.server.laser import SimulatedLaser
 from pioneer3.sim.server.running import SimulatedRobot
 from pioneer3.sim.server.start import simulator

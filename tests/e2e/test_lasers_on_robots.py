@@ -16,10 +16,10 @@ from pioneer3.behaviors.modes.by_hand import teleop
 from pioneer3.geometry import Pose2
 from pioneer3.lasers.client import ScanSettings
 from pioneer3.maps import LineMap
+from pioneer3.navigation.connect import connect_async
 from pioneer3.robot.lasers.driver import LaserDriver
 from pioneer3.robot.lasers.mounting import Mounting, Sector
 from pioneer3.robot.supervisor import Connection
-from pioneer3.runtime.connect import connect_async
 from pioneer3.runtime.robot import Robot
 from pioneer3.sim.realism import Realism
 from pioneer3.state import Scan

@@ -11,8 +11,8 @@ from pioneer3.arcos.commands import Command
 from pioneer3.errors import MotionError
 from pioneer3.geometry import Pose2
 from pioneer3.links.memory import Noise
+from pioneer3.navigation.connect import connect_async
 from pioneer3.robot.supervisor import Connection
-from pioneer3.runtime.connect import connect_async
 from pioneer3.runtime.robot import Robot
 from tests.support import SimulatedRobot, frame, hold, is_at, until
 

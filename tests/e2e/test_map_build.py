@@ -19,12 +19,12 @@ from pioneer3.maps import LineMap, read_map
 from pioneer3.maps.grid import samples
 from pioneer3.maps.line_map import distances
 from pioneer3.nav.mapper import Mapper
+from pioneer3.navigation.connect import connect_async
+from pioneer3.navigation.map_builder import MapBuilder, whereabouts
+from pioneer3.navigation.map_files import files_of, load_survey, save_map, save_survey
+from pioneer3.navigation.map_logs import is_recording, map_log, map_recording
 from pioneer3.robot.devices.laser import Laser
-from pioneer3.runtime.connect import connect_async
 from pioneer3.runtime.fast_time import FastTimeLoop
-from pioneer3.runtime.map_builder import MapBuilder, whereabouts
-from pioneer3.runtime.map_files import files_of, load_survey, save_map, save_survey
-from pioneer3.runtime.map_logs import is_recording, map_log, map_recording
 from pioneer3.runtime.robot import Robot
 from pioneer3.sim.realism import Realism
 from pioneer3.sim.worldfile import load_map

@@ -9,7 +9,7 @@ import pytest
 from pioneer3.arcos import commands
 from pioneer3.errors import CommandError, MotionError
 from pioneer3.geometry import Pose2, wrap
-from pioneer3.runtime.connect import connect_async
+from pioneer3.navigation.connect import connect_async
 from tests.support import SimulatedRobot, bound, decoded, is_at
 
 MODELS = ["p3at-sh", "p3dx-sh", "amigo-sh"]

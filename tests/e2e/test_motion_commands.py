@@ -7,7 +7,7 @@ from math import degrees, hypot, pi
 import pytest
 
 from pioneer3.geometry import Pose2
-from pioneer3.runtime.connect import connect_async
+from pioneer3.navigation.connect import connect_async
 from pioneer3.sim.server.start import simulator
 from tests.e2e.processes import KILLED, running, until
 from tests.e2e.test_diagnosis_commands import pioneer3

@@ -10,7 +10,7 @@ from pioneer3.arcos import commands
 from pioneer3.arcos.reports import Sip
 from pioneer3.errors import MotionError
 from pioneer3.geometry import Pose2
-from pioneer3.runtime.connect import connect_async
+from pioneer3.navigation.connect import connect_async
 from tests.support import (
     OUTLINE,
     SLOW,

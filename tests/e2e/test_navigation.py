@@ -13,10 +13,10 @@ from pioneer3.geometry import Pose2
 from pioneer3.maps import shipped_map
 from pioneer3.models.lasers import LASERS
 from pioneer3.nav.places import Destination, find_place, home
+from pioneer3.navigation.connect import connect_async
+from pioneer3.navigation.navigator import Navigator
 from pioneer3.robot.devices.laser import Laser
 from pioneer3.robot.devices.presence import Presence
-from pioneer3.runtime.connect import connect_async
-from pioneer3.runtime.navigator import Navigator
 from pioneer3.runtime.robot import Robot
 from pioneer3.sim.realism import Realism
 from pioneer3.state import Charging

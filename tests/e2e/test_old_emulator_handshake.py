@@ -12,7 +12,7 @@ from pioneer3.doctor.recognition import Kind
 from pioneer3.errors import NoRobotError
 from pioneer3.links import Link
 from pioneer3.links.memory import MemoryLink
-from pioneer3.runtime.connect import connect_async
+from pioneer3.navigation.connect import connect_async
 from tests.support import SYNCS, SimulatedRobot, Wire, frame, hold, until
 
 STOP = frame(commands.Stop())

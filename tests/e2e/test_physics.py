@@ -7,7 +7,7 @@ import pytest
 
 from pioneer3.errors import CommandError, MotionError
 from pioneer3.geometry import Pose2
-from pioneer3.runtime.connect import connect_async
+from pioneer3.navigation.connect import connect_async
 from pioneer3.sim.server.start import simulator
 from pioneer3.sim.worldfile import Box, RobotSpec
 from pioneer3.sim.worldfile.arguments import WorldOverrides

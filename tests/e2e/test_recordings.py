@@ -9,8 +9,8 @@ import pytest
 from pioneer3.cli import live, monitor
 from pioneer3.cli.options import LinkOptions
 from pioneer3.errors import MotionError
+from pioneer3.navigation.connect import connect_async
 from pioneer3.robot.supervisor import Connection
-from pioneer3.runtime.connect import connect_async
 from pioneer3.state import Snapshot
 from tests.e2e.test_waits import Terminal
 from tests.support import SimulatedRobot

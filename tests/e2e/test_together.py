@@ -15,8 +15,8 @@ from pioneer3.behaviors.modes.group import FollowLeader, Form, GroupMode, Spread
 from pioneer3.errors import MotionError
 from pioneer3.geometry import Pose2
 from pioneer3.links.memory import Fault
-from pioneer3.runtime.group import stacks_of
-from pioneer3.runtime.traffic import Participant, Place, Traffic
+from pioneer3.navigation.group import stacks_of
+from pioneer3.navigation.traffic import Participant, Place, Traffic
 from pioneer3.state import Snapshot
 from tests.robots_together import Together, together
 from tests.support import bound

@@ -15,10 +15,10 @@ from pioneer3.links import Link
 from pioneer3.links.memory import null_modem
 from pioneer3.maps import LineMap, shipped_map
 from pioneer3.nav.places import Destination
-from pioneer3.runtime.connect import connect_async
-from pioneer3.runtime.localization import InThread
-from pioneer3.runtime.navigator import Navigator
-from pioneer3.runtime.traffic import Traffic
+from pioneer3.navigation.connect import connect_async
+from pioneer3.navigation.localization import InThread
+from pioneer3.navigation.navigator import Navigator
+from pioneer3.navigation.traffic import Traffic
 from pioneer3.sim.server.running import RunningSimulation
 from pioneer3.tasks import running
 from tests.unit.web.browser import simulated

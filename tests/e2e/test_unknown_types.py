@@ -18,10 +18,10 @@ from pioneer3.fleet.reach import given_model
 from pioneer3.fleet.stop import stop_all
 from pioneer3.links import Link
 from pioneer3.models import Fallback, GivenModel, load_model
+from pioneer3.navigation.connect import connect_async
 from pioneer3.robot.pilot import moves
 from pioneer3.ros.node.node import RobotNode
 from pioneer3.ros.node.parameters import read_parameters
-from pioneer3.runtime.connect import connect_async
 from pioneer3.runtime.robot import Robot
 from pioneer3.sim.server.start import simulator
 from pioneer3.tasks import running

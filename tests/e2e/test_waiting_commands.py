@@ -11,7 +11,7 @@ from pioneer3.arcos.commands import Command
 from pioneer3.errors import CommandError, LinkError
 from pioneer3.links import Link
 from pioneer3.links.memory import MemoryLink
-from pioneer3.runtime.connect import connect_async
+from pioneer3.navigation.connect import connect_async
 from pioneer3.runtime.robot import Robot
 from tests.support import SimulatedRobot, decoded, frame, hold, until
 

@@ -13,7 +13,7 @@ import pytest
 from pioneer3.behaviors.modes import wander
 from pioneer3.cli import live, monitor, sonar
 from pioneer3.errors import LinkError, MotionError
-from pioneer3.runtime.connect import connect_async
+from pioneer3.navigation.connect import connect_async
 from pioneer3.runtime.robot import Robot
 from tests.support import SimulatedRobot
 

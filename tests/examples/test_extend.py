@@ -11,7 +11,7 @@ import pytest
 
 import pioneer3
 from pioneer3.models import load_model
-from pioneer3.runtime.connect import connect_async
+from pioneer3.navigation.connect import connect_async
 from tests.support import SimulatedRobot
 
 ROOT = Path(__file__).parents[2]

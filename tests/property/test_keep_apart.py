@@ -13,9 +13,9 @@ from pioneer3.behaviors.actions import keep_apart
 from pioneer3.behaviors.actions.keep_apart import LimiterPeers
 from pioneer3.behaviors.peers import Peer
 from pioneer3.geometry import Pose2, Twist2
-from pioneer3.runtime.traffic import LOOK, NEAR, SLACK, Place, Traffic
+from pioneer3.navigation.traffic import LOOK, NEAR, SLACK, Place, Traffic
 from tests.unit.behaviors.support import seen
-from tests.unit.runtime.test_traffic import Fake, participant
+from tests.unit.navigation.test_traffic import Fake, participant
 
 NOW = 10.0
 places = st.floats(-12, 12)

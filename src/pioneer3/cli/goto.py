@@ -60,7 +60,7 @@ def goto(
         max_speed: Keep below this in any case.
         motion: Bounds.
     """
-    from pioneer3.runtime.simulator_map import OF_SIMULATOR
+    from pioneer3.navigation.simulator_map import OF_SIMULATOR
 
     if not place:
         raise ConfigError("goto: give a name of the map, or x and y, or x, y and a heading")

@@ -149,7 +149,7 @@ def edit(
     from pioneer3.cli.process import write_line
     from pioneer3.errors import ConfigError
     from pioneer3.maps import edit, read_map
-    from pioneer3.runtime.map_files import save_map
+    from pioneer3.navigation.map_files import save_map
 
     if file.suffix.lower() == ".toml":
         raise ConfigError(f"{file}: is a world; edit the map that it stands on")

@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from pioneer3.maps.line_map import MapObject
     from pioneer3.nav.exploring import GivenUp
     from pioneer3.nav.mapper import Mapper
+    from pioneer3.navigation.map_builder import MapBuilder
     from pioneer3.runtime.driven import Driven
-    from pioneer3.runtime.map_builder import MapBuilder
     from pioneer3.runtime.robot import Robot
 
 SPEED, TURN_RATE = 0.4, radians(30)
@@ -71,7 +71,7 @@ def build(
         max_speed: Keep below this in any case.
         force: Write over files that are there.
     """
-    from pioneer3.runtime.connect import require_navigation
+    from pioneer3.navigation.connect import require_navigation
 
     require_navigation()
     target = _target(output, continue_, force=force)
@@ -107,7 +107,7 @@ class _Begin:
         from pioneer3.errors import ConfigError
         from pioneer3.geometry import Pose2
         from pioneer3.nav.places import find_place
-        from pioneer3.runtime.map_files import load_survey
+        from pioneer3.navigation.map_files import load_survey
         from pioneer3.sim.worldfile import load_map
 
         if old is None:
@@ -140,7 +140,7 @@ class _Begin:
             MotionError: It was not found within `patience` [s].
         """
         from pioneer3.nav.mapper import Mapper
-        from pioneer3.runtime.map_builder import MapBuilder, whereabouts
+        from pioneer3.navigation.map_builder import MapBuilder, whereabouts
 
         mapper = None
         if self.line_map is not None and self.state is not None:
@@ -164,7 +164,7 @@ class _Keeper:
         """Save the survey now and then: a computer may lose its power."""
         import asyncio
 
-        from pioneer3.runtime.map_files import save_survey
+        from pioneer3.navigation.map_files import save_survey
 
         while True:
             await asyncio.sleep(KEEP_EVERY)
@@ -254,7 +254,7 @@ async def _explore(
 
 
 async def _prepare() -> None:
-    from pioneer3.runtime.connect import prepare_navigation
+    from pioneer3.navigation.connect import prepare_navigation
 
     await prepare_navigation()
 
@@ -268,8 +268,8 @@ def _require_laser(robot: "Robot") -> None:
 
 def _from_file(source: Path, target: Path, link: LinkOptions) -> int:
     from pioneer3.nav.rendering import drawn
+    from pioneer3.navigation.map_logs import is_recording, map_log, map_recording
     from pioneer3.runtime.fast_time import FastTimeLoop
-    from pioneer3.runtime.map_logs import is_recording, map_log, map_recording
 
     made: list[Mapper] = []
     with busy_sign(f"reading {source}") as tell:
@@ -296,7 +296,7 @@ def _from_file(source: Path, target: Path, link: LinkOptions) -> int:
 
 def _save(line_map: "LineMap", mapper: "Mapper", target: Path) -> bool:
     """Write a map and its survey, if it has a wall; say which files, and what is in them."""
-    from pioneer3.runtime.map_files import files_of, save_map, save_survey
+    from pioneer3.navigation.map_files import files_of, save_map, save_survey
 
     if not len(line_map.walls):
         write_warning(
@@ -324,7 +324,7 @@ def _target(output: Path | None, old: Path | None, *, force: bool) -> Path:
     from datetime import datetime
 
     from pioneer3.errors import ConfigError
-    from pioneer3.runtime.map_files import files_of
+    from pioneer3.navigation.map_files import files_of
 
     now = datetime.now().astimezone()
     target = output or old or Path(f"map-{now:%Y-%m-%d-%H%M%S}.map")

@@ -128,7 +128,7 @@ async def _raw(link: LinkOptions, seconds: float, *, json: bool) -> int:
     from pioneer3.cli.process import write_json, write_line
     from pioneer3.doctor.decoding_link import DecodingLink, described
     from pioneer3.links import Link, opener
-    from pioneer3.runtime.connect import connect_async
+    from pioneer3.navigation.connect import connect_async
 
     began = asyncio.get_running_loop().time()
 

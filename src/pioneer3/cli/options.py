@@ -334,7 +334,7 @@ class LinkOptions(RobotOptions):
         start: "Pose2 | str | None" = None,
     ) -> "AsyncIterator[Robot]":
         """Connect during the block; after it the connection is closed and the robot stands."""
-        from pioneer3.runtime.connect import connect_async
+        from pioneer3.navigation.connect import connect_async
 
         url = self.url
         connection = connect_async(

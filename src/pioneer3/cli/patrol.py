@@ -47,7 +47,7 @@ def patrol(
         max_speed: Keep below this in any case.
         motion: Bounds.
     """
-    from pioneer3.runtime.simulator_map import OF_SIMULATOR
+    from pioneer3.navigation.simulator_map import OF_SIMULATOR
 
     if len(places) < 2:
         raise ConfigError("patrol: give two places or more, such as: patrol Lab Kitchen")

@@ -11,7 +11,7 @@ from pioneer3.units import ANGLE, LENGTH
 if TYPE_CHECKING:
     from pioneer3.maps import LineMap
     from pioneer3.nav.places import Destination
-    from pioneer3.runtime.navigator import Navigator
+    from pioneer3.navigation.navigator import Navigator
 
 UNITS = LENGTH, LENGTH, ANGLE
 

@@ -5,7 +5,7 @@ from contextlib import AbstractAsyncContextManager
 from pioneer3.fleet.members import Connect
 from pioneer3.fleet.reach import given_model, port_of
 from pioneer3.fleet.spec import Fleet, Robot
-from pioneer3.runtime.connect import connect_async
+from pioneer3.navigation.connect import connect_async
 from pioneer3.runtime.driven import Driven
 
 

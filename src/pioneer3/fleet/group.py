@@ -10,9 +10,9 @@ from pioneer3.behaviors.action import Stack
 from pioneer3.behaviors.modes.group import GroupMode
 from pioneer3.errors import MotionError
 from pioneer3.fleet.places import PlaceOf
+from pioneer3.navigation.group import stacks_of
+from pioneer3.navigation.traffic import Participant, Traffic
 from pioneer3.runtime.driven import Driven
-from pioneer3.runtime.group import stacks_of
-from pioneer3.runtime.traffic import Participant, Traffic
 
 log = logging.getLogger(__name__)
 

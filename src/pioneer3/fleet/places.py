@@ -5,10 +5,10 @@ from contextlib import asynccontextmanager
 from functools import partial
 
 from pioneer3.geometry import Pose2
+from pioneer3.navigation.traffic import Place
+from pioneer3.navigation.true_pose import TruePose
 from pioneer3.runtime.driven import Driven
 from pioneer3.runtime.robot import Robot
-from pioneer3.runtime.traffic import Place
-from pioneer3.runtime.true_pose import TruePose
 from pioneer3.state import Snapshot
 from pioneer3.tasks import running
 

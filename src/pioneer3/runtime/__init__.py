@@ -1,1 +1,16 @@
-"""The composition root: joins links, driver, behaviors, simulator and adapters."""
+"""The composition root: a connected robot, and who may drive it.
+
+=========  =======================================================================================
+module     contents
+=========  =======================================================================================
+connect    connecting, and every way of leaving
+robot      `Robot`, as programs see it
+driven     the interface of a robot that can be driven, at a cable or behind topics
+arbiter    asks all actions, sends one velocity command, tells the reason to stand still
+motions    moves, turns and modes that are waited for
+signals    signals end a program, and stop its robot
+facade     an asynchronous object without `await`
+blocking   the robot and its lasers without `await`
+fast_time  an event loop whose time jumps, for work without a robot
+=========  =======================================================================================
+"""

@@ -2,61 +2,17 @@
 
 import asyncio
 import atexit
-from collections.abc import Sequence
 from contextlib import AbstractAsyncContextManager, AsyncExitStack
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, Self, cast
+from typing import Any, Self, cast
 
-from pioneer3.geometry import Pose2
-from pioneer3.models import GivenModel
 from pioneer3.robot.supervisor import RobotInfo
-from pioneer3.runtime.connect import connect_async, connect_laser_async
+from pioneer3.runtime.connect import connect_laser_async
 from pioneer3.runtime.facade import Facade, LoopThread, adapted, blocking
 from pioneer3.runtime.robot import Robot
 from pioneer3.runtime.signals import StopOnSignals
 from pioneer3.state import Scan, Snapshot
-
-if TYPE_CHECKING:
-    from pioneer3.maps import LineMap
-    from pioneer3.robot.lasers.spec import LaserSpec
-
-
-def connect(
-    url: str,
-    *,
-    baud: int | None = None,
-    model: GivenModel = None,
-    max_speed: float | None = None,
-    max_turn_rate: float | None = None,
-    auto_enable: bool = True,
-    record: Path | None = None,
-    lasers: "Sequence[LaserSpec | str]" = (),
-    camera: str | None = None,
-    line_map: "LineMap | str | Path | None" = None,
-    start: Pose2 | str | None = None,
-) -> "BlockingRobot":
-    """Connect to a robot or simulator, and wait until it says something.
-
-    Use it in a `with` block: every way out of the block stops the robot. In a notebook, call
-    :meth:`BlockingRobot.close` at the end. Arguments and errors are those of
-    :func:`pioneer3.connect_async`.
-    """
-    return BlockingRobot(
-        connect_async(
-            url,
-            baud=baud,
-            model=model,
-            max_speed=max_speed,
-            max_turn_rate=max_turn_rate,
-            auto_enable=auto_enable,
-            record=record,
-            lasers=lasers,
-            camera=camera,
-            line_map=line_map,
-            start=start,
-        )
-    )
 
 
 def connect_laser(url: str, *, record: Path | None = None) -> "BlockingLaser":

@@ -8,8 +8,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pioneer3.arcos.host_events import Timing
-from pioneer3.errors import ConfigError, how_to_get
-from pioneer3.geometry import Pose2
 from pioneer3.limits import Limits
 from pioneer3.links import Opener, opener
 from pioneer3.links.tap import recorded
@@ -22,22 +20,16 @@ from pioneer3.runtime.signals import StopOnSignals
 from pioneer3.tasks import running
 
 if TYPE_CHECKING:
-    from pioneer3.maps import LineMap
     from pioneer3.robot.camera_driver import CameraDriver
     from pioneer3.robot.lasers.driver import LaserDriver
     from pioneer3.robot.lasers.mounting import Mounting
     from pioneer3.robot.lasers.spec import LaserSpec
-    from pioneer3.runtime.navigator import Navigator
 
 USUAL = "p3at-sh"
-UNKNOWN_START = "unknown"
-"""Tells that nobody knows where the robot is."""
-ANY_HEADING = 2.0
-"""Standard deviation of a heading that nobody has told [rad]."""
 
 
 @asynccontextmanager
-async def connect_async(
+async def connect_robot(
     url: str | Opener,
     *,
     baud: int | None = None,
@@ -49,44 +41,15 @@ async def connect_async(
     timing: Timing | None = None,
     lasers: "Sequence[LaserSpec | str]" = (),
     camera: str | None = None,
-    line_map: "LineMap | str | Path | None" = None,
-    start: Pose2 | str | None = None,
 ) -> AsyncIterator[Robot]:
     """Connect to a robot or simulator; stop it and close the session on every way out.
 
-    In the main thread the signals to leave are ways out too: :mod:`pioneer3.runtime.signals`.
-
-    Args:
-        url: `/dev/ttyUSB0`, `tcp://localhost:8101`, `replay:FILE`; or a function that opens a link.
-        baud: Serial speed to try first.
-        model: Use this model, not the one that the robot names: a shipped one by its name, or
-            that of a `.toml` or ARIA `.p` file. Without one a robot of a type that is not known
-            is read, and not driven.
-        max_speed: Keep below this [m/s]; never above the robot's own limit.
-        max_turn_rate: Keep below this [rad/s].
-        auto_enable: Whether a fresh command switches the motors on.
-        record: New file for every byte on the wire, which `replay:FILE` plays, and for what decided
-            the motion, in words.
-        timing: How patient to be.
-        lasers: Laser range finders at the computer, such as `/dev/ttyACM0`. They may come later,
-            and may be lost and found again.
-        camera: URL of the MJPEG stream of a camera on the robot; it may come and go too.
-        line_map: The map to navigate on, its file, or the name of one that ships; `"simulator"`
-            asks the simulator for its own; needs a laser.
-        start: Where the robot is on the map: a pose, the name of a place, `"unknown"`, or `None`
-            for the map's home; without a home the robot has to be found.
-
-    Raises:
-        LinkError: the port does not open.
-        NoRobotError: nothing that answers is a robot.
-        ConfigError: the URL or an option is wrong, or the extra `nav` is missing.
+    Arguments and errors are those of :func:`pioneer3.connect_async`, which adds a map.
     """
 
     def restrict(limits: Limits) -> Limits:
         return limits.lowered_to(max_speed, max_turn_rate)
 
-    if line_map is not None:
-        await prepare_navigation()
     remark: Callable[[str], None] | None = None
     open_ = url if callable(url) else opener(url, baud=baud)
     with ExitStack() as stack:
@@ -106,13 +69,7 @@ async def connect_async(
         stack.enter_context(StopOnSignals(asyncio.get_running_loop(), arbiter.stop))
         async with running(*work):
             await _first_snapshot(supervisor)
-            robot = Robot(supervisor, arbiter, drivers, eye)
-            if line_map is None:
-                yield robot
-                return
-            navigator = robot.navigator = await _navigator(robot, line_map, start)
-            async with running(navigator.run()):
-                yield robot
+            yield Robot(supervisor, arbiter, drivers, eye)
 
 
 @asynccontextmanager
@@ -140,59 +97,6 @@ async def connect_laser_async(
         async with running(driver.run()):
             await driver.reading(patience)
             yield driver
-
-
-async def prepare_navigation() -> None:
-    """Load the kernels of navigation before there is a robot that waits.
-
-    Raises:
-        ConfigError: The extra `nav` is missing.
-    """
-    require_navigation()
-    from pioneer3.nav.warm_up import warm_up
-    from pioneer3.runtime.navigator import compile_kernels
-
-    await compile_kernels()
-    warm_up()
-
-
-def require_navigation() -> None:
-    """Make sure that maps can be made and driven on.
-
-    Raises:
-        ConfigError: The extra `nav` is missing.
-    """
-    try:
-        from pioneer3.nav import warm_up  # noqa: F401
-        from pioneer3.runtime import navigator  # noqa: F401
-    except ImportError as error:
-        raise ConfigError(f"navigation on a map: {error}: {how_to_get('nav')}") from None
-
-
-async def _navigator(
-    robot: Robot, line_map: "LineMap | str | Path", start: Pose2 | str | None
-) -> "Navigator":
-    """Return the navigator of a robot that begins at `start`, or at home."""
-    from pioneer3.maps import LineMap
-    from pioneer3.nav.places import find_place, home
-    from pioneer3.runtime.navigator import Navigator
-    from pioneer3.runtime.simulator_map import OF_SIMULATOR, map_of_simulator
-    from pioneer3.sim.worldfile import load_map
-
-    if isinstance(line_map, LineMap):
-        known = line_map
-    else:
-        known = await map_of_simulator(robot) if line_map == OF_SIMULATOR else load_map(line_map)
-    if start == UNKNOWN_START:
-        return await Navigator.on(robot, known)
-    if not isinstance(start, str):
-        return await Navigator.on(robot, known, start=start or home(known))
-    place = find_place(known, start)
-    here = Pose2(place.x, place.y, place.heading or 0.0)
-    navigator = await Navigator.on(robot, known, start=here)
-    if place.heading is None:
-        navigator.place(here, turn_spread=ANY_HEADING)
-    return navigator
 
 
 def _laser(

@@ -20,7 +20,7 @@ from pioneer3.runtime.motions import carry_out, lost_as_motion_error, run_mode
 from pioneer3.state import Snapshot
 
 if TYPE_CHECKING:
-    from pioneer3.runtime.navigator import Navigator
+    from pioneer3.navigation.navigator import Navigator
 
 MOTOR_PATIENCE = 4.0
 """Longest wait for the motors to come on [s]."""
@@ -180,20 +180,15 @@ class Robot:
             limits.max_speed if speed is None else min(_positive("speed", speed), limits.max_speed)
         )
         if isinstance(x, str):
-            await self._goto_place(x, top)
+            if self.navigator is None:
+                raise CommandError(f"goto {x}: there is no map: connect with line_map=...")
+            await self.navigator.goto(x, top)
             return
         if y is None:
             raise CommandError("goto: give x and y, or the name of a place of the map")
         end = None if heading is None else finite("heading", heading)
         mode = goto(finite("x", x), finite("y", y), end, speed=top)
         await run_mode(mode, self.arbiter, self.snapshots(), until=inf)
-
-    async def _goto_place(self, name: str, speed: float) -> None:
-        if self.navigator is None:
-            raise CommandError(f"goto {name}: there is no map: connect with line_map=...")
-        from pioneer3.nav.places import find_place
-
-        await self.navigator.goto(find_place(self.navigator.line_map, name), speed)
 
     async def run(self, mode: Stack, seconds: float = inf) -> None:
         """Let `mode` drive for `seconds`, or until it has reached its aim.

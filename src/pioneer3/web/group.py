@@ -4,7 +4,7 @@ from math import inf
 from typing import TYPE_CHECKING
 
 from pioneer3.behaviors.modes.group import GroupMode
-from pioneer3.runtime.group import stacks_of
+from pioneer3.navigation.group import stacks_of
 from pioneer3.web.control import SILENCE, Operator
 
 if TYPE_CHECKING:

@@ -135,7 +135,7 @@ class MapEditor:
         self._take(before, await self.in_thread(_text_of, before, relief, version, self._count))
 
     async def _save(self, request: requests.SaveMap, used: LineMap, answer: Answer) -> None:
-        from pioneer3.runtime.map_files import free_path, left_out, save_map
+        from pioneer3.navigation.map_files import free_path, left_out, save_map
 
         draft = self._draft
         if draft is None:

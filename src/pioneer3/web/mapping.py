@@ -19,7 +19,7 @@ from pioneer3.web.scene import Scene
 from pioneer3.web.world import map_message
 
 if TYPE_CHECKING:
-    from pioneer3.runtime.map_builder import MapBuilder
+    from pioneer3.navigation.map_builder import MapBuilder
 
 log = logging.getLogger(__name__)
 
@@ -126,12 +126,12 @@ class RobotMapping:
             self._answer("Making the map failed; the log has the details.")
 
     async def _make(self) -> None:
-        await self.in_thread(import_module, "pioneer3.runtime.navigator")  # takes up to seconds
+        await self.in_thread(import_module, "pioneer3.navigation.navigator")  # takes up to seconds
         from pioneer3.nav.mapper import Mapper
         from pioneer3.nav.warm_up import warm_up
-        from pioneer3.runtime.map_builder import MapBuilder
-        from pioneer3.runtime.map_files import free_path
-        from pioneer3.runtime.navigator import compile_kernels
+        from pioneer3.navigation.map_builder import MapBuilder
+        from pioneer3.navigation.map_files import free_path
+        from pioneer3.navigation.navigator import compile_kernels
 
         await compile_kernels()
         await self.in_thread(warm_up)
@@ -209,7 +209,7 @@ def _text_of(line_map: LineMap) -> str:
 
 def _write(builder: "MapBuilder", path: Path) -> LineMap:
     """Save a map and its survey; return it."""
-    from pioneer3.runtime.map_files import save_map, save_survey
+    from pioneer3.navigation.map_files import save_map, save_survey
 
     save_survey(builder.mapper, path)
     finished = builder.finished()

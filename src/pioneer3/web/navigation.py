@@ -29,9 +29,9 @@ if TYPE_CHECKING:
     from pioneer3.nav.estimate import Estimate
     from pioneer3.nav.places import Destination
     from pioneer3.nav.planner import NoWay, Way
-    from pioneer3.runtime.navigator import Navigation as State
-    from pioneer3.runtime.navigator import Navigator
-    from pioneer3.runtime.traffic import Traffic
+    from pioneer3.navigation.navigator import Navigation as State
+    from pioneer3.navigation.navigator import Navigator
+    from pioneer3.navigation.traffic import Traffic
 
 log = logging.getLogger(__name__)
 
@@ -235,7 +235,7 @@ class RobotNavigation:
             errand.refuse(error)
 
     async def _way_of(self, errand: Errand, stack: AsyncExitStack) -> messages.Way:
-        from pioneer3.runtime.ways import to_drive
+        from pioneer3.navigation.ways import to_drive
 
         navigator = await self._ready(stack)
         goal = errand.place(navigator.line_map)
@@ -261,7 +261,7 @@ class RobotNavigation:
     ) -> None:
         """Drive to one place, or from place to place, unless the robot was stopped meanwhile."""
         from pioneer3.nav.planner import NoWay
-        from pioneer3.runtime.ways import to_drive
+        from pioneer3.navigation.ways import to_drive
 
         first, *rest = goals
         found = await navigator.plan(first)
@@ -300,7 +300,7 @@ class RobotNavigation:
     def _shown(self, goal: "Destination", way: "Way | NoWay", speed: float) -> messages.Way:
         """Return the answer to a request that only asks for a way."""
         from pioneer3.nav.planner import NoWay
-        from pioneer3.runtime.ways import to_drive
+        from pioneer3.navigation.ways import to_drive
 
         why = way.why if isinstance(way, NoWay) else ""
         if isinstance(way, NoWay) and way.free is None:
@@ -339,8 +339,8 @@ class RobotNavigation:
 
     async def _ready(self, stack: AsyncExitStack) -> "Navigator":
         """Return the navigator of the present map."""
-        await self.in_thread(import_module, "pioneer3.runtime.navigator")  # takes up to seconds
-        from pioneer3.runtime.navigator import Navigator, compile_kernels
+        await self.in_thread(import_module, "pioneer3.navigation.navigator")  # takes up to seconds
+        from pioneer3.navigation.navigator import Navigator, compile_kernels
 
         known = self._scene.map_now
         assert known is not None

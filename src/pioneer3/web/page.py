@@ -10,8 +10,8 @@ from pioneer3 import __version__
 from pioneer3.errors import CommandError
 from pioneer3.maps import LineMap
 from pioneer3.names import free_name
+from pioneer3.navigation.traffic import Participant, Traffic
 from pioneer3.runtime.robot import Robot
-from pioneer3.runtime.traffic import Participant, Traffic
 from pioneer3.sim.relief import FLAT, Relief
 from pioneer3.tasks import running
 from pioneer3.teleop.gamepad import SCHEME

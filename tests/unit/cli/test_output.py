@@ -7,7 +7,7 @@ import pytest
 from pioneer3.cli.live import line
 from pioneer3.cli.process import write_json
 from pioneer3.geometry import Pose2, Twist2
-from pioneer3.runtime.connect import connect_async
+from pioneer3.navigation.connect import connect_async
 from tests.support import SimulatedRobot
 
 

@@ -16,11 +16,11 @@ import pytest
 
 from pioneer3.geometry import Pose2
 from pioneer3.maps import LineMap, MapObject
+from pioneer3.navigation.connect import connect_async
 from pioneer3.ros.messages.goals import GoalState
 from pioneer3.ros.node.middleware import Sender
 from pioneer3.ros.node.node import RobotNode
 from pioneer3.ros.node.parameters import read_parameters
-from pioneer3.runtime.connect import connect_async
 from pioneer3.runtime.robot import Robot
 from pioneer3.sim.worldfile import Box
 from pioneer3.state import Charging
@@ -30,7 +30,7 @@ from tests.unit.ros.fakes import SOMEBODY, FakeMiddleware, Moment
 
 pytest.importorskip("numba")
 pytest.importorskip("scipy")
-from pioneer3.runtime.navigator import Navigator
+from pioneer3.navigation.navigator import Navigator
 from tests.unit.web.test_navigation import BEGIN, ROOMS
 
 NOW = Moment(0.0)

@@ -12,13 +12,13 @@ from pioneer3.behaviors.modes import wander
 from pioneer3.errors import MotionError
 from pioneer3.geometry import STILL, Twist2
 from pioneer3.maps import LineMap
+from pioneer3.navigation.connect import connect_async
 from pioneer3.robot.limits import limits_for
 from pioneer3.robot.supervisor import RobotInfo
 from pioneer3.ros.client.robot import HELD, SILENT, STUCK, TopicRobot, TopicSupervisor
 from pioneer3.ros.client.snapshots import SnapshotBuilder
 from pioneer3.ros.messages import motion, sensors
 from pioneer3.runtime.arbiter import PROGRAM
-from pioneer3.runtime.connect import connect_async
 from pioneer3.runtime.robot import Robot
 from pioneer3.state import Identity, Motors, Snapshot
 from pioneer3.tasks import running

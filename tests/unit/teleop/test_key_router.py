@@ -6,7 +6,7 @@ from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass
 from typing import cast
 
-from pioneer3.runtime.connect import connect_async
+from pioneer3.navigation.connect import connect_async
 from pioneer3.teleop.keyboard import Key, Keyboard
 from pioneer3.teleop.keyboard_drive import KeyboardDriver
 from pioneer3.teleop.several import KeyRouter, numbers

@@ -13,7 +13,7 @@ import pytest
 
 from pioneer3.geometry import Pose2
 from pioneer3.maps import LineMap, MapObject
-from pioneer3.runtime.connect import connect_async
+from pioneer3.navigation.connect import connect_async
 from pioneer3.sim.worldfile import Box
 from pioneer3.tasks import running
 from pioneer3.web.app import make_app

@@ -7,7 +7,7 @@ from pioneer3.ros.messages.diagnostics import DiagnosticLevel, DiagnosticStatus
 
 if TYPE_CHECKING:
     from pioneer3.nav.estimate import Estimate
-    from pioneer3.runtime.navigator import Navigation
+    from pioneer3.navigation.navigator import Navigation
 
 
 def navigation_status(

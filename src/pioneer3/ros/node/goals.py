@@ -19,7 +19,7 @@ from pioneer3.runtime.robot import Robot
 
 if TYPE_CHECKING:
     from pioneer3.nav.places import Destination
-    from pioneer3.runtime.navigator import Navigator
+    from pioneer3.navigation.navigator import Navigator
 
 log = logging.getLogger(__name__)
 
@@ -123,7 +123,7 @@ class Goals:
             self._end(state, text)
 
     async def _drive(self, where: "Callable[[], Destination]") -> None:
-        from pioneer3.runtime.ways import to_drive
+        from pioneer3.navigation.ways import to_drive
 
         arbiter, after = self._robot.arbiter, self._robot.arbiter.last_stop.number
         place = None

@@ -44,7 +44,7 @@ from pioneer3.state import Snapshot
 if TYPE_CHECKING:
     from pioneer3.nav.places import Destination
     from pioneer3.nav.planner import Way
-    from pioneer3.runtime.navigator import Navigator
+    from pioneer3.navigation.navigator import Navigator
 
 GOALS: Final = (SIMPLE_GOAL, GOAL_NAME, ACTION_GOAL)
 SETTLED: Final = 3.0
@@ -171,7 +171,7 @@ class NodeNavigation:
         is logged.
         """
         from pioneer3.nav.planner import NoWay
-        from pioneer3.runtime.ways import to_drive
+        from pioneer3.navigation.ways import to_drive
 
         points: tuple[tuple[float, float], ...] = ()
         heading = None

@@ -10,6 +10,7 @@ from pioneer3.doctor.probe import SIMULATOR_URL, choose, probe, probe_all
 from pioneer3.errors import NoRobotError
 from pioneer3.geometry import Pose2
 from pioneer3.models import GivenModel
+from pioneer3.navigation.connect import connect_async
 from pioneer3.robot.identity import kind
 from pioneer3.robot.lasers.spec import LaserSpec, parse_lasers
 from pioneer3.ros.node.driving_parameters import NAMES
@@ -26,7 +27,6 @@ from pioneer3.ros.node.parameters import (
     read_parameters,
     unused_parameters,
 )
-from pioneer3.runtime.connect import connect_async
 from pioneer3.runtime.robot import Robot
 
 FindLasers = Callable[[str, Sequence[str]], Awaitable[Sequence[LaserSpec]]]

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from pioneer3.mjpeg import END, Frame, Parser, part, stream_head
-from pioneer3.runtime.connect import connect_async
+from pioneer3.navigation.connect import connect_async
 from pioneer3.tasks import running
 from pioneer3.web import connections
 from pioneer3.web.access.sessions import Kind, Role

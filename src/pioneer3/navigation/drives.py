@@ -17,10 +17,10 @@ from pioneer3.nav.places import Destination
 from pioneer3.nav.planner import CostToGo, NoWay, Way
 from pioneer3.nav.sightings import Sightings
 from pioneer3.nav.traffic import Traveller, meeting, passing_place
-from pioneer3.runtime.follow_way import FollowWay, follow_way
-from pioneer3.runtime.localization import InThread, Localizable, Localization
-from pioneer3.runtime.traffic import Traffic
-from pioneer3.runtime.ways import HELD_UP, NOWHERE, Ways
+from pioneer3.navigation.follow_way import FollowWay, follow_way
+from pioneer3.navigation.localization import InThread, Localizable, Localization
+from pioneer3.navigation.traffic import Traffic
+from pioneer3.navigation.ways import HELD_UP, NOWHERE, Ways
 
 log = logging.getLogger(__name__)
 

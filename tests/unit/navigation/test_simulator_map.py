@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 from pioneer3 import ConfigError, connect_async
-from pioneer3.runtime import simulator_map
-from pioneer3.runtime.simulator_map import known_map, map_of_simulator
+from pioneer3.navigation import simulator_map
+from pioneer3.navigation.simulator_map import known_map, map_of_simulator
 from pioneer3.sim.worldfile import load_map
 from tests.support import SimulatedRobot, wall_at
 

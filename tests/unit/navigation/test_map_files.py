@@ -7,7 +7,7 @@ import pytest
 
 from pioneer3.geometry import Pose2
 from pioneer3.maps.materials import Material
-from pioneer3.runtime.map_files import left_out, save_map
+from pioneer3.navigation.map_files import left_out, save_map
 from pioneer3.sim.worldfile import Box, Person, RobotSpec, Wall, WorldFile, load_world
 
 GLASS_DOOR = Wall(points=((0.0, 0.0), (1.0, 0.0)), material=Material.GLASS, height=2.2)

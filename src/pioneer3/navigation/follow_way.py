@@ -18,8 +18,8 @@ from pioneer3.nav.follower import Follower
 from pioneer3.nav.moving import BEYOND
 from pioneer3.nav.planner import CostToGo
 from pioneer3.nav.sightings import Sightings, in_map
-from pioneer3.runtime.going_aside import GoingAside
-from pioneer3.runtime.lining_up import LiningUp
+from pioneer3.navigation.going_aside import GoingAside
+from pioneer3.navigation.lining_up import LiningUp
 
 Float = NDArray[np.float64]
 

@@ -279,7 +279,7 @@ class Traffic:
     def _standing(self, participant: Participant, line_map: "LineMap") -> "Traveller | None":
         """Return a robot that does not navigate as a traveller without a way."""
         from pioneer3.nav.traffic import Traveller
-        from pioneer3.runtime.ways import NOWHERE
+        from pioneer3.navigation.ways import NOWHERE
 
         news = self._note(participant)
         if news is None or news.place.frame != frame_of(line_map):

@@ -10,8 +10,8 @@ import pytest
 
 from pioneer3.behaviors.peers import Peers
 from pioneer3.geometry import ORIGIN, Pose2, Twist2
+from pioneer3.navigation.traffic import LOOK, NEAR, SLACK, Participant, Place, Traffic
 from pioneer3.runtime.driven import Driven
-from pioneer3.runtime.traffic import LOOK, NEAR, SLACK, Participant, Place, Traffic
 from pioneer3.state import Snapshot
 from tests.unit.behaviors.support import P3AT, seen
 

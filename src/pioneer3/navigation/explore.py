@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from pioneer3.behaviors.action import Desire, Goal, Situation
-from pioneer3.runtime.follow_way import FollowWay
+from pioneer3.navigation.follow_way import FollowWay
 
 
 @dataclass(slots=True, kw_only=True)

@@ -7,7 +7,7 @@ from pioneer3.geometry import Pose2
 from pioneer3.nav.follower import NO_OBSTACLES
 from pioneer3.nav.mover import Mover
 from pioneer3.nav.sightings import Sightings
-from pioneer3.runtime.going_aside import (
+from pioneer3.navigation.going_aside import (
     AT_GOAL,
     GONE,
     LETS,

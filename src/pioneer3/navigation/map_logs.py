@@ -14,8 +14,8 @@ from pioneer3.maps.text import wrong
 from pioneer3.nav.beams import beams_of
 from pioneer3.nav.carmen import LoggedOdometry, read_carmen
 from pioneer3.nav.mapper import Mapper
-from pioneer3.runtime.connect import connect_async
-from pioneer3.runtime.map_builder import MapBuilder
+from pioneer3.navigation.map_builder import MapBuilder
+from pioneer3.runtime.connect import connect_robot
 from pioneer3.tasks import running
 
 Tell = Callable[[float], None]
@@ -84,7 +84,7 @@ async def map_recording(path: Path, tell: Tell, lasers: Sequence[str] = ()) -> M
         return function(*arguments)
 
     clock = asyncio.get_running_loop().time
-    async with connect_async(f"replay:{path}", lasers=found) as robot:
+    async with connect_robot(f"replay:{path}", lasers=found) as robot:
         builder = MapBuilder(robot, in_thread=at_once)
 
         async def watch() -> None:

@@ -9,8 +9,8 @@ from pioneer3.behaviors.actions.keep_apart import least_spacing
 from pioneer3.behaviors.formations import assigned
 from pioneer3.behaviors.modes.group import GroupMode, Membership
 from pioneer3.errors import MotionError
+from pioneer3.navigation.traffic import Traffic
 from pioneer3.runtime.driven import Driven
-from pioneer3.runtime.traffic import Traffic
 from pioneer3.units import LENGTH
 
 

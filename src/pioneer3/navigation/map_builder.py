@@ -27,13 +27,13 @@ from pioneer3.nav.places import home
 from pioneer3.nav.planner import Way
 from pioneer3.nav.rendering import Renderer, drawn, line_map_of, trodden
 from pioneer3.nav.sightings import Sightings
+from pioneer3.navigation.explore import Explore
+from pioneer3.navigation.follow_way import FollowWay, follow_way
+from pioneer3.navigation.navigator import Navigator
 from pioneer3.robot.devices.laser import LaserSource
 from pioneer3.robot.supervisor import Feed
 from pioneer3.runtime.driven import Driven
-from pioneer3.runtime.explore import Explore
-from pioneer3.runtime.follow_way import FollowWay, follow_way
 from pioneer3.runtime.motions import run_mode
-from pioneer3.runtime.navigator import Navigator
 from pioneer3.state import Snapshot
 from pioneer3.tasks import running
 

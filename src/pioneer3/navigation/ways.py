@@ -13,7 +13,7 @@ from pioneer3.nav.costs import CostMap
 from pioneer3.nav.places import Destination
 from pioneer3.nav.planner import NoWay, Way, plan
 from pioneer3.nav.sightings import Sightings
-from pioneer3.runtime.localization import InThread
+from pioneer3.navigation.localization import InThread
 
 log = logging.getLogger(__name__)
 

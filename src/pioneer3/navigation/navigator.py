@@ -18,25 +18,25 @@ from pioneer3.maps import LineMap
 from pioneer3.nav.costs import CostMap
 from pioneer3.nav.estimate import Estimate
 from pioneer3.nav.kernels import CACHE
-from pioneer3.nav.places import Destination
+from pioneer3.nav.places import Destination, find_place
 from pioneer3.nav.planner import NoWay, Way
 from pioneer3.nav.sightings import Sightings
 from pioneer3.nav.traffic import without_robots
 from pioneer3.nav.warm_up import warm_up
-from pioneer3.robot.supervisor import Feed
-from pioneer3.runtime.driven import snapshots_of
-from pioneer3.runtime.drives import Drives
-from pioneer3.runtime.localization import (
+from pioneer3.navigation.drives import Drives
+from pioneer3.navigation.localization import (
     SPREAD,
     TURN_SPREAD,
     InThread,
     Localizable,
     Localization,
 )
-from pioneer3.runtime.look_around import look_around
+from pioneer3.navigation.look_around import look_around
+from pioneer3.navigation.traffic import Traffic
+from pioneer3.navigation.ways import to_drive
+from pioneer3.robot.supervisor import Feed
+from pioneer3.runtime.driven import snapshots_of
 from pioneer3.runtime.motions import lost_as_motion_error, run_mode
-from pioneer3.runtime.traffic import Traffic
-from pioneer3.runtime.ways import to_drive
 from pioneer3.state import Charging, Snapshot
 from pioneer3.tasks import running
 
@@ -245,14 +245,16 @@ class Navigator:
             log.info("looks around: %s", self.estimate.reason)
             await self._drive_along(self.looking_around())
 
-    async def goto(self, goal: Destination, speed: float | None = None) -> None:
-        """Drive to a place.
+    async def goto(self, goal: Destination | str, speed: float | None = None) -> None:
+        """Drive to a place, or to the one of the map with this name.
 
         Raises:
+            ConfigError: The map has no such place.
             MotionError: There is no way, or the robot did not get there; see the message.
         """
-        await self._drive_along(self.mode(goal, await self._way_to(goal), speed))
-        await self.await_charger(goal)
+        there = find_place(self.line_map, goal) if isinstance(goal, str) else goal
+        await self._drive_along(self.mode(there, await self._way_to(there), speed))
+        await self.await_charger(there)
 
     async def patrol(
         self, goals: Sequence[Destination], speed: float | None = None, rounds: float = inf
