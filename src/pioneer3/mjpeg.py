@@ -18,13 +18,15 @@ from pioneer3.names import printable
 
 MULTIPART: Final = "multipart/x-mixed-replace"
 BOUNDARY: Final = "pioneer3picture"
-"""Of the streams that we send."""
+"""Boundary of the streams that we send."""
 MOST_PICTURE: Final = 8 << 20
 """A picture of more bytes is refused."""
 MOST_HEAD: Final = 16 << 10
 """So are more bytes of headers in one place."""
-START, END = b"\xff\xd8", b"\xff\xd9"
-"""Of every JPEG (ITU T.81, table B.1)."""
+START = b"\xff\xd8"
+"""First bytes of every JPEG (ITU T.81, table B.1)."""
+END = b"\xff\xd9"
+"""Last bytes of every JPEG."""
 SCHEME: Final = re.compile(r"([^\s=]+)(?:\s+([^\s=].*))?", re.DOTALL)
 """Begins a question for a user: its scheme, and the first parameter."""
 HASHES: Final = {"MD5": md5, "SHA-256": sha256}

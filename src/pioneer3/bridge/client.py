@@ -35,7 +35,7 @@ class Phase(Enum):
     SYNCED0 = auto()
     SYNCED1 = auto()
     ASKED = auto()
-    """It waits for the identity."""
+    """Waits for the identity."""
     READY = auto()
     OPEN = auto()
 

@@ -18,7 +18,7 @@ from pioneer3.errors import CommandError, ConfigError
 log = logging.getLogger(__name__)
 
 MOST_BYTES = 16_000_000
-"""Of one run: some two hours."""
+"""Most bytes of one run: some two hours."""
 MOST_RUNS = 30
 """That one student can hand in."""
 FULL = "it has reached the greatest length"

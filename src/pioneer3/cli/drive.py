@@ -19,8 +19,10 @@ GAMEPAD = """\
 hold L1: drive with the left stick   R1 as well: faster   B or circle: stop
 Back or Share: emergency stop   Start or Options: release it   Ctrl-C: quit
 on the keyboard space: stop   k: emergency stop"""
-SPEED, TURN_RATE = 0.5, radians(30)
-"""Of the keys [m/s, rad/s]."""
+SPEED = 0.5
+"""Speed of the keys [m/s]."""
+TURN_RATE = radians(30)
+"""Turn rate of the keys [rad/s]."""
 
 
 def drive(

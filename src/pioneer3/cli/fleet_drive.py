@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from pioneer3.fleet.stop import Stopped
 
 TO_SAY = 0.2
-"""Of the time for a robot [s]: to say that its node is missing, before the time is over."""
+"""Part of a robot's time [s] that is left to say that its node is missing."""
 Names = Annotated[str, Parameter(negative=(), metavar="NAME")]
 
 

@@ -25,8 +25,10 @@ if TYPE_CHECKING:
     from pioneer3.runtime.driven import Driven
     from pioneer3.runtime.robot import Robot
 
-SPEED, TURN_RATE = 0.4, radians(30)
-"""[m/s, rad/s]."""
+SPEED = 0.4
+"""Speed of the keys [m/s]."""
+TURN_RATE = radians(30)
+"""Turn rate of the keys [rad/s]."""
 KEEP_EVERY = 30.0
 """The survey is saved so often while it grows [s]."""
 ROOM = 0.3
@@ -89,7 +91,7 @@ def build(
 
 @dataclass(frozen=True, slots=True)
 class _Begin:
-    """What a map begins with.
+    """A beginning for a map.
 
     Attributes:
         line_map: The map that is continued, or `None`.

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 TURN_RATE = radians(45)
 MOVES = "The robot MOVES: stand by its stop button. Space stops it, k is the emergency stop."
 WIDTH = 78
-"""Of paragraphs of a help [characters]."""
+"""Width of a help's paragraphs [characters]."""
 
 
 def move(

@@ -21,7 +21,7 @@ HEADS: Final = {
 NUMBERED: Final = re.compile(r"(.*?)\d+")
 PACKAGE: Final = re.compile(r"\b\w+/(?:msg|srv)/")
 WIDTHS: Final = (18, 18, 15)
-"""Of the first columns where the terminal is narrow."""
+"""Widths of the first columns where the terminal is narrow."""
 NARROW: Final = 120
 COLORS: Final = {Level.OK: "green", Level.WARN: "yellow", Level.FAIL: "red"}
 

@@ -17,8 +17,10 @@ from pioneer3.state import LinkQuality, Snapshot, Sonar
 
 FARTHEST = 5.0
 """A full bar [m]."""
-NEAR, CLOSE = 0.5, 1.0
-"""Below these ranges [m] a bar is red, or yellow."""
+NEAR = 0.5
+"""Range below which a bar is red [m]."""
+CLOSE = 1.0
+"""Range below which a bar is yellow [m]."""
 WIDE = 100
 """From this many columns on the bars are long."""
 SHORT_BAR, LONG_BAR = 8, 18

@@ -98,9 +98,11 @@ LEAVING = 0.8
 HALF_BEAM = radians(10)
 """Half the width of an echo's arc: an echo may come from anywhere in the beam."""
 NOSE = 0.08
-"""Of the mark that shows where the front is [m]."""
-NEAR, CLOSE = 0.5, 1.0
-"""Below these ranges [m] an echo is red, or yellow."""
+"""Length of the mark at the robot's front [m]."""
+NEAR = 0.5
+"""Range below which an echo is red [m]."""
+CLOSE = 1.0
+"""Range below which an echo is yellow [m]."""
 
 
 def ring(

@@ -97,8 +97,10 @@ def _state_style(state: Connection) -> str:
 
 
 EIGHTHS = " ▏▎▍▌▋▊▉█"
-NAME, TEXT = 6, 12
-"""Columns of a gauge's name and of its words."""
+NAME = 6
+"""Columns of a gauge's name."""
+TEXT = 12
+"""Columns of a gauge's words."""
 
 
 def panel(

@@ -9,8 +9,12 @@ from pioneer3.errors import LinkError
 from pioneer3.robot.supervisor import RobotInfo
 from pioneer3.state import Snapshot
 
-FAILED, UNREACHABLE, FORBIDDEN = 1, 3, 4
-"""Exit codes of the command line (facts.md 14.4)."""
+FAILED = 1
+"""Exit code where a check failed (facts.md 14.4)."""
+UNREACHABLE = 3
+"""Exit code where nothing answers."""
+FORBIDDEN = 4
+"""Exit code where a port may not be opened."""
 
 
 class Level(StrEnum):

@@ -12,10 +12,14 @@ from pioneer3.units import DECIVOLT, MS
 START_SPEED: Final = SPEEDS[0]
 USUAL_CYCLE: Final = 0.1
 """Interval of information packets where CONFIG has none [s] (protocol.md 4.1)."""
-SLOW, VERY_SLOW = 0.85, 0.5
-"""Shares of the expected reports below which there is a warning or a failure."""
-NOISY, VERY_NOISY = 0.001, 0.05
-"""Shares of corrupt frames above which there is a warning or a failure."""
+SLOW = 0.85
+"""Share of the expected reports below which there is a warning."""
+VERY_SLOW = 0.5
+"""Share of the expected reports below which there is a failure."""
+NOISY = 0.001
+"""Share of corrupt frames above which there is a warning."""
+VERY_NOISY = 0.05
+"""Share of corrupt frames above which there is a failure."""
 
 
 def check_speed(facts: Facts) -> Iterator[Finding]:

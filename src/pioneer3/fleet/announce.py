@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 SERVICE: Final = "_pioneer3._tcp.local."
 """Robots' own ports, and pages; the record has the keys `kind`, `model` and `robot`."""
 LONGEST_LABEL: Final = 63
-"""Of a name in DNS [bytes]."""
+"""Longest label of a name in DNS [bytes]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

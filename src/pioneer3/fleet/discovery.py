@@ -25,7 +25,7 @@ SSH: Final = "_ssh._tcp.local."
 ROBOT_PORTS: Final = range(8101, 8121)
 SSH_PORT: Final = 22
 BRIDGE_PORT: Final = 30718
-"""Of the serial bridges on Pioneer robots, by Lantronix (protocol.md 1.1)."""
+"""Port of the serial bridges on Pioneer robots, by Lantronix (protocol.md 1.1)."""
 BRIDGE_QUERY: Final = b"\x00\x00\x00\xf6"
 """Query for Firmware Version (Lantronix UDS-10 User Guide, 8.1)."""
 BRIDGE_ANSWER: Final = 0xF7

@@ -11,10 +11,14 @@ from pioneer3.fleet.key import WITHOUT_PASSWORDS
 from pioneer3.fleet.ros_graph import MASTER_PORT
 from pioneer3.fleet.spec import Fleet, Robot
 
-CLOCKS_DIFFER, CLOCKS_WRONG = 0.1, 1.0
-"""From these offsets [s] transforms of two computers differ visibly, or are refused by tf."""
-DISK_LOW, DISK_FULL = 1_000_000_000, 100_000_000
-"""Free space [bytes]: recordings soon stop; nothing can be installed."""
+CLOCKS_DIFFER = 0.1
+"""Offset from which transforms of two computers differ visibly [s]."""
+CLOCKS_WRONG = 1.0
+"""Offset from which tf refuses transforms [s]."""
+DISK_LOW = 1_000_000_000
+"""Free space below which recordings soon stop [bytes]."""
+DISK_FULL = 100_000_000
+"""Free space below which nothing can be installed [bytes]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -25,7 +25,7 @@ TIMEOUT: Final = 3.0
 LEEWAY: Final = 0.5
 """To join a network of ROS 2, whose robots are then waited for [s]."""
 LONGEST_BANNER: Final = 255
-"""Of ssh [bytes] (RFC 4253, 4.2)."""
+"""Longest banner of ssh [bytes] (RFC 4253, 4.2)."""
 
 
 @dataclass(frozen=True, slots=True)

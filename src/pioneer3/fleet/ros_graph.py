@@ -21,7 +21,7 @@ from pioneer3.errors import LinkError
 MASTER_PORT: Final = 11311
 CALLER: Final = "/pioneer3_fleet"
 LARGEST_ANSWER: Final = 1 << 20
-"""Of a master or node, and of a message on a topic [bytes]."""
+"""Largest answer of a master or node, and message on a topic [bytes]."""
 
 
 class RosGraphError(LinkError):

@@ -20,8 +20,10 @@ if TYPE_CHECKING:
 
 log = logging.getLogger(__name__)
 
-FAILED, UNREACHABLE = 1, 3
-"""Exit codes: some failed; none was reached."""
+FAILED = 1
+"""Exit code where some failed."""
+UNREACHABLE = 3
+"""Exit code where none was reached."""
 LONGEST_LINE: Final = 16_384
 """A longer line is shown in pieces [characters]."""
 LONGEST_ANSWER: Final = 16e6

@@ -13,7 +13,7 @@ INCLUDED: Final = "config.d/pioneer3"
 """Below the folder of ssh."""
 INCLUDE: Final = f"Include {INCLUDED}"
 PREFIX: Final = "CR_"
-"""Of the lab's aliases, such as CR_113."""
+"""Prefix of the lab's aliases, such as CR_113."""
 _INCLUDES: Final = re.compile(r"^\s*include\s+(.*)$", re.IGNORECASE)
 _SECTION: Final = re.compile(r"^\s*(host|match)\s", re.IGNORECASE)
 

@@ -15,7 +15,7 @@ Float = NDArray[np.float64]
 Image = NDArray[np.uint8]
 
 METADATA: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 10}
-"""Of environments at 10 steps a second."""
+"""Metadata of environments at 10 steps a second."""
 LONG_SIDE = 600
 """[pixels]."""
 WHITE, WALL = (255, 255, 255), (60, 60, 60)
@@ -27,9 +27,9 @@ COLOURS = (
     (148, 103, 189),
     (23, 190, 207),
 )
-"""Of robots and their goals, one after another."""
+"""Colours of robots and their goals, one after another."""
 CORNERS = 24
-"""Of the polygon that is drawn as a circle."""
+"""Corners of the polygon that is drawn as a circle."""
 
 
 def metadata_of(simulation: GoalSimulation, render_mode: str | None) -> dict[str, Any]:

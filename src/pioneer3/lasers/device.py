@@ -79,7 +79,7 @@ class Device(Protocol):
 
     @property
     def turn(self) -> Turn | None:
-        """What the mirror does next, or `None` while nobody wants readings."""
+        """The mirror's next turn, or `None` while nobody wants readings."""
 
     def connect(self, *, network: bool = False) -> Connection:
         """Return the connection of one more host.

@@ -25,9 +25,9 @@ SIGNATURES = (PNG_SIGNATURE, *PGM_SIGNATURES)
 LARGEST_IMAGE = 128 << 20
 """Larger picture files are not read [bytes]."""
 LARGEST_UNPACKED = 64 << 20
-"""Of the pixels in memory [bytes]: a small file may hold gigabytes."""
+"""Most memory for pixels [bytes]: a small file may hold gigabytes."""
 MOST_SLOW_PIXELS = 1 << 22
-"""Of a PGM picture as text or with an unusual largest shade; Pillow reads a million a second."""
+"""Most pixels of a PGM as text, or with an odd largest shade: Pillow reads a million a second."""
 _DAMAGED = (
     *(ArithmeticError, AssertionError, EOFError, LookupError, OSError, SyntaxError),
     *(TypeError, ValueError, struct.error),

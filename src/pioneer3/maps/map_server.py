@@ -40,7 +40,7 @@ REQUIRED = KEYS[:3]
 RESOLUTIONS = (0.001, 10.0)
 """Smallest and largest side of a pixel that is accepted [m]."""
 FARTHEST = 1e5
-"""Of an origin [m]."""
+"""Farthest coordinate of an origin [m]."""
 LARGEST_YAML = 1 << 16
 """Larger files are not read [bytes]: usual ones have ten lines."""
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")

@@ -26,19 +26,22 @@ BRAKING = 1.5
 take up to 2 m/s^2 (protocol.md 5.1) [m/s^2]."""
 
 TURN_BRAKING = radians(300)
-"""The same of a turning robot; robots take up to this (protocol.md 5.1) [rad/s^2]."""
+"""Braking of a turning robot; robots take up to this (protocol.md 5.1) [rad/s^2]."""
 
-CAREFUL_BRAKING, CAREFUL_TURN_BRAKING = 0.5, radians(100)
-"""The same for robots that are tall, or not known."""
+CAREFUL_BRAKING = 0.5
+"""Braking of robots that are tall, or not known [m/s^2]."""
+
+CAREFUL_TURN_BRAKING = radians(100)
+"""Braking of their turns [rad/s^2]."""
 
 VEL2_UNIT = 20 * MM
-"""Of every Pioneer 2 and 3 (facts.md 6.3) [m/s]."""
+"""Unit of VEL2 on every Pioneer 2 and 3 (facts.md 6.3) [m/s]."""
 
 GYRO_SCALER = 1.626
-"""Of every parameter file (facts.md 6.2)."""
+"""Scale of the gyro in every parameter file (facts.md 6.2)."""
 
 SWITCH_SPEED = 38400
-"""Of every Pioneer 2 and 3 (facts.md 6.3) [baud]."""
+"""Fast serial speed of every Pioneer 2 and 3 (facts.md 6.3) [baud]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,16 +93,16 @@ BOUNDS: Mapping[str, Bounds] = MappingProxyType(
         "gyro_scaler": Bounds(0.001, 1000.0),
     }
 )
-"""Of each numeric field of `RobotModel` [SI]."""
+"""Bounds of each numeric field of `RobotModel` [SI]."""
 
 REACH = Bounds(-10.0, 10.0)
-"""Of a sensor's position along one axis [m]."""
+"""Bounds of a sensor's position along one axis [m]."""
 
 BEARING = Bounds(-tau, tau)
-"""Of a sensor's direction as files give it [rad]."""
+"""Bounds of a sensor's direction as files give it [rad]."""
 
 HEADING = Bounds(-pi, pi)
-"""Of a sensor's direction in a model [rad]."""
+"""Bounds of a sensor's direction in a model [rad]."""
 
 BUMPERS = Bounds(0, 7)
 """Segments on one side: a stall byte has bits 1 to 7 for them (protocol.md 4.7)."""

@@ -90,7 +90,7 @@ class BodyPhysics:
 
     @property
     def base_mass(self) -> float:
-        """Of the body without the caster's two links [kg]."""
+        """Mass of the body without the caster's two links [kg]."""
         return self.body_mass - 2 * self.caster_mass
 
     def base_inertia(self) -> Inertia:

@@ -40,7 +40,7 @@ _KEYS = {field: key for key, field in _ANGLES.items()} | {
 Table = dict[str, object]
 
 MOST_PARTS = 16
-"""Of a dotted key. tomllib needs memory by their square: 8 GB for 50 thousand."""
+"""Most parts of a dotted key: tomllib needs memory by their square, 8 GB for 50 thousand."""
 _PART = r"""(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+"""
 _LONG_KEY = re.compile(rf"""(?<![\w"'-])(?:{_PART}){{{MOST_PARTS}}}""")
 

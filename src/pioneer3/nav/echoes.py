@@ -1,4 +1,4 @@
-"""What sonars hear that neither the map, nor the laser, nor people in sight explain.
+"""Echoes that neither the map, nor the laser, nor people in sight explain.
 
 Lasers look through glass and over low boxes, so that they do not clear what was heard.
 """

@@ -53,7 +53,7 @@ class GivenUp:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Outlook:
-    """What is left to explore.
+    """The part of a map that is left to explore.
 
     Attributes:
         target: The edge to drive to, or `None` where none is left.

@@ -1,4 +1,4 @@
-"""What a map is made of: scans at poses, and the ways that were measured between them."""
+"""Parts of a map: scans at poses, and the ways that were measured between them."""
 
 from dataclasses import dataclass
 from typing import Self

@@ -58,7 +58,7 @@ FLOOR = np.diag([0.01, 0.01, 0.003]) ** 2
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Improvement:
-    """What was found out about a map.
+    """An improvement of a map.
 
     Attributes:
         poses: Of the key frames that were there.

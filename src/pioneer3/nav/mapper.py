@@ -165,7 +165,7 @@ class Mapper:
 
     @property
     def snapshot(self) -> Snapshot:
-        """What is known now, to be improved in a thread."""
+        """The map at this instant, to be improved in a thread."""
         return Snapshot(survey=self._survey, looked=self._looked, waiting=self._waiting)
 
     def move(self, robot_in_odom: Pose2) -> None:

@@ -48,7 +48,7 @@ SPARE = 5.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Strokes:
-    """What is drawn of a key frame, in the robot's frame.
+    """The drawn part of a key frame, in the robot's frame.
 
     Attributes:
         points: The echoes [m], moved onto the lines through their neighbours, shape (N, 2).

@@ -9,7 +9,7 @@ from pioneer3.limits import Limits
 from pioneer3.nav.estimate import Estimate
 
 SPEED = 0.2
-"""Of a robot that does not know where it is [m/s]."""
+"""Speed of a robot that does not know where it is [m/s]."""
 PATIENCE = 120.0
 """A robot that has looked around for so long in vain gives up [s]."""
 

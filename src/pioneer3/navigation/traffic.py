@@ -24,7 +24,7 @@ OVERLAP = 0.15
 LOOK, SLACK = 0.25, 1.0
 """Robots that are near are looked up so often [s], and may come so much nearer meanwhile [m]."""
 SIDE = NEAR + SLACK
-"""Of a cell of the grid in which they are looked up [m]."""
+"""Side of a cell of the grid in which they are looked up [m]."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -22,7 +22,7 @@ HELD_UP = 6.0
 AHEAD = 1.0
 """The place that holds a robot up is so near on its way [m]."""
 AVOIDED = 120.0
-"""It is kept out of for so long [s]."""
+"""Time for which ways keep out of that place [s]."""
 
 Float = NDArray[np.float64]
 NOWHERE: Float = np.empty((0, 2))

@@ -11,11 +11,11 @@ from pioneer3.models.description.tree import Frames, tree_of
 from pioneer3.models.description.urdf import describe
 
 NAME: Final = "pioneer3"
-"""Of the package."""
+"""Name of the package."""
 MODELS: Final = ("p3at", "p3at-sh", "p3dx", "p3dx-sh")
 """Those that the package has a description of; a node describes whatever robot it has."""
 TRANSDUCERS: Final = 16
-"""Of a Pioneer with both rows of sonars."""
+"""Transducers of a Pioneer with both rows of sonars."""
 
 
 def launcher(python: str, *arguments: str) -> str:

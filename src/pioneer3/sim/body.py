@@ -36,13 +36,15 @@ FULL = 13.0
 EMPTY = 11.0
 """Below this the firmware shuts down [V] (facts.md 14.2)."""
 RESISTANCE = 0.1
-"""Of the batteries and their wires [ohm]: driving costs some voltage."""
+"""Resistance of the batteries and their wires [ohm]: driving costs some voltage."""
 NOMINAL = 12.0
 """[V]."""
 AMBIENT = 22.0
 """In the lab [degC]."""
-USUAL_SPEED, USUAL_TURN_RATE = 0.75, 100 * DEGREE
-"""Current limits of a robot as delivered (protocol.md 5.1) [m/s, rad/s]; a host may raise them."""
+USUAL_SPEED = 0.75
+"""Limit of a robot as delivered (protocol.md 5.1) [m/s]; a host may raise it."""
+USUAL_TURN_RATE = 100 * DEGREE
+"""Limit of a robot as delivered (protocol.md 5.1) [rad/s]; a host may raise it."""
 
 Bumpers = tuple[int, int]
 """Pressed segments in front and behind, as bits (protocol.md 4.7)."""

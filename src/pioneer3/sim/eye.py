@@ -24,7 +24,7 @@ Float = NDArray[np.float64]
 Kind = Literal["person", "box", "robot"]
 
 HEIGHTS: dict[Kind, float] = {"person": 1.7, "box": 0.5, "robot": 0.3}
-"""Of each kind of thing [m]."""
+"""Heights of each kind of thing [m]."""
 FARTHEST = 12.0
 """Nothing is seen beyond [m]."""
 NEAREST = 0.05

@@ -1,4 +1,4 @@
-"""What a gyro and an accelerometer feel."""
+"""Rates and accelerations that a gyro and an accelerometer feel."""
 
 from dataclasses import dataclass
 
@@ -8,7 +8,7 @@ GRAVITY = 9.81
 
 @dataclass(frozen=True, slots=True)
 class ImuReading:
-    """What a gyro and an accelerometer at the origin of a robot feel, about its own axes.
+    """A reading of a gyro and an accelerometer at a robot's origin, about its own axes.
 
     Attributes:
         rates: Turn rates about x (ahead), y (left) and z (up) [rad/s].

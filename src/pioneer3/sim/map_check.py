@@ -32,7 +32,7 @@ _COUNTS = {"LINES": "NumLines", "DATA": "NumPoints"}
 _BOXES = {"LINES": ("LineMinPos", "LineMaxPos"), "DATA": ("MinPos", "MaxPos")}
 ROUNDING_MM = 1.0
 STEEPEST_DEG = 14.0
-"""Of a ramp that a P3-DX climbs with physics; a PeopleBot climbs 12, a P3-AT 20."""
+"""Steepest ramp that a P3-DX climbs with physics; a PeopleBot climbs 12, a P3-AT 20."""
 MOST_ERRORS = 1000
 GOALS = ("Goal", "GoalWithHeading")
 FORBIDDEN = ("ForbiddenLine", "ForbiddenArea")

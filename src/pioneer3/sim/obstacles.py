@@ -15,8 +15,10 @@ Float = NDArray[np.float64]
 
 CUT = 1 - tan(pi / 8)
 """Share of half a side that cut corners take, to make a square a regular octagon."""
-SHANK, APART = 0.24, 1.0
-"""Radius of a lower leg, and from one to the other side by side, as shares of a person's radius."""
+SHANK = 0.24
+"""Radius of a lower leg, as a share of a person's radius."""
+APART = 1.0
+"""Distance of legs side by side, as a share of a person's radius."""
 PERSON_HEIGHT = 1.7
 """[m]."""
 POLITE = 0.15
@@ -59,12 +61,12 @@ class Obstacle:
 
     @property
     def height(self) -> float:
-        """Of all of it [m]."""
+        """Height of the whole [m]."""
         return self.kind.block.size[2] if isinstance(self.kind, Box) else PERSON_HEIGHT
 
     @property
     def legs(self) -> tuple[Pose2, ...]:
-        """Of a person, the left one first; a box has none."""
+        """Legs of a person, the left one first; a box has none."""
         if isinstance(self.kind, Box):
             return ()
         ahead, aside = self.kind.stride_at(self._clock), self.kind.radius * APART / 2
@@ -72,7 +74,7 @@ class Obstacle:
 
     @property
     def leg_sizes(self) -> tuple[float, float, float, float]:
-        """Of one leg, as `sizes` [m]."""
+        """Sizes of one leg, as `sizes` [m]."""
         radius = self.sizes[0] * SHANK
         return radius, radius, radius, radius * CUT
 

@@ -1,4 +1,4 @@
-"""What the sensors of robots measure, without errors: on a plane, or in three dimensions."""
+"""Measurements of robots' sensors, without errors: on a plane, or in three dimensions."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

@@ -8,7 +8,7 @@ SONAR_RANGE = 5.0
 SONAR_MIN = 0.1
 """Nearer echoes come while the transducer still rings [m] (facts.md 9.6)."""
 LASER_RANGE = 32.0
-"""Of a SICK LMS-200 in 10 mm mode [m]."""
+"""Range of a SICK LMS-200 in 10 mm mode [m]."""
 
 ARRAY = 8
 """Transducers of an array."""

@@ -27,7 +27,7 @@ Int = NDArray[np.int64]
 Int32 = NDArray[np.int32]
 
 ALMOST = 1e-9
-"""Of a slot: two steps of 20 ms make one of 40 ms, whatever rounding does."""
+"""Tolerance of a slot [s]: two steps of 20 ms make one of 40 ms, whatever rounding does."""
 NEVER = -(1 << 40)
 """Before all slots."""
 MOST_KEPT = 64

@@ -43,9 +43,11 @@ Int32 = NDArray[np.int32]
 NOISE_STEPS = 64
 """Random numbers are drawn for so many steps at once."""
 CHARGE_POWER = 60.0
-"""Of a charging station [W]."""
-DOCKED, DOCKED_ANGLE = 0.15, radians(20)
-"""A robot this close to the pose of a dock is charged [m, rad]."""
+"""Power of a charging station [W]."""
+DOCKED = 0.15
+"""Distance from a dock within which a robot is charged [m]."""
+DOCKED_ANGLE = radians(20)
+"""Angle from a dock's pose within which it is charged [rad]."""
 
 
 class World:

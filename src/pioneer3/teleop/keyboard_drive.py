@@ -15,7 +15,7 @@ from pioneer3.units import degrees
 RENEW = 0.1
 """Pause between two commands, and two live lines [s]."""
 RENEW_UNSEEN = 0.15
-"""The same where nobody reads a live line [s]: half of :data:`COMMAND_TIMEOUT`."""
+"""Time between renewals without a live line [s]: half of :data:`COMMAND_TIMEOUT`."""
 COMMAND_TIMEOUT = 0.3
 """A command that is not renewed ends after this [s]: this program may hang too."""
 

@@ -85,7 +85,7 @@ def numbers(names: Sequence[str]) -> dict[str, int]:
 
 @dataclass(slots=True)
 class Selection:
-    """Who drives with the keys, and who is marked to do so next. Pure.
+    """Robots that obey the keys, and those marked to be next. Pure.
 
     Attributes:
         numbers: The number of each robot; all are typed with as many digits as the highest has.

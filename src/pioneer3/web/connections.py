@@ -26,8 +26,10 @@ from pioneer3.web.websocket import BoundedWebSocket
 
 log = logging.getLogger(__name__)
 
-MOST_REQUESTS, MOST_SOCKETS = 128, 200
-"""HTTP connections, and WebSockets."""
+MOST_REQUESTS = 128
+"""Most HTTP connections."""
+MOST_SOCKETS = 200
+"""Most WebSockets."""
 KEPT_BACK = 48
 """File descriptors for the link, recordings, logs and other uses."""
 USUAL_FILES = 1024
@@ -44,7 +46,7 @@ ANSWER_TIME = 30.0
 STREAMING = "pioneer3.streaming"
 """Extension of the ASGI scope: a function that an answer without end calls before each piece."""
 STREAM_BUFFER = 32 << 10
-"""Of the operating system for such an answer [bytes]; its own would let old pieces wait."""
+"""Send buffer of a stream's socket [bytes]; the system's would let old pieces wait."""
 BACKLOG = 1024
 """Connections that wait in the operating system."""
 BATCH = 4

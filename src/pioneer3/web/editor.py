@@ -20,8 +20,10 @@ from pioneer3.web.control import Lease
 from pioneer3.web.messages import Added, EditRefused
 from pioneer3.web.world import Item, WorldView
 
-MOST_OBSTACLES, MOST_ROBOTS = 200, 50
-"""A page adds no more when there are so many."""
+MOST_OBSTACLES = 200
+"""Most obstacles of a world to which a page adds more."""
+MOST_ROBOTS = 50
+"""Most robots of a world to which a page adds more."""
 STROLL = 0.8
 """Speed of people who are added [m/s]."""
 

@@ -45,7 +45,7 @@ CLICK, TURN_SPREAD, ANY_HEADING = 0.3, 0.3, 2.0
 """Standard deviations of a place and a heading that somebody clicked, and of no heading
 [m, rad, rad]."""
 SPARSE = 5
-"""Of a way's points every so many-th is drawn."""
+"""Step between drawn points of a way."""
 SAME = 0.005
 """A goal so near to a place of the map is that place [m]: pages know it in whole millimetres."""
 PATROL_TIME = 3600.0

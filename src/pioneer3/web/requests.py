@@ -21,9 +21,9 @@ Speed = Annotated[float, Meta(gt=0.0, le=5.0)]
 """Highest speed [m/s]."""
 Share = Annotated[float, Meta(ge=0.0, le=1.0)]
 FileName = Annotated[str, Meta(pattern=r"^[A-Za-z0-9][A-Za-z0-9 _-]{0,39}$(?!\n)")]
-"""Of a file, without its ending."""
+"""Name of a file, without its ending."""
 ObjectName = Annotated[str, Meta(pattern=r'^[^\s"]([^"\t\r\n]{0,38}[^\s"])?$(?!\n)')]
-"""Of a place, a line or an area of a map."""
+"""Name of a place, a line or an area of a map."""
 ObjectNameOrNone = Annotated[str, Meta(pattern=r'^([^\s"]([^"\t\r\n]{0,38}[^\s"])?)?$(?!\n)')]
 Path = Annotated[tuple[tuple[Metre, Metre], ...], Meta(min_length=1, max_length=20)]
 

@@ -13,9 +13,9 @@ from pioneer3.web.messages import MapShape, MapSolid
 Float = NDArray[np.float64]
 
 MOST_TRIANGLES = 3000
-"""Of a mesh; of one with more, a prism around it is drawn."""
+"""Most triangles of a drawn mesh; of one with more, a prism around it is drawn."""
 MOST_ROWS = 100
-"""Of a terrain, and of its columns."""
+"""Most rows and columns of a drawn terrain."""
 
 
 def heights_of_lines(line_map: LineMap, relief: Relief) -> tuple[float, ...]:

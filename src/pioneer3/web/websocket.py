@@ -17,8 +17,10 @@ CLOSE_TIME = 1.0
 """Time for the close frame of a page that took nothing [s]."""
 RATE = 60.0
 """Frames that a page may send [1/s]; one that drives sends 15, and some more for its display."""
-ENOUGH, TOO_MANY = 120, 240
-"""Frames beyond that rate: above the first only stops are accepted, above the second none."""
+ENOUGH = 120
+"""Frames beyond that rate above which only stops are accepted."""
+TOO_MANY = 240
+"""Frames beyond that rate above which none is accepted."""
 SLICE = 1024
 """Bytes of a page that are read at once; then the others have their turn."""
 MOST_UNREAD = 65_536

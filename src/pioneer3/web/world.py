@@ -38,7 +38,7 @@ Item = RobotItem | Obstacle
 MOST_GONE = 1000
 """So many removed things are remembered; a client that missed more is sent everything anew."""
 MOST_CELLS = 4_000_000
-"""Of a grid: a phone keeps four bytes for each."""
+"""Most cells of a grid: a phone keeps four bytes for each."""
 SHADE = 85
 """Between the greys of two states of cells: three of them make white."""
 

@@ -32,7 +32,7 @@ class Unknown:
 
 _ROWS: Final = {row.name: row for row in (*DRIVING, *DEVICES, *OLD_SIMULATOR)}
 NUMBERS: Final = {name: row.number for name, row in _ROWS.items()}
-"""Of the commands in the table, by name."""
+"""Numbers of the commands in the table, by name."""
 
 Meaning = type[Command] | Row
 

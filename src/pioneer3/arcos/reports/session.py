@@ -18,7 +18,7 @@ LINK_LOST_NUMBERS = (0xFE, 0xFF)
 
 @dataclass(frozen=True, slots=True)
 class SyncEcho:
-    """The same SYNC back (0, 1; AMRISim also 2).
+    """Echo of a SYNC (0, 1; AMRISim also 2).
 
     Attributes:
         number: Of the SYNC.

@@ -55,7 +55,7 @@ class _Room:
 
     @property
     def bearing(self) -> float:
-        """Of the peer, from straight ahead [rad]."""
+        """Bearing of the peer, from straight ahead [rad]."""
         return atan2(self.at.y, self.at.x)
 
 

@@ -13,8 +13,10 @@ from pioneer3.demo.mode import Context, DemoMode, Description
 from pioneer3.errors import DeviceError
 from pioneer3.robot.devices import Presence
 
-WIDTH, HEIGHT = 160, 120
-"""Of ACTS's pictures [pixels]; it does not tell."""
+WIDTH = 160
+"""Width of ACTS's pictures [pixels]; it does not tell."""
+HEIGHT = 120
+"""Height of ACTS's pictures [pixels]; it does not tell."""
 PAUSE = 2.0
 """Before ACTS is looked for again [s]."""
 CHANNELS = frozenset("12345678")

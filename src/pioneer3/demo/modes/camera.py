@@ -10,8 +10,12 @@ from pioneer3.errors import PioneerError
 from pioneer3.robot.devices import Camera, CameraName, Presence
 from pioneer3.units import DEGREE
 
-PAN, TILT, ZOOM = radians(5), radians(3), 0.01
-"""Of one key."""
+PAN = radians(5)
+"""Angle that a key pans by [rad]."""
+TILT = radians(3)
+"""Angle that a key tilts by [rad]."""
+ZOOM = 0.01
+"""Share of the range that a key zooms by."""
 ON_AUX: Mapping[str, CameraName] = MappingProxyType(
     {"1": "sony", "2": "vcc4", "5": "vcc4-inverted"}
 )

@@ -110,8 +110,10 @@ def tcm2_row(reading: CompassReading, rate: float) -> Row:
 
 
 BYTE = 8
-FLAGS, VOLTS = 19, 7
-"""Widths: two groups of eight bits with room around them; a voltage."""
+FLAGS = 19
+"""Width of two groups of eight bits with room around them."""
+VOLTS = 7
+"""Width of a voltage."""
 
 
 def io(context: Context, about: Description) -> DemoMode:

@@ -23,10 +23,14 @@ from pioneer3.robot.devices.gyro import GyroReading
 from pioneer3.state import Snapshot
 from pioneer3.units import DEGREE
 
-NEAR, ALIGNED = 0.005, radians(1)
-"""Near enough [m], [rad]."""
-STANDING, TURNING = 0.01, radians(2)
-"""Slower than this is standing [m/s], [rad/s]."""
+NEAR = 0.005
+"""Distance from the goal that is near enough [m]."""
+ALIGNED = radians(1)
+"""Angle from the goal that is near enough [rad]."""
+STANDING = 0.01
+"""Speed below which the robot stands [m/s]."""
+TURNING = radians(2)
+"""Turn rate below which the robot stands [rad/s]."""
 
 
 @dataclass(slots=True)
@@ -75,8 +79,10 @@ class Travel:
         return f"{self._left:z.2f} m and {off / DEGREE:z.0f} deg to go"
 
 
-DISTANCE, STEP = 1.0, 0.5
-"""Of a move at first; what PageUp and PageDown change, and the least [m]."""
+DISTANCE = 1.0
+"""Distance of a move at first [m]."""
+STEP = 0.5
+"""Change by PageUp and PageDown, and the least distance [m]."""
 QUARTER = pi / 2
 GYRO_ORDER = {
     GyroMode.ON: GyroMode.OFF,

@@ -14,7 +14,7 @@ from pioneer3.lasers.device import Sweep
 WHITE: Final = {8: 200, 16: 51_200}
 """Remission of a perfect matt white wall, by the bits of the channel; reflectors have more."""
 LARGEST: Final = {8: 254, 16: 65_535}
-"""Of remissions: 255 in 8 bits means dazzled."""
+"""Largest remissions by their bits: 255 in 8 bits means dazzled."""
 LONGEST: Final = 65_535
 FIRST_ECHO, ALL_ECHOES, LAST_ECHO = 0, 1, 2
 """Values of FREchoFilter."""

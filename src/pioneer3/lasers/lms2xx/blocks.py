@@ -170,7 +170,7 @@ class Status:
 
     @property
     def variant(self) -> Variant:
-        """What the unit scans."""
+        """The field that the unit scans."""
         return Variant(self.field_deg, self.step_cdeg)
 
     @property

@@ -72,7 +72,7 @@ class Variant:
 
     @property
     def scan_time(self) -> float:
-        """Of all turns of a scan [s]."""
+        """Time of all turns of a scan [s]."""
         return self.turns * MIRROR_TURN
 
 

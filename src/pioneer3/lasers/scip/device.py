@@ -76,7 +76,7 @@ class ScipDevice:
 
     @property
     def turn(self) -> Turn | None:
-        """What the mirror does next, or `None` while nobody wants readings."""
+        """The mirror's next turn, or `None` while nobody wants readings."""
         return self.unit.turn if any(s.wants_readings for s in self._sessions) else None
 
     def connect(self, *, network: bool = False) -> Session:

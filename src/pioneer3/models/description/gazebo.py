@@ -29,7 +29,7 @@ FRAME_ID: Final = "gz_frame_id"
 
 
 class Direction(StrEnum):
-    """Of messages over ros_gz_bridge."""
+    """Direction of messages over ros_gz_bridge."""
 
     TO_ROS = "GZ_TO_ROS"
     TO_GAZEBO = "ROS_TO_GZ"

@@ -11,7 +11,7 @@ from pioneer3.models.description.xml import AXES, MAKER, document, quaternion, r
 from pioneer3.models.physics import Inertia
 
 TIMESTEP: Final = 0.002
-"""Of the simulation [s]: a tire's contact needs two steps or more in its time constant."""
+"""Step of the simulation [s]: a tire's contact needs two or more in its time constant."""
 COLLISION, VISUAL = "3", "2"
 """Groups of geoms."""
 COLLIDES: Final = "collision"

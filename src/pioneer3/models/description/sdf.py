@@ -14,17 +14,19 @@ from pioneer3.models.lasers import LASERS, LaserModel
 VERSION: Final = "1.9"
 """The one of Gazebo Fortress; later ones read it."""
 ODOMETRY_RATE: Final = 10.0
-"""Of odometry and joints [Hz]: the robot's own."""
+"""Rate of odometry and joints [Hz]: the robot's own."""
 IMU_RATE: Final = 100.0
 """[Hz]."""
 SONAR_RATE: Final = 3.125
-"""Of one transducer [Hz]: eight take turns, 40 ms each."""
+"""Rate of one transducer [Hz]: eight take turns, 40 ms each."""
 SONAR_CONE: Final = 0.26
 """Width of the cone that rays of a sonar fill [rad]: Gazebo has no sonar."""
 SONAR_RAYS: Final = 5
 """Across that cone, and again from its bottom to its top."""
-SONAR_NEAR, SONAR_FAR = 0.15, 5.0
-"""[m]."""
+SONAR_NEAR = 0.15
+"""Shortest range [m]."""
+SONAR_FAR = 5.0
+"""Longest range [m]."""
 OUTSIDE: Final = 0.1
 """Shortest range of a laser [m]: rays begin outside its housing."""
 USUAL_LASER: Final = LASERS["lms-200"]

@@ -15,7 +15,7 @@ HERE: Final = (0.0, 0.0, 0.0)
 ARC: Final = 0.75 * pi
 """Angle of all segments of one bumper together, seen from the robot's centre (protocol.md 4.7)."""
 BUMPER_HEIGHT: Final = 0.09
-"""Of the middle of a bumper above the floor [m]."""
+"""Height of a bumper's middle above the floor [m]."""
 SCAN_HEIGHT: Final = 0.116
 """Height of a laser's plane above its base: that of a SICK LMS 200 [m]."""
 LASER_TOP: Final = 0.076

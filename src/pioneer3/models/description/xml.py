@@ -9,7 +9,7 @@ from xml.etree import ElementTree as ET
 MAKER: Final = "Drawn by pioneer3 from the robot's model."
 """In every description of ours, and in no other."""
 AXES: Final[Mapping[str, str]] = MappingProxyType({"y": "0 1 0", "z": "0 0 1"})
-"""Of joints that turn."""
+"""Axes of joints that turn."""
 
 
 def row(*numbers: float) -> str:

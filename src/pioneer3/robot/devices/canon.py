@@ -12,8 +12,10 @@ from pioneer3.units import DEGREE
 
 STEP = 0.1125 * DEGREE
 CENTRE = 0x8000
-LOWEST_STEPS, HIGHEST_STEPS = -267, 782
-"""Range of tilt: -30 to 88 degrees."""
+LOWEST_STEPS = -267
+"""Lowest tilt: -30 degrees."""
+HIGHEST_STEPS = 782
+"""Highest tilt: 88 degrees."""
 ZOOM_STEPS = 1960
 POWER_ON, HOST_CONTROL, INIT, RANGE = b"\xa01", b"\x900", b"\x580", b"\x641"
 PAN_TILT, POSITION, ZOOM = b"\x62", b"\x63", b"\xb3"

@@ -20,8 +20,12 @@ SENSORS = 0x3F
 LIFT_MOVES, GRIP_MOVES_ON_USER_IO = 0x40, 0x04
 """Bits of the SIP's byte for user-IO grippers, besides the digital inputs (protocol.md 4.7)."""
 
-LIFT_LEAST, LIFT_PATIENCE, GRIP_PATIENCE = 3.0, 30.0, 10.0
-"""Times of the exercise [s] (facts.md 8.5)."""
+LIFT_LEAST = 3.0
+"""Least time of a lift in the exercise [s] (facts.md 8.5)."""
+LIFT_PATIENCE = 30.0
+"""Longest wait for a lift [s] (facts.md 8.5)."""
+GRIP_PATIENCE = 10.0
+"""Longest wait for a grip [s] (facts.md 8.5)."""
 NEXT_ACTION = {
     GripperAction.LIFT_UP: GripperAction.CLOSE,
     GripperAction.CLOSE: GripperAction.LIFT_DOWN,

@@ -13,8 +13,10 @@ from pioneer3.robot.identity import is_simulator
 from pioneer3.robot.report_requests import ReportRequest
 from pioneer3.robot.supervisor import Supervisor
 
-ANALOG_BITS, ANALOG_STEP = 0xFFF, 0.0048828
-"""Bits of an analog reading, and its unit [V] (protocol.md 5.3)."""
+ANALOG_BITS = 0xFFF
+"""Bits of an analog reading (protocol.md 5.3)."""
+ANALOG_STEP = 0.0048828
+"""Unit of an analog reading [V] (protocol.md 5.3)."""
 OUTPUTS = range(8)
 OLD_LASER = range(3)
 """Analog ports that simulators take for the old laser's switch (protocol.md 3.3)."""

@@ -54,14 +54,14 @@ TAIL = 64
 speed; the first bytes may have come at the speed before."""
 WRONG = 8
 SPEEDS = (115200, 38400, 9600, 19200, 57600, 500000)
-"""Of all lasers [baud]; those with USB answer at any."""
+"""Speeds of all lasers [baud]; those with USB answer at any."""
 SPEEDS_OF_SCANS = (115200, 38400, 57600, 500000, 19200, 9600)
-"""The same in the order in which a laser that scans is looked for [baud]."""
+"""Speeds in the order in which a laser that scans is looked for [baud]."""
 SPEEDS_OF = {
     LaserProtocol.SCIP: (115200, 19200, 57600, 38400),
     LaserProtocol.LMS2XX: (38400, 9600, 19200, 500000),
 }
-"""Of the lasers of each protocol with a serial line [baud], the likeliest first."""
+"""Speeds of each protocol's lasers with a serial line [baud], the likeliest first."""
 ROBOT = "this port leads to the robot, not to a laser: give it with --port"
 ECHO = "what was sent comes back: the line's two ends are joined"
 NOTHING = "nothing answers as a laser does: is it switched on, and is this its port?"

@@ -37,15 +37,15 @@ DRIVEN: Final = ("p3at", "p3dx")
 SETUPS: Final = ("setup.sh", "setup.bash", "setup.zsh")
 PLACEHOLDER: Final = re.compile(r"@([a-z_]+)@")
 SPEED: Final = 0.5
-"""Of Nav2 at most [m/s]: among people, with the deceleration of the models."""
+"""Top speed of Nav2 [m/s]: among people, with the deceleration of the models."""
 TURN_RATE: Final = 1.0
-"""Of Nav2 at most [rad/s]."""
+"""Top turn rate of Nav2 [rad/s]."""
 BACK_SPEED: Final = 0.2
-"""Of Nav2 backwards at most [m/s]: a laser does not see there."""
+"""Top speed of Nav2 backwards [m/s]: a laser does not see there."""
 CLEARANCE: Final = 0.3
 """From the corners of the robot to where costs end [m]."""
 WIDTH: Final = 96
-"""Of comments."""
+"""Width of comments [characters]."""
 
 
 def install_package(folder: Path, distro: str = DEFAULT, python: str = sys.executable) -> Path:

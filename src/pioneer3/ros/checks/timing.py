@@ -17,7 +17,7 @@ PERIODS: Final = 3.0
 PAUSE: Final = 5.0
 """A pause of more than so many periods is worth a look."""
 SHORTEST_PAUSE: Final = 0.5
-"""Of those that are [s]."""
+"""Shortest pause that is worth a look [s]."""
 SILENT: Final = 1.0
 """A topic that is silent for so long [s] before the end is not published any more."""
 FUTURE: Final = 0.1

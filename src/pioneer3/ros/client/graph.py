@@ -65,7 +65,7 @@ class RobotTopics:
 
     @property
     def plain_name(self) -> str:
-        """The same as a part of other names."""
+        """Name of the robot as a part of other names."""
         return self.name.replace("/", "_")
 
     @property

@@ -38,9 +38,9 @@ LOOK: Final = 0.01
 WARNINGS: Final = 20
 """Programs that are told of because their messages of the graph cannot be read."""
 REQUESTS: Final = Qos(depth=1000)
-"""Of requests and responses: who loses one waits in vain."""
+"""Quality of requests and responses: who loses one waits in vain."""
 EVERYBODY: Final = Qos(transient_local=True, depth=100)
-"""Of the topic of the graph: a message of each participant."""
+"""Quality of the graph's topic: a message of each participant."""
 NO_HEAD: Final[Mapping[str, str]] = {}
 FAILED: Final = "DDS has failed, so that nothing is received any more; the log has the reason"
 log = logging.getLogger(__name__)

@@ -23,7 +23,7 @@ ENCAPSULATION: Final = 4
 REQUEST_ID: Final = struct.Struct("<Qq")
 """Identity of the client and number of the request; before the message, and aligned as it is."""
 HEAD: Final = {"client_id": "uint64", "sequence": "int64"}
-"""The same as fields of the type."""
+"""Head of requests and responses, as fields of the type."""
 WAITING: Final = 32
 """Requests of a service that wait, with the one that is worked on."""
 log = logging.getLogger(__name__)

@@ -6,9 +6,9 @@ from typing import Any, Final
 from pioneer3.ros.messages.update import PictureUpdate, fill_header
 
 CHANNELS: Final = 3
-"""Of `rgb8`."""
+"""Bytes of a pixel in `rgb8`."""
 MODEL: Final = "plumb_bob"
-"""Of a lens, with as many numbers as :data:`PERFECT`."""
+"""Model of a lens, with as many numbers as :data:`PERFECT`."""
 PERFECT: Final = [0.0] * 5
 """A lens without distortion."""
 

@@ -20,7 +20,7 @@ NO_ROTATION: Final = 1e-6
 UPRIGHT: Final = 1e-3
 """The z axis of a goal may be off by so much [1 - cosine], as in move_base."""
 FARTHEST: Final = 1e5
-"""Of a place from the origin [m]."""
+"""Farthest place from the origin [m]."""
 WIDEST: Final = 100.0
 """Standard deviation of a start [m]."""
 

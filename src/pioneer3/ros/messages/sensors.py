@@ -26,7 +26,7 @@ ULTRASOUND: Final = 0
 SCAN_MAX: Final = 32.766
 """Longest range of a simulator's laser [m] (protocol.md 5.13)."""
 GYRO_VARIANCE: Final = 2.8e-4
-"""Of a rate [rad^2/s^2]: a step of the converter is 0.95 degrees per second (protocol.md 5.4)."""
+"""Variance of a rate [rad^2/s^2]: the converter's step is 0.95 degrees/s (protocol.md 5.4)."""
 NOT_THERE: Final = [-1.0, *[0.0] * 8]
 """Covariance of a quantity that a sensor does not measure (sensor_msgs/Imu)."""
 RECHARGE_STATES: Final = {

@@ -21,7 +21,7 @@ UNMEASURED: Final = 1e6
 DRIVING: Final = (1e-3, 1e-3, UNMEASURED, UNMEASURED, UNMEASURED, 0.03)
 """Variances x, y, z [m^2], roll, pitch, yaw [rad^2] while the wheels turn."""
 STANDING: Final = (1e-9, 1e-9, UNMEASURED, UNMEASURED, UNMEASURED, 1e-9)
-"""The same while they stand still: nothing is added to the error there already is."""
+"""Covariance while the wheels stand still: nothing is added to the error."""
 
 
 class NoEcho(StrEnum):

@@ -18,7 +18,7 @@ from pioneer3.state import Scan
 from pioneer3.tasks import running
 
 FRAME: Final = "laser"
-"""Of the scans, unless a parameter names another; hokuyo_node and urg_node have the same."""
+"""Frame of scans, unless a parameter names another; as in hokuyo_node and urg_node."""
 
 
 class LaserNode:

@@ -52,7 +52,7 @@ SETTLED: Final = 3.0
 QUEUE: Final = 10
 """Messages that wait in a connection."""
 SPARSE: Final = 4
-"""Of a way's points every so many-th is published: they are half a cell apart."""
+"""Step between published points of a way: points are half a cell apart."""
 
 
 class NodeNavigation:

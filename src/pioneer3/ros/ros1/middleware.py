@@ -39,7 +39,7 @@ NAVIGATION_PACKAGES: Final = {
     "actionlib_msgs": "python3-actionlib-msgs",
     "move_base_msgs": "python3-move-base-msgs",
 }
-"""What a node with a map imports, and the packages that have it."""
+"""Modules that a node with a map imports, and their packages."""
 BUMPER_TYPE: Final = "rosaria/BumperState"
 BUMPER_STATE: Final = """Header header
 bool[] front_bumpers
@@ -50,7 +50,7 @@ uint32 seq
 time stamp
 string frame_id
 """
-"""Of RosAria's own message, md5sum f81947761ff7e166a3bbaf937b9869b5: no package need bring it."""
+"""RosAria's own message, md5sum f81947761ff7e166a3bbaf937b9869b5: no package need bring it."""
 
 
 def find_rospy(places: Sequence[Path] = PLACES) -> None:

@@ -25,7 +25,7 @@ DRY_MANIFEST: Final = """<package>
   <license>Apache-2.0</license>
 </package>
 """
-"""Of the kind before catkin: ROS's tools look for Python code in `src` of such packages only."""
+"""Manifest from before catkin: ROS's tools look for Python in `src` of such packages only."""
 PROGRAMS: Final = {
     "RosAria": "",
     "robots": "robots",

@@ -14,7 +14,7 @@ import numpy as np
 from pioneer3.ros.typestore import ARRAY, BASE, DTYPES, NAME, python_name
 
 HEADER: Final = b"\0\1\0\0"
-"""Of little-endian CDR."""
+"""Header of little-endian CDR."""
 LETTERS: Final[Mapping[str, str]] = {
     "bool": "?",
     "byte": "b",

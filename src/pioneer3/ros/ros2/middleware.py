@@ -38,7 +38,7 @@ PARAMETER_EVENTS: Final = "/parameter_events"
 EVENTS: Final = Qos(depth=1000)
 """As `rmw_qos_profile_parameter_events` has it."""
 CLOCK: Final = Qos(reliable=False, depth=1)
-"""Of subscribers to `/clock`, as `rclcpp::ClockQoS` has it: publishers of it are best effort."""
+"""Quality of subscriptions to `/clock`, as `rclcpp::ClockQoS`: its publishers are best effort."""
 log = logging.getLogger(__name__)
 
 

@@ -93,7 +93,7 @@ class _Transport(Transport):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NodeCalls:
-    """What others may ask of our node; the functions are called in threads.
+    """Calls that others make to our node, in threads.
 
     Attributes:
         publisher_update: Given a topic, and the addresses of the nodes that publish it.

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     import zenoh
 
 HEARTBEAT: Final = 0.5
-"""Of a reliable publisher with a history: what was lost is asked for [s] (as rmw_zenoh_cpp)."""
+"""Time between a reliable publisher's heartbeats [s], as in rmw_zenoh_cpp."""
 LATCHED_DEPTH: Final = 100
 """Messages of different publishers that wait for a subscriber to latched topics."""
 REQUESTS: Final = 32

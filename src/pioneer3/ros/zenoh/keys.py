@@ -31,7 +31,7 @@ CODES: Final = {kind: code for code, kind in KINDS.items()}
 NO_HASH: Final = "TypeHashNotSupported"
 """In the place of a hash in Humble, which has none."""
 SERVICES: Final = Qos(depth=10)
-"""Of services and clients (`rmw_qos_profile_services_default`)."""
+"""Quality of services and clients (`rmw_qos_profile_services_default`)."""
 DEFAULT_DEPTH: Final = 42
 """Depth that is left out."""
 FOREVER: Final = 9_223_372_036

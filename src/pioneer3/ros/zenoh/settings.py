@@ -20,7 +20,7 @@ FIX: Final = "start one with `ros2 run rmw_zenoh_cpp rmw_zenohd`, or with `pione
 LEASE_MS: Final = 10_000
 """Silence after which the other end is taken for gone."""
 ONE_SIDE: Final[Mapping[str, object]] = {"peer": {"to_router": "always", "to_peer": "greater-zid"}}
-"""Of two peers that learn of each other one connects, as with rmw_zenoh_cpp. Where both did at once
+"""One of two peers that learn of each other connects, as with rmw_zenoh_cpp. Where both did at once
 and had to log in, neither got through at times, and the router did not forward between them."""
 COMMON: Final[Mapping[str, object]] = {
     "scouting/multicast/enabled": False,

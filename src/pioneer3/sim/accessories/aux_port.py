@@ -12,7 +12,7 @@ from pioneer3.sim.accessories.base import Inputs
 TTY = (commands.Tty2.ID, commands.Tty3.ID, commands.Tty4.ID)
 GETAUX = (commands.GetAux.ID, commands.GetAux2.ID, commands.GetAux3.ID)
 NUMBERS = (0xB0, 0xB8, 0xC8)
-"""Of the commands and reports of AUX1, AUX2 and AUX3."""
+"""Numbers of the reports of AUX1, AUX2 and AUX3."""
 MOST_ASKED = 200
 """Bytes that GETAUX may ask for (protocol.md 3.2)."""
 BUFFER = 256

@@ -13,11 +13,13 @@ from pioneer3.arcos.reports import Report
 from pioneer3.sim.accessories.base import CarryingRobot, Inputs, ReportRequest
 from pioneer3.units import degrees
 
-FIELD_LEVEL, FIELD_DOWN = 20.0, 45.0
-"""The earth's field in central Europe [uT]; x forward, y right, z down."""
+FIELD_LEVEL = 20.0
+"""Level part of the earth's field in central Europe [uT]; x forward, y right, z down."""
+FIELD_DOWN = 45.0
+"""Downward part of it [uT]."""
 TEMPERATURE_DECICELSIUS = 220
 GOOD_SCORE = 9
-"""Of both angles after a calibration; the module's scores are otherwise unverified."""
+"""Score of both angles after a calibration; the module's scores are otherwise unverified."""
 GOOD_FIELD_SCORE_HUNDREDTHS = 3000
 
 

@@ -20,7 +20,7 @@ PORTS = 8
 FULL_SCALE = 5.0
 """[V]."""
 STEPS = 1023
-"""Of the converter behind IO reports: 4.8828 mV each (protocol.md 5.3)."""
+"""Steps of the converter behind IO reports: 4.8828 mV each (protocol.md 5.3)."""
 SIP_STEPS = 255
 ALL_HIGH = (1 << LINES) - 1
 

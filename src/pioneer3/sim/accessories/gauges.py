@@ -84,7 +84,7 @@ class BatteryGauge(Gauge):
 
 
 TICKS_PER_METRE = {"skid": 138_000, "differential": 128_000}
-"""Of a P3-AT and a P3-DX, as usually quoted of their manuals, unverified (protocol.md 5.1)."""
+"""Ticks of a P3-AT and a P3-DX, as quoted from their manuals, unverified (protocol.md 5.1)."""
 
 
 class Encoders(Gauge):

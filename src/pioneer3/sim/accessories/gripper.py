@@ -167,7 +167,7 @@ class Gripper:
 
     @property
     def height(self) -> float:
-        """Of the lift, 0 down to 1 up, as of the last command or report."""
+        """Height of the lift, 0 down to 1 up, as of the last command or report."""
         return self._lift.height
 
     @property

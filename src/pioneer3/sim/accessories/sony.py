@@ -27,8 +27,10 @@ FASTEST_PAN, FASTEST_TILT = 0x18, 0x14
 ZOOM_STEPS = 1023
 ZOOM_TIME = 3.0
 """From wide to tele [s], unverified."""
-SETTINGS, MOTION = 0x04, 0x06
-"""Categories of commands; settings other than power and zoom are taken without effect."""
+SETTINGS = 0x04
+"""Category of settings; others than power and zoom are taken without effect."""
+MOTION = 0x06
+"""Category of motions."""
 
 
 class SonyEvi:

@@ -51,7 +51,7 @@ SONAR_CYCLE = 0.04
 NAME = "MobileSim"
 """By this name real ARIA programs know a simulator, and take its laser (protocol.md 2.6)."""
 LONGEST_NAME = 40
-"""Of a robot that tells its own name [letters]."""
+"""Longest name of a robot that tells its own [letters]."""
 
 
 class Firmware:
@@ -259,10 +259,12 @@ class Firmware:
 SERIAL_NUMBER = "SIM"
 """By this AriaCoda knows a simulator (facts.md 13, row 12)."""
 OWN_SERIAL_NUMBER = "SIMULATED"
-"""Of a robot that tells its own name; AriaCoda takes it for a real one."""
+"""Serial number of a robot with its own name; AriaCoda takes it for a real one."""
 LARGEST_WORD = 9999
-TOP_ACCELERATION_MM, TOP_TURN_ACCELERATION_DEG = 2000, 300
-"""Of one real P3-AT (protocol.md 5.1)."""
+TOP_ACCELERATION_MM = 2000
+"""Highest acceleration of one real P3-AT (protocol.md 5.1) [mm/s^2]."""
+TOP_TURN_ACCELERATION_DEG = 300
+"""Highest turn acceleration of one real P3-AT (protocol.md 5.1) [degrees/s^2]."""
 
 
 def configuration(

@@ -79,10 +79,12 @@ MOST_READINGS = 32
 HOT = 80.0
 """Motors are too hot from here on [degC]; unverified."""
 NOT_CHARGING, BULK, OVERCHARGE, FLOAT = range(4)
-OVERCHARGE_FROM, FLOAT_FROM = 80, 100
-"""Charge at which a charger goes over to the next state [percent]; unverified."""
+OVERCHARGE_FROM = 80
+"""Charge at which a charger goes over to overcharge [percent]; unverified."""
+FLOAT_FROM = 100
+"""Charge at which it goes over to float [percent]; unverified."""
 WIRE_BITS = 0x7FFF
-"""Of x and y, of which hosts look at 15 bits (protocol.md 4.2, 4.8)."""
+"""Bits of x and y that hosts look at (protocol.md 4.2, 4.8)."""
 
 
 class Instruments:

@@ -15,8 +15,10 @@ SUBSTEP = 0.02
 """How often the speed of a robot that covers a distance is worked out [s]."""
 ARRIVED = 1e-4
 """A distance with less than this left to go is done [m or rad]."""
-HARDEST, HARDEST_TURN = 4.0, 16.0
-"""Deceleration of wheels that brake with all they have [m/s^2, rad/s^2]."""
+HARDEST = 4.0
+"""Deceleration of wheels that brake with all they have [m/s^2]."""
+HARDEST_TURN = 16.0
+"""Deceleration of a turn whose wheels brake with all they have [rad/s^2]."""
 FINER = 32
 """Times finer each time that the free part of a blocked motion is sought: to 1/1024 of it."""
 NEGLIGIBLE = 1e-4
@@ -29,8 +31,12 @@ IDLE_POWER = 15.0
 DRIVE_POWER = 40.0
 """Motors at 1 m/s [W]."""
 
-DRIVE_HEAT, TURN_HEAT, STALL_HEAT = 25.0, 10.0, 60.0
-"""How far motors warm up in the long run, at 1 m/s, at 1 rad/s, pushing [K]."""
+DRIVE_HEAT = 25.0
+"""Warming of motors in the long run at 1 m/s [K]."""
+TURN_HEAT = 10.0
+"""Warming of motors in the long run at 1 rad/s [K]."""
+STALL_HEAT = 60.0
+"""Warming of motors that push in the long run [K]."""
 HEAT_TIME = 600.0
 """In which 63 % of that is reached [s]."""
 

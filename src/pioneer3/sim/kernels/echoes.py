@@ -29,8 +29,10 @@ WIDE = 0.4
 CELL = 0.1
 """Side of the cells in which walls are looked for [m]."""
 
-SECTORS, BEND = 64, 5
-"""A wall that bends by about so many sectors still goes straight on: 30 degrees."""
+SECTORS = 64
+"""Sectors of directions of walls."""
+BEND = 5
+"""Sectors by which a wall may bend that still goes straight on: 30 degrees."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -70,7 +70,7 @@ Flags = NDArray[np.uint8]
 Int32 = NDArray[np.int32]
 
 Wheels = tuple[Float, Flags, Float, Float]
-"""Of Drives: axes, flags, wheels, errors."""
+"""Arrays of drives: axes, flags, wheels, errors."""
 
 
 @inlined

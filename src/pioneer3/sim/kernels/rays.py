@@ -19,8 +19,10 @@ Int32 = NDArray[np.int32]
 EMPTY = 0.1
 """Along the edges of a grid at least this much has no walls [cells]."""
 
-TINY, HUGE = 1e-300, 1e300
-"""Stand for zero and its inverse where infinity would make a NaN."""
+TINY = 1e-300
+"""Stands for zero where infinity would make a NaN."""
+HUGE = 1e300
+"""Stands for the inverse of zero there."""
 
 
 @inlined

@@ -19,10 +19,10 @@ Bool = NDArray[np.bool_]
 Int32 = NDArray[np.int32]
 
 Walls = tuple[Float, Int32, Float]
-"""Of a Grid: frame, cell_start, pieces."""
+"""Arrays of a grid: frame, cell_start, pieces."""
 
 Others = tuple[Float, Float, Int32, Int32]
-"""Of Robots: box, shapes, cell_start, cell_items."""
+"""Arrays of robots: box, shapes, cell_start, cell_items."""
 
 CELL = 4.0
 """Side of a cell of the table [m]: a sensor's surroundings are a few cells."""

@@ -10,8 +10,10 @@ Float = NDArray[np.float64]
 Int = NDArray[np.int64]
 Int32 = NDArray[np.int32]
 
-LARGEST_CELL, SMALLEST_CELL = 1.0, 0.25
-"""Sides of cells [m]: many small ones where walls are short, as in scanned maps."""
+LARGEST_CELL = 1.0
+"""Largest side of a cell [m]."""
+SMALLEST_CELL = 0.25
+"""Smallest side of a cell [m], where walls are short, as in scanned maps."""
 
 WALLS_PER_CELL = 4
 """A cell is as wide as so many walls are long, within these bounds."""

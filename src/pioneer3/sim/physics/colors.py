@@ -24,11 +24,11 @@ COLORS: Final[Mapping[str, Rgba]] = MappingProxyType(
         "mesh": (0.55, 0.55, 0.50, 1.0),
     }
 )
-"""Of each kind of thing, as its geoms are named; robots have those of their description."""
+"""Colours by the names of geoms; robots have those of their description."""
 SKY: Final = (0.55, 0.72, 0.90), (0.30, 0.45, 0.75)
 """At the horizon, and above."""
 SKY_SIZE: Final = 16
-"""Of a side of the sky's picture [pixels]."""
+"""Side of the sky's picture [pixels]."""
 
 
 def paint(spec: Any, obstacles: Mapping[str, Obstacle]) -> None:

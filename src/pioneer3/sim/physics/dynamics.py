@@ -85,7 +85,7 @@ def _warn(text: str) -> None:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Instant:
-    """What there is to be seen at one instant, for pictures.
+    """A scene at one instant, for pictures.
 
     Attributes:
         scene: The world.

@@ -15,10 +15,12 @@ from pioneer3.sim.relief import Carpet, Relief, Solid
 from pioneer3.sim.relief.mesh_file import Triangles
 from pioneer3.sim.relief.shapes import Block, Column, Hull, Shape, Terrain, Wedge
 
-SOLID, FLOOR = 1, 2
-"""Bits of contact: robots that are neither seen nor touched still stand on the floor."""
+SOLID = 1
+"""Bit of contact with solids."""
+FLOOR = 2
+"""Bit of contact with the floor: robots that are neither seen nor touched still stand on it."""
 GROUND_FRICTION = 0.6
-"""Of the floor, steps and ramps; tires have their own."""
+"""Friction of the floor, steps and ramps; tires have their own."""
 CARPET_PRIORITY = 2
 """Above that of boxes and tires: the friction of a carpet holds for all that touches it."""
 BOX = "box"
@@ -26,7 +28,7 @@ BOX = "box"
 CASTER = "caster"
 """Name of the tire of a caster."""
 TERRAIN_BASE = 0.1
-"""Of a terrain below its lowest point [m], so that nothing falls through."""
+"""Thickness of a terrain below its lowest point [m], so that nothing falls through."""
 MOST_HULL = 1.3
 """Volume of a mesh's hull, as a share of the mesh's: a larger one is no likeness of it."""
 _NAMED = re.compile(r"'([a-z]+_\d+)(?:_\w+)?'")

@@ -18,7 +18,7 @@ Float = NDArray[np.float64]
 ABOVE = 1000.0
 """Rays begin so high [m]; nothing in a world file is as high."""
 STEEPEST = radians(30)
-"""What would stand steeper, as at the edge of a platform, is put level above the ground."""
+"""Steepest stand of a body; a steeper one, as at an edge, is put level above the ground."""
 
 
 def has_ground(relief: Relief) -> bool:

@@ -22,8 +22,10 @@ from pioneer3.sim.physics.scene import Scene
 Float = NDArray[np.float64]
 Bool = NDArray[np.bool_]
 
-STALL_TIME, FULL_SHARE = 0.3, 0.98
-"""A side that pushes with this share of its torque for so long is stalled [s]."""
+STALL_TIME = 0.3
+"""Time after which a side that pushes with nearly all its torque is stalled [s]."""
+FULL_SHARE = 0.98
+"""Share of its torque that counts as nearly all."""
 DRAG = 0.3
 """Torque of a side's gears and motors without power [Nm]; an assumption."""
 LEAST_SPEED = 5e-4

@@ -20,7 +20,7 @@ LEVEL = float(np.cos(np.radians(0.5)))
 THROUGH = 1e-4
 """A beam goes on so far behind the surface of glass that it has gone through [m]."""
 MOST_SURFACES = 8
-"""Of glass, one behind the other, that a beam goes through."""
+"""Most panes of glass that a beam goes through."""
 
 
 class Hits(NamedTuple):

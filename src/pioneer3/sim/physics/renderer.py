@@ -21,10 +21,14 @@ from pioneer3.sim.physics.groups import DRAWN, TOUCHING
 
 LENGTH: Final = 4
 """Bytes before each message: its length, the most significant byte first."""
-NEAREST, FARTHEST = 0.01, 200.0
-"""What is nearer or farther is not seen [m]."""
-AMBIENT, DIFFUSE = 0.55, 0.45
-"""Of the only light, at the camera: colours are nearly those of the things."""
+NEAREST = 0.01
+"""Distance below which nothing is seen [m]."""
+FARTHEST = 200.0
+"""Distance beyond which nothing is seen [m]."""
+AMBIENT = 0.55
+"""Ambient part of the only light, at the camera: colours are nearly those of the things."""
+DIFFUSE = 0.45
+"""Diffuse part of it."""
 
 
 class LoadScene(Struct, tag=True):

@@ -31,7 +31,7 @@ WALL_THICKNESS = 0.01
 PORTION = 2000
 """Walls are added so many at a time: the time of each grows with the number before it."""
 SHARED_OPTIONS = ("timestep", "integrator", "cone", "impratio", "disableflags")
-"""What is attached to a world has the same, else MuJoCo warns."""
+"""Options that all parts of a world share, else MuJoCo warns."""
 LEG_HEIGHT = 0.85
 """[m]."""
 BASE, WALL = "base", "wall"

@@ -30,7 +30,7 @@ Bool = NDArray[np.bool_]
 GAP = 0.1
 """Between the turning circles of robots where there is little room [m]."""
 APART = 0.5
-"""The same where there is enough [m]."""
+"""Distance between robots where there is enough room [m]."""
 AHEAD = 1.2
 """Free way in front of every robot, up to a wall or another robot [m]."""
 TURNS = tuple(radians(angle) for angle in (0, 90, -90, 180))

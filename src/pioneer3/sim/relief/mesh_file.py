@@ -21,8 +21,10 @@ MOST_TRIANGLES = 50_000
 """A page draws them all, and rays are tested against each."""
 MOST_POINTS = 3 * MOST_TRIANGLES
 """So many corners have triangles that share none."""
-_HEADER, _RECORD = 84, 50
-"""Of a binary STL: the header with the number of triangles, and one triangle [bytes]."""
+_HEADER = 84
+"""Size of a binary STL's header with the number of triangles [bytes]."""
+_RECORD = 50
+"""Size of one triangle of it [bytes]."""
 _ROW = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("rest", "<u2")])
 _VERTEX = re.compile(r"^[ \t]*vertex[ \t]+(\S+)[ \t]+(\S+)[ \t]+(\S+)", re.MULTILINE)
 

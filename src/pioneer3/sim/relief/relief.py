@@ -16,7 +16,7 @@ Float = NDArray[np.float64]
 Side = tuple[float, float, float, float]
 
 WALL_HEIGHT = 1.0
-"""Of walls of which nothing is said [m]."""
+"""Height of walls of which nothing is said [m]."""
 
 
 class Origin(Protocol):

@@ -14,7 +14,7 @@ Float = NDArray[np.float64]
 Size3 = tuple[float, float, float]
 """Length, width and height along the x, y and z axes of a shape [m]."""
 FARTHEST = 1e5
-"""Of a coordinate in a world [m]."""
+"""Farthest coordinate in a world [m]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

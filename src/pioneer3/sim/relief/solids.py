@@ -25,21 +25,23 @@ Float = NDArray[np.float64]
 SENSOR_HEIGHT = 0.2
 """Where the plane cuts solids [m]: between the sonars of a P3-DX and of a P3-AT, below lasers."""
 CARPET_FRICTION = 0.8
-"""Of rubber on a short pile; an assumption."""
+"""Friction of rubber on a short pile; an assumption."""
 CARPET_HEIGHT = 0.008
 """[m]; more than 4 mm, as deep as a P3-AT's tire sinks, else it would stand on the floor below."""
-TOP_THICKNESS, LEG_WIDTH = 0.03, 0.05
-"""Of a table [m]."""
+TOP_THICKNESS = 0.03
+"""Thickness of a table's top [m]."""
+LEG_WIDTH = 0.05
+"""Width of a table's leg [m]."""
 ROUND = 16
 """Sides of the polygon that a cylinder is on a plane."""
 MOST_ROWS = 500
-"""Of a height field's picture, and of its columns; each cell costs time when a wheel is near."""
+"""Most rows and columns of a height field; each cell costs time when a wheel is near."""
 LEAST_VOLUME = 1e-9
 """A mesh with less has none [m3]."""
 LEAST_THICKNESS = 0.001
-"""Of a mesh [m]."""
+"""Least thickness of a mesh [m]."""
 LEAST_SHARE = 1e-6
-"""Of a mesh's thickness in its reach: MuJoCo keeps points in single precision."""
+"""Least share of thickness in a mesh's reach: MuJoCo keeps points in single precision."""
 
 
 class Solid(Protocol):
@@ -309,7 +311,7 @@ class Mesh:
 
     @cached_property
     def hull(self) -> Hull:
-        """It in the map frame.
+        """Hull of the mesh in the map frame.
 
         Raises:
             ConfigError: The file cannot be read, holds no volume, or is too large or too thin.

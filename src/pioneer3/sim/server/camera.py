@@ -21,7 +21,7 @@ from pioneer3.sim.physics.renderer import TakePicture
 log = logging.getLogger(__name__)
 
 MOST_VIEWERS = 8
-"""Of one camera."""
+"""Most viewers of one camera."""
 MOST_WAITING = 24
 """Connections that have not yet said what they want, and viewers."""
 LONGEST_REQUEST = 8 << 10
@@ -33,7 +33,7 @@ WRITE_PATIENCE = 10.0
 FIRST_PATIENCE = 10.0
 """Longest wait for a picture [s, real]."""
 SEND_BUFFER = 32 << 10
-"""Of the operating system [bytes]; its own size would let a slow viewer see old pictures."""
+"""Send buffer of a socket [bytes]; the system's would let a slow viewer see old pictures."""
 STREAMS: Final = ("/", "/stream", "/video.mjpg")
 SNAPSHOT: Final = "/snapshot.jpg"
 SLACK = 1e-6
@@ -89,7 +89,7 @@ class SimulatedCamera:
 
     @property
     def url(self) -> str:
-        """Of its stream."""
+        """URL of its stream."""
         assert self.address is not None
         return f"{url_of(*self.address).replace('tcp://', 'http://', 1)}/"
 

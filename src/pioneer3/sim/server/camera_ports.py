@@ -15,7 +15,7 @@ from pioneer3.sim.world import World
 log = logging.getLogger(__name__)
 
 FIRST_PORT = 8181
-"""Of the first camera's pictures, the others have the next free ones."""
+"""Port of the first camera's pictures; the others have the next free ones."""
 TRIES = 100
 STILL = 1.0
 """While time stands a picture is taken so often [s, real]."""

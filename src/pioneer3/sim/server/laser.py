@@ -79,7 +79,7 @@ class SimulatedLaser:
 
     @property
     def url(self) -> str:
-        """Of its first TCP port.
+        """URL of its first TCP port.
 
         Raises:
             LinkError: It does not listen.

@@ -25,7 +25,7 @@ DEVICES = {
 }
 """Module and class of the device that speaks each protocol."""
 SERVER_PORT = 4001
-"""Of serial lines on the network, as many device servers have it."""
+"""Port of a serial line on the network, as many device servers have it."""
 TRIES = 100
 """Ports that are tried, from the usual one on."""
 

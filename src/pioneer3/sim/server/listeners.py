@@ -21,7 +21,7 @@ BACKLOG = 128
 OUT_OF_FILES = 1.0
 """Pause before the next try when this process may open no more files [s, real]."""
 SEND_BUFFER = 64 * 1024
-"""Of the operating system [bytes]; its own size would hide a host that takes nothing."""
+"""Send buffer of a socket [bytes]; the system's would hide a host that takes nothing."""
 
 SOCKETS_ARE_FILES = os.name == "posix"
 

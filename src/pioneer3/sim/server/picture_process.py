@@ -31,7 +31,7 @@ PLATFORM: Final = "PYOPENGL_PLATFORM"
 PACKAGES: Final = "libegl1 libgl1-mesa-dri"
 """Debian's, for OpenGL without a screen."""
 BACKENDS: Final = ("egl", "osmesa") if sys.platform == "linux" else ("",)
-"""Of OpenGL, in the order in which they are tried; elsewhere MuJoCo chooses."""
+"""Backends of OpenGL, in the order of trying; elsewhere MuJoCo chooses."""
 START_PATIENCE = 20.0
 """For the process to load [s]; it takes 0.6 on a machine that is not busy."""
 PICTURE_PATIENCE = 10.0

@@ -21,7 +21,7 @@ CHANNELS: Final[Mapping[Kind, int]] = {"person": 1, "box": 2, "robot": 3}
 FRAME = 1 / 30
 """Between two pictures [s, real]: clients ask again as soon as they have one."""
 MOST_CLIENTS = 8
-"""Of one robot."""
+"""Most clients of one robot's tracker."""
 EYE = Eye()
 
 

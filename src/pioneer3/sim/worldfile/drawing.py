@@ -28,7 +28,7 @@ ARROW = 0.5
 MARGIN = 0.5
 """Around everything [m]."""
 LONG_SIDE = 1600
-"""Of a PNG picture [pixels]."""
+"""Long side of a PNG picture [pixels]."""
 DOT = 0.12
 """Radius of a marker [m]."""
 

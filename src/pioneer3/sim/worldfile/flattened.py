@@ -1,4 +1,4 @@
-"""What a plane makes of the solids of a world, in words."""
+"""Solids of a world as a plane treats them, in words."""
 
 from collections import Counter
 from collections.abc import Iterable

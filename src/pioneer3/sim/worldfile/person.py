@@ -15,7 +15,7 @@ Float = NDArray[np.float64]
 Point = tuple[float, float]
 
 RADIUS = 0.25
-"""Of a standing person with arms at the sides [m]."""
+"""Radius of a standing person with arms at the sides [m]."""
 SPEED = 1.0
 """A slow walk [m/s]."""
 CORNERS = 8

@@ -26,10 +26,14 @@ Start = Pose2 | Literal["random", "outside", "home"]
 """A pose in the map, somewhere free inside the map, beside the map, or a home of the map."""
 
 BOX_KIND = "Sim.BoxObstacle"
-BOX_HEIGHT, BOX_MASS, BOX_FRICTION = 0.5, 5.0, 0.4
-"""Of a movable box of which nothing is said: height [m], mass [kg], friction; assumptions."""
+BOX_HEIGHT = 0.5
+"""Height of a movable box of which nothing is said [m]; an assumption."""
+BOX_MASS = 5.0
+"""Mass of such a box [kg]; an assumption."""
+BOX_FRICTION = 0.4
+"""Friction of such a box; an assumption."""
 PHYSICS_STEP = 0.002
-"""Of physics [s]."""
+"""Step of physics [s]."""
 Physics = Literal["planar", "mujoco"]
 """How robots move: on a plane, by numbers for slip; or with mass, motors and tires, by MuJoCo."""
 

@@ -1,4 +1,4 @@
-"""What all tables of a world file have in common: ranges of numbers, angles in degrees."""
+"""Ranges of numbers and angles in degrees, for all tables of a world file."""
 
 from math import degrees
 from typing import Annotated, Any, Self

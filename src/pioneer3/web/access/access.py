@@ -19,12 +19,18 @@ class Rate:
     pause: float
 
 
-GUESSES, GUESSES_IN_ALL = Rate(10, 6.0), Rate(60, 1.0)
-"""Tokens from one address, and from everywhere."""
+GUESSES = Rate(10, 6.0)
+"""Tokens from one address."""
+GUESSES_IN_ALL = Rate(60, 1.0)
+"""Tokens from everywhere."""
 NO_LIMIT = Rate(1, 0.0)
 MOST_KEYS = 10_000
-REQUESTS, VISITS, STOPS = Rate(1000, 0.005), Rate(80, 0.25), Rate(50, 0.05)
-"""From one address: HTTP requests, and WebSockets; from one session for each robot: stops."""
+REQUESTS = Rate(1000, 0.005)
+"""HTTP requests from one address."""
+VISITS = Rate(80, 0.25)
+"""WebSockets from one address."""
+STOPS = Rate(50, 0.05)
+"""Stops from one session for each robot."""
 STOP = re.compile(r"/api/(robots/\d+/)?(emergency_)?stop")
 DEVICES = (("iPad", "tablet"), ("Tablet", "tablet"), ("Mobi", "phone"), ("Mozilla", "laptop"))
 

@@ -94,7 +94,7 @@ class Navigation(msgspec.Struct):
 
 
 class CommandResult(msgspec.Struct):
-    """It was done. `why` is the reason for the robot to stand still, null while it moves."""
+    """Success of a command. `why` is the reason to stand still, null while the robot moves."""
 
     why: str | None
 

@@ -34,11 +34,15 @@ log = logging.getLogger(__name__)
 
 PERIOD = 0.2
 """Time between two looks at all robots [s]."""
-JOINS, JOINS_IN_ALL = Rate(60, 2.0), Rate(120, 1.0)
-"""Attempts to join, from one address, which a class may share, and from everywhere."""
-CODE_LETTERS, CODE_LENGTH = "abcdefghjkmnpqrstuvwxyz", 8
-"""Of the token: letters that are not taken for others or for digits. People type them from a
-projector; with one attempt a second a guess finds one of 8e10 in a thousand years."""
+JOINS = Rate(60, 2.0)
+"""Attempts to join from one address, which a class may share."""
+JOINS_IN_ALL = Rate(120, 1.0)
+"""Attempts to join from everywhere."""
+CODE_LETTERS = "abcdefghjkmnpqrstuvwxyz"
+"""Letters of the token, none of which is taken for another or for a digit."""
+CODE_LENGTH = 8
+"""Length of the token, which people type from a projector; with one attempt a second a guess finds
+one of 8e10 in a thousand years."""
 PROGRAM = "your program drives your robot: end it to drive from here"
 TEACHER = "your teacher drives your robot"
 
