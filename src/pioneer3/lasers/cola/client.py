@@ -22,15 +22,7 @@ from pioneer3.lasers.client import Event, Lost, Measured, Patience, Remarked, Sc
 from pioneer3.lasers.cola.clock import DeviceClock
 from pioneer3.lasers.cola.readings import geometry, raw_scan
 from pioneer3.lasers.cola.scan import NAME, decode
-from pioneer3.lasers.cola.script import (
-    HopelessError,
-    Pause,
-    Refusal,
-    Request,
-    Script,
-    Session,
-    set_up,
-)
+from pioneer3.lasers.cola.script import Refusal, Request, Session, set_up
 from pioneer3.lasers.cola.wire import (
     TelegramError,
     TelegramReader,
@@ -38,6 +30,7 @@ from pioneer3.lasers.cola.wire import (
     encode,
     parse_number,
 )
+from pioneer3.lasers.dialogue import Dialogue, Pause
 from pioneer3.lasers.line import ROUNDING
 
 SLOWEST_REPEAT: Final = 1.0
@@ -82,12 +75,12 @@ class ColaClient:
         self._patience = patience or Patience()
         self._round_trip = round_trip
         self._session = Session(settings or ScanSettings(), now)
-        self._script: Script[None] = set_up(self._session)
-        self._step: Request | Pause | None = None
-        self._begun = self._running = self._closed = False
+        self._dialogue: Dialogue[Request, Words | Refusal, None] = Dialogue(set_up(self._session))
+        self._answered = self._running = self._closed = False
         self._asked_at = self._repeat = self._scan_due = now
         self._surplus = self._refused_since = 0
         self._clock = DeviceClock()
+        self._events: list[Event] = []
         self._told: set[str] = set()
         self._outbox: list[bytes] = []
 
@@ -97,7 +90,7 @@ class ColaClient:
             if self._closed:
                 break
             self._take(text.split(" "), now)
-        return self._events()
+        return self._take_events()
 
     def tick(self, now: float) -> list[Event]:
         """Act on the passing of time. Harmless to call too often."""
@@ -105,14 +98,11 @@ class ColaClient:
             return []
         if self._running:
             self._lose(self._reason_for_no_scans())
-        elif not self._begun:
-            self._begun = True
-            self._resume(None, now)
-        elif isinstance(self._step, Request):
-            self._ask_again(self._step, max(now, self.deadline))
+        elif isinstance(step := self._dialogue.step, Request):
+            self._ask_again(step, max(now, self.deadline))
         else:
             self._resume(None, now)
-        return self._events()
+        return self._take_events()
 
     def outgoing(self) -> bytes:
         """Return and forget the bytes to put on the wire."""
@@ -126,8 +116,8 @@ class ColaClient:
             self._close()
             self._outbox.append(encode(f"sEN {NAME} 0"))
 
-    def _events(self) -> list[Event]:
-        events, self._session.events = self._session.events, []
+    def _take_events(self) -> list[Event]:
+        events, self._events = self._events, []
         return events
 
     def _take(self, words: list[str], now: float) -> None:
@@ -135,8 +125,8 @@ class ColaClient:
         if words[:2] == ["sSN", NAME]:
             if self._running:
                 self._measure(words, now)
-        elif isinstance(self._step, Request):
-            self._answer(self._step, words, now)
+        elif isinstance(step := self._dialogue.step, Request):
+            self._answer(step, words, now)
 
     def _answer(self, request: Request, words: list[str], now: float) -> None:
         """Take a telegram that may be the answer to `request`."""
@@ -154,23 +144,24 @@ class ColaClient:
     def _resume(self, reply: Words | Refusal | None, now: float) -> None:
         """Go on with the script until it asks or waits again, or is over."""
         self._session.now = now
-        try:
-            self._step = self._script.send(reply)
-        except StopIteration:
-            self._step, self._running = None, True
-            self.deadline = now + self._patience.give_up + self._round_trip
-        except HopelessError as error:
-            self._lose(str(error))
-        else:
-            self._begin(self._step, now)
-
-    def _begin(self, step: Request | Pause, now: float) -> None:
-        if isinstance(step, Pause):
+        self._answered = self._answered or reply is not None
+        events, step = self._dialogue.go_on(reply), self._dialogue.step
+        for event in events:
+            if isinstance(event, Remarked):
+                self._tell(event.text, event.text)
+            else:
+                self._events.append(event)
+        if isinstance(step, Request):
+            self._asked_at = now
+            self._repeat = max(self._patience.answer, step.patience) + self._round_trip
+            self._send(step, now)
+        elif isinstance(step, Pause):
             self.deadline = now + step.seconds
-            return
-        self._asked_at = now
-        self._repeat = max(self._patience.answer, step.patience) + self._round_trip
-        self._send(step, now)
+        elif self._dialogue.finished:
+            self._running = True
+            self.deadline = now + self._patience.give_up + self._round_trip
+        else:
+            self._close()
 
     def _send(self, request: Request, now: float) -> None:
         self._outbox.append(encode(request.text))
@@ -179,7 +170,7 @@ class ColaClient:
     def _ask_again(self, request: Request, now: float) -> None:
         if now >= self._give_up_at(request) - ROUNDING:
             fallen_silent = f"the laser answered at first, but not to `{request.text}`"
-            self._lose(fallen_silent if self._session.answered else NO_ANSWER)
+            self._lose(fallen_silent if self._answered else NO_ANSWER)
             return
         self._repeat = min(2 * self._repeat, max(SLOWEST_REPEAT + self._round_trip, self._repeat))
         self._surplus += 1
@@ -208,21 +199,21 @@ class ColaClient:
         except TelegramError as error:
             self.refused += 1
             self._refused_since += 1
-            self._tell(f"a scan is not as the protocol has it, and is dropped: {error}")
+            unlike = "a scan is not as the protocol has it, and is dropped"
+            self._tell(f"{unlike}: {error}", unlike)
             return
         self._refused_since = 0
         silence = max(self._patience.silence, SILENT_PERIODS * raw.period)
         self.deadline = now + silence + self._round_trip
         if (trouble := STATUS.get(scan.status)) is not None:
-            self._tell(trouble)
-        session.events.append(Measured(raw))
+            self._tell(trouble, trouble)
+        self._events.append(Measured(raw))
 
-    def _tell(self, text: str) -> None:
-        """Remark `text`, once a session; of dropped scans only the first one."""
-        key = text.split(":", maxsplit=1)[0]
-        if key not in self._told:
-            self._told.add(key)
-            self._session.events.append(Remarked(text))
+    def _tell(self, text: str, trouble: str) -> None:
+        """Remark `text`, once for each trouble."""
+        if trouble not in self._told:
+            self._told.add(trouble)
+            self._events.append(Remarked(text))
 
     def _reason_for_no_scans(self) -> str:
         if self._refused_since:
@@ -231,12 +222,11 @@ class ColaClient:
 
     def _lose(self, reason: str) -> None:
         self._close()
-        self._session.events.append(Lost(reason))
+        self._events.append(Lost(reason))
 
     def _close(self) -> None:
-        self._closed, self._running, self._step = True, False, None
+        self._closed, self._running, self._dialogue.step = True, False, None
         self.deadline = inf
-        self._script.close()
 
 
 def _refusal(words: list[str]) -> Refusal:

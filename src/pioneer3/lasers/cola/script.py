@@ -6,11 +6,11 @@ client that runs it repeats requests that are not answered.
 Facts: cola.md 2, 6.1.
 """
 
-from collections.abc import Callable, Generator, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import Final, TypeVar
 
-from pioneer3.lasers.client import Event, Identified, LaserIdentity, Remarked, ScanSettings
+from pioneer3.lasers.client import Identified, LaserIdentity, Remarked, ScanSettings
 from pioneer3.lasers.cola.configuration import (
     ERRORS,
     PASSWORDS,
@@ -25,6 +25,7 @@ from pioneer3.lasers.cola.families import Family, family_of, limits_of
 from pioneer3.lasers.cola.scan import NAME
 from pioneer3.lasers.cola.wire import TelegramError, Words, hex_word
 from pioneer3.lasers.cola.wishes import wished_data, wished_output, wished_scan
+from pioneer3.lasers.dialogue import HopelessError, Pause, Script
 
 T = TypeVar("T")
 MIRROR_PATIENCE: Final = 60.0
@@ -52,10 +53,6 @@ STATES: Final[Mapping[int, str]] = {
 }
 
 
-class HopelessError(Exception):
-    """The laser cannot be brought to send scans; the reason for people."""
-
-
 @dataclass(frozen=True, slots=True)
 class Request:
     """A telegram to send.
@@ -72,13 +69,6 @@ class Request:
 
 
 @dataclass(frozen=True, slots=True)
-class Pause:
-    """Wait."""
-
-    seconds: float
-
-
-@dataclass(frozen=True, slots=True)
 class Refusal:
     """The answer sFA with its number, 0 where there is none."""
 
@@ -89,7 +79,7 @@ class Refusal:
         return ERRORS.get(self.number, f"error {self.number:X}")
 
 
-Script = Generator[Request | Pause, Words | Refusal | None, T]
+ColaScript = Script[Request, Words | Refusal, T]
 
 
 @dataclass(slots=True)
@@ -99,51 +89,39 @@ class Session:
     Attributes:
         wishes: For the scans.
         now: The time [s, monotonic].
-        answered: Whether the laser has answered anything.
         family: Of the laser, `None` as long as it is not known.
         limits: Shortest and longest range [m].
         interval: Every n-th scan is sent.
-        events: To be returned by the client.
-        told: Remarks made so far.
     """
 
     wishes: ScanSettings
     now: float
-    answered: bool = False
     family: Family | None = None
     limits: tuple[float, float] = (0.0, 0.0)
     interval: int = 1
-    events: list[Event] = field(default_factory=list)
-    told: set[str] = field(default_factory=set)
-
-    def remark(self, text: str) -> None:
-        """Add a remark that has not been made yet."""
-        if text not in self.told:
-            self.told.add(text)
-            self.events.append(Remarked(text))
 
 
-def set_up(session: Session) -> Script[None]:
+def set_up(session: Session) -> ColaScript[None]:
     """Bring the laser to send scans.
 
     Raises:
         HopelessError: it cannot be.
     """
-    yield from _ask(session, f"sEN {NAME} 0", Words.rest)
-    product = yield from _identify(session)
+    yield from _ask(f"sEN {NAME} 0", Words.rest)
+    product = yield from _identify()
     session.family, session.limits = family_of(product), limits_of(product)
     if session.family is not None:
         yield from _configure(session, session.family)
     yield from _await_mirror(session)
     for _ in range(MOST_MISREAD):  # a late answer to the first request is of the same kind
-        if (yield from _ask(session, f"sEN {NAME} 1", Words.number)) == 1:
+        if (yield from _ask(f"sEN {NAME} 1", Words.number)) == 1:
             return
     raise HopelessError("the laser refuses to send scans: end other programs that use it")
 
 
 def _ask(
-    session: Session, text: str, parse: Callable[[Words], T], *, patience: float = 0.0
-) -> Script[T | Refusal]:
+    text: str, parse: Callable[[Words], T], *, patience: float = 0.0
+) -> ColaScript[T | Refusal]:
     """Send `text` and return its answer as `parse` reads it; a refusal where it cannot be read."""
     kind, _, rest = text.partition(" ")
     name = rest.partition(" ")[0]
@@ -152,46 +130,42 @@ def _ask(
     request = Request(text, (ANSWERS[kind], name), patience)
     for _ in range(MOST_MISREAD):
         reply = yield request
-        session.answered = True
         if isinstance(reply, Refusal):
             return reply
-        assert reply is not None
         try:
             return parse(reply)
         except TelegramError as error:
             misread = str(error)
-    session.remark(f"the laser's answer to `{text}` cannot be read: {misread}")
+    yield Remarked(f"the laser's answer to `{text}` cannot be read: {misread}")
     return Refusal(0)
 
 
-def _identify(session: Session) -> Script[str]:
+def _identify() -> ColaScript[str]:
     """Ask for the laser's names and numbers; return the product."""
-    identity = yield from _ask(session, "sRI0", _two_texts)
+    identity = yield from _ask("sRI0", _two_texts)
     if isinstance(identity, Refusal):
-        identity = yield from _ask(session, "sRN DeviceIdent", _two_texts)
-    serial = yield from _ask(session, "sRN SerialNumber", _text)
-    firmware = yield from _ask(session, "sRN FirmwareVersion", _text)
+        identity = yield from _ask("sRN DeviceIdent", _two_texts)
+    serial = yield from _ask("sRN SerialNumber", _text)
+    firmware = yield from _ask("sRN FirmwareVersion", _text)
     product, version = ("", "") if isinstance(identity, Refusal) else identity
-    session.events.append(
-        Identified(
-            LaserIdentity(
-                vendor="SICK",
-                product=product,
-                serial="" if isinstance(serial, Refusal) else serial,
-                firmware=version if isinstance(firmware, Refusal) else firmware,
-                protocol="CoLa-A",
-            )
+    yield Identified(
+        LaserIdentity(
+            vendor="SICK",
+            product=product,
+            serial="" if isinstance(serial, Refusal) else serial,
+            firmware=version if isinstance(firmware, Refusal) else firmware,
+            protocol="CoLa-A",
         )
     )
     return product
 
 
-def _configure(session: Session, family: Family) -> Script[None]:
+def _configure(session: Session, family: Family) -> ColaScript[None]:
     """Read the settings, and write those that are not as wished."""
     wishes = session.wishes
-    scan = yield from _ask(session, "sRN LMPscancfg", ScanConfig.parse)
-    output = yield from _ask(session, "sRN LMPoutputRange", OutputRange.parse)
-    data = yield from _ask(session, "sRN LMDscandatacfg", DataConfig.parse)
+    scan = yield from _ask("sRN LMPscancfg", ScanConfig.parse)
+    output = yield from _ask("sRN LMPoutputRange", OutputRange.parse)
+    data = yield from _ask("sRN LMDscandatacfg", DataConfig.parse)
     changes: list[str] = []
     if not isinstance(scan, Refusal):
         wanted = wished_scan(scan, wishes, family)
@@ -207,62 +181,62 @@ def _configure(session: Session, family: Family) -> Script[None]:
         if content != data:
             changes.append(f"sWN LMDscandatacfg {content.request()}")
     if wishes.multi_echo and family.echo_filter:
-        present = yield from _ask(session, "sRN FREchoFilter", Words.number)
+        present = yield from _ask("sRN FREchoFilter", Words.number)
         if present != 1:
             changes.append("sWN FREchoFilter 1")
     if changes:
-        yield from _change(session, changes)
+        yield from _change(changes)
         if not isinstance(data, Refusal):
             yield from _read_interval(session)
 
 
-def _change(session: Session, changes: list[str]) -> Script[None]:
+def _change(changes: list[str]) -> ColaScript[None]:
     """Log in, carry out `changes`, log out."""
-    if not (yield from _log_in(session)):
+    if not (yield from _log_in()):
         return
     for change in changes:
         name = change.split(" ")[1]
         by_method = name == "mLMPsetscancfg"
         parse = Words.number if by_method else _nothing
-        code = yield from _ask(session, change, parse, patience=SLOW if by_method else 0.0)
+        code = yield from _ask(change, parse, patience=SLOW if by_method else 0.0)
         if code != ScanConfigCode.OK:
             reason = code if isinstance(code, Refusal) else CODES.get(code, f"code {code}")
-            session.remark(f"the laser keeps its {name} as it is: {reason}")
-    yield from _run(session)
+            yield Remarked(f"the laser keeps its {name} as it is: {reason}")
+    yield from _run()
 
 
-def _read_interval(session: Session) -> Script[None]:
-    data = yield from _ask(session, "sRN LMDscandatacfg", DataConfig.parse)
+def _read_interval(session: Session) -> ColaScript[None]:
+    data = yield from _ask("sRN LMDscandatacfg", DataConfig.parse)
     if not isinstance(data, Refusal):
         session.interval = max(data.interval, 1)
 
 
-def _log_in(session: Session) -> Script[bool]:
+def _log_in() -> ColaScript[bool]:
     level = Access.AUTHORISED
     login = f"sMN SetAccessMode {level:02X} {hex_word(PASSWORDS[level])}"
-    accepted = yield from _ask(session, login, _success)
+    accepted = yield from _ask(login, _success)
     if accepted is True:
         return True
-    session.remark("the laser refuses the login, so its settings stay: was its password changed?")
+    yield Remarked("the laser refuses the login, so its settings stay: was its password changed?")
     return False
 
 
-def _run(session: Session) -> Script[None]:
+def _run() -> ColaScript[None]:
     """Log out and measure; some lasers answer 0, and measure all the same (cola.md 6.3)."""
-    answer = yield from _ask(session, "sMN Run", Words.rest, patience=SLOW)
+    answer = yield from _ask("sMN Run", Words.rest, patience=SLOW)
     if isinstance(answer, Refusal):
-        session.remark(f"the laser refuses to run: {answer}")
+        yield Remarked(f"the laser refuses to run: {answer}")
 
 
-def _await_mirror(session: Session) -> Script[None]:
+def _await_mirror(session: Session) -> ColaScript[None]:
     """Wait until the laser measures; start one that has been stopped."""
     began = session.now
     stopped = started = 0
     while True:
-        trouble = yield from _trouble(session)
+        trouble = yield from _trouble(session.family)
         if not trouble:
             return
-        session.remark(f"no scans yet: {trouble}")
+        yield Remarked(f"no scans yet: {trouble}")
         if session.now >= began + MIRROR_PATIENCE:
             raise HopelessError(
                 f"the laser does not measure {MIRROR_PATIENCE:g} s after its first answer:"
@@ -271,17 +245,17 @@ def _await_mirror(session: Session) -> Script[None]:
         stopped = stopped + 1 if trouble in {STATES[Measuring.READY], STATES[Measuring.IDLE]} else 0
         if stopped > 1 and not started:
             started = 1
-            if (yield from _log_in(session)):
-                yield from _ask(session, "sMN LMCstartmeas", Words.rest, patience=SLOW)
-                yield from _run(session)
+            if (yield from _log_in()):
+                yield from _ask("sMN LMCstartmeas", Words.rest, patience=SLOW)
+                yield from _run()
         yield Pause(POLL)
 
 
-def _trouble(session: Session) -> Script[str]:
+def _trouble(family: Family | None) -> ColaScript[str]:
     """Return the reason why the laser does not measure, empty if it does or does not tell."""
-    first = session.family.state_request if session.family else "STlms"
+    first = family.state_request if family else "STlms"
     for variable in (first, "SCdevicestate" if first == "STlms" else "STlms"):
-        state = yield from _ask(session, f"sRN {variable}", Words.number)
+        state = yield from _ask(f"sRN {variable}", Words.number)
         if isinstance(state, Refusal):
             continue
         if variable == "STlms":

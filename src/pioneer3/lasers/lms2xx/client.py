@@ -13,11 +13,12 @@ Rules:
 Facts: lms2xx.md 1.8 to 1.11.
 """
 
-from collections.abc import Generator, Sequence
+from collections.abc import Sequence
 from math import ceil, floor, inf
 from typing import Final
 
 from pioneer3.lasers.client import Event, Lost, Measured, Patience, RawScan, Remarked, ScanSettings
+from pioneer3.lasers.dialogue import Dialogue, Pause
 from pioneer3.lasers.line import ROUNDING, duration
 from pioneer3.lasers.lms2xx import commands
 from pioneer3.lasers.lms2xx.commands import MODE_OF_SPEED, Mode, Unasked
@@ -84,8 +85,10 @@ class LmsClient:
             patience=self._patience,
             round_trip=round_trip,
         )
-        self._script: Generator[Wait, Telegram | None, str] | None = self._setup.script()
-        self._wait: Wait | None = None
+        self._dialogue: Dialogue[Wait, Telegram | None, None] | None = Dialogue(
+            self._setup.script()
+        )
+        self._step: Wait | Pause | None = None
         self._until = now
         self._tries = self._naks = 0
         self._repeat_at = inf
@@ -105,7 +108,7 @@ class LmsClient:
         self._setup.heard = self._setup.heard or bool(data)
         for item in self._reader.feed(data, now):
             events += self._take(item, now)
-        if data and self._wait is not None and self._wait.ends_with_noise:
+        if data and isinstance(self._step, Wait) and self._step.ends_with_noise:
             events += self._advance(None, now)
         self._schedule()
         return events
@@ -118,7 +121,7 @@ class LmsClient:
         events: list[Event] = []
         for item in self._reader.feed(b"", now):
             events += self._take(item, now)
-        if self._script is not None:
+        if self._dialogue is not None:
             events += self._keep_asking(now)
         elif now >= self._lost_at:
             events.append(self._lose(f"no scan has come for {self._silence:g} s"))
@@ -133,14 +136,14 @@ class LmsClient:
 
     def leave(self, now: float) -> None:
         """Queue the requests to stop, and for 9600 baud, at which other programs begin."""
-        if self._wait is not None or self._lost_at < inf:  # else nothing has been sent, or all ends
+        if self._step is not None or self._lost_at < inf:  # else nothing has been sent, or all ends
             self._outbox.append(commands.mode(Mode.ON_REQUEST))
             if self._setup.speed is not None:
                 self._outbox.append(commands.mode(Mode.SPEED_9600))
         self._end()
 
     def _end(self) -> None:
-        self._script = self._wait = None
+        self._dialogue = self._step = None
         self._until = self._repeat_at = self._lost_at = inf
         self._reader.discard()
         self._schedule()
@@ -154,31 +157,32 @@ class LmsClient:
         return max(self._patience.silence, 10 * self._period(self._setup.variant))
 
     def _schedule(self) -> None:
-        waits = min(self._until, self._repeat_at) if self._script is not None else self._lost_at
+        waits = min(self._until, self._repeat_at) if self._dialogue is not None else self._lost_at
         self.deadline = min(waits, self._reader.due)
 
     def _take(self, item: Item, now: float) -> list[Event]:
-        if self._script is None:
+        if self._dialogue is None:
             return self._measure(item, now) if isinstance(item, Telegram) else []
-        if self._wait is None:
+        if not isinstance(self._step, Wait):
             return []
         if isinstance(item, Telegram):
-            wanted = self._wait.codes is None or item.code in self._wait.codes
+            wanted = self._step.codes is None or item.code in self._step.codes
             return self._advance(item, now) if wanted else []
-        if item is Sign.NAK and self._wait.request and self._naks < MAX_NAKS:
+        if item is Sign.NAK and self._step.request and self._naks < MAX_NAKS:
             self._naks += 1
             self._repeat_at = now + AFTER_NAK
         return []
 
     def _keep_asking(self, now: float) -> list[Event]:
         """Repeat a request, or go on without its answer, when it is time."""
-        if self._wait is not None and now >= self._repeat_at:
-            self._send(self._wait, now)
+        step = self._step if isinstance(self._step, Wait) else None
+        if step is not None and now >= self._repeat_at:
+            self._send(step, now)
         elif now >= self._until:
-            if self._wait is None or self._tries >= self._wait.tries:
+            if step is None or self._tries >= step.tries:
                 return self._advance(None, now)
             self._tries += 1
-            self._send(self._wait, now)
+            self._send(step, now)
         return []
 
     def _send(self, wait: Wait, now: float) -> None:
@@ -188,25 +192,23 @@ class LmsClient:
             self._outbox.append(wait.request)
 
     def _advance(self, answer: Telegram | None, now: float) -> list[Event]:
-        """Go on with the script; return its events."""
-        assert self._script is not None
+        """Go on with the set-up; return its events."""
+        assert self._dialogue is not None
         setup, speed = self._setup, self._setup.speed
         setup.now, setup.has_begun = now, self._reader.has_begun
-        try:
-            self._wait = self._script.send(answer)
-        except StopIteration as end:
-            self._script = self._wait = None
-            if end.value:
-                setup.events.append(self._lose(end.value))
-            else:
-                self._lost_at = now + self._silence
+        events = self._dialogue.go_on(answer)
+        self._step, self._tries, self._naks = self._dialogue.step, 1, 0
+        if isinstance(self._step, Wait):
+            self._send(self._step, now)
+        elif self._step is not None:
+            self._until, self._repeat_at = now + self._step.seconds, inf
+        elif self._dialogue.finished:
+            self._dialogue, self._lost_at = None, now + self._silence
         else:
-            self._tries, self._naks = 1, 0
-            self._send(self._wait, now)
+            self._end()
         if setup.speed != speed:
             self._reader.discard()
             self._reader.byte_time = duration(1, setup.speed)
-        events, setup.events = setup.events, []
         return events
 
     def _measure(self, telegram: Telegram, now: float) -> list[Event]:

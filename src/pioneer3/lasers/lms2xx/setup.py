@@ -19,13 +19,12 @@ Rules:
 Facts: lms2xx.md 1.3, 1.5 to 1.8, 2.2.
 """
 
-from collections.abc import Generator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import degrees, radians
-from typing import Final
+from typing import Final, TypeVar
 
 from pioneer3.lasers.client import (
-    Event,
     Identified,
     LaserIdentity,
     Patience,
@@ -33,6 +32,7 @@ from pioneer3.lasers.client import (
     ScanSettings,
     SpeedWanted,
 )
+from pioneer3.lasers.dialogue import HopelessError, Pause, Script
 from pioneer3.lasers.line import duration
 from pioneer3.lasers.lms2xx import commands
 from pioneer3.lasers.lms2xx.blocks import Config, Status
@@ -79,6 +79,10 @@ class Wait:
     ends_with_noise: bool = False
 
 
+T = TypeVar("T")
+LmsScript = Script[Wait, Telegram | None, T]
+
+
 def wanted_variant(settings: ScanSettings) -> Variant:
     """Return the variant that comes nearest to `settings`; without a step, 1 degree.
 
@@ -92,7 +96,7 @@ def wanted_variant(settings: ScanSettings) -> Variant:
 
 
 class SetUp:
-    """The script, its findings, and the events on the way.
+    """The script, and its findings.
 
     Args:
         now: The time [s, monotonic].
@@ -104,7 +108,6 @@ class SetUp:
 
     Attributes:
         now: Set by the caller before each step.
-        events: For the caller to take.
         speed: Of the link [baud], or `None` without one.
         heard: Whether any byte has come since this was last set to false.
         has_begun: Whether a telegram is coming; set by the caller before each step.
@@ -124,7 +127,6 @@ class SetUp:
         round_trip: float,
     ) -> None:
         self.now = now
-        self.events: list[Event] = []
         self.speed: int | None = None
         self.heard = self.has_begun = False
         self.line_speed: int | None = None
@@ -138,16 +140,18 @@ class SetUp:
         self._give_up_at = now + patience.give_up
         self._ever_heard = False
 
-    def script(self) -> Generator[Wait, Telegram | None, str]:
-        """Return the script; it returns the reason for having failed, or nothing once it scans."""
-        while True:
-            found = yield from self._search()
-            if found is None:
-                return self._reason_for_silence()
+    def script(self) -> LmsScript[None]:
+        """Return the script, which ends once the unit scans.
+
+        Raises:
+            HopelessError: it does not.
+        """
+        while (found := (yield from self._search())) is not None:
             if (yield from self._prepare(found)):
-                return ""
+                return
             if self.now >= self._give_up_at:
-                return "it answers, but does not begin to scan"
+                raise HopelessError("it answers, but does not begin to scan")
+        raise HopelessError(self._reason_for_silence())
 
     def _reason_for_silence(self) -> str:
         if self._ever_heard:
@@ -156,18 +160,18 @@ class SetUp:
         at = f" at {', '.join(map(str, speeds))} baud" if speeds else ""
         return f"nothing answers{at}; a laser that has just been switched on takes up to a minute"
 
-    def _set_speed(self, speed: int | None) -> None:
+    def _set_speed(self, speed: int | None) -> LmsScript[None]:
         if speed is not None and speed != self.speed:
-            self.events.append(SpeedWanted(speed))
+            yield SpeedWanted(speed)
         self.speed = speed
 
-    def _search(self) -> Generator[Wait, Telegram | None, Telegram | None]:
+    def _search(self) -> LmsScript[Telegram | None]:
         """Return any telegram of the unit, at whatever speed; `None` when time is up."""
         while True:
             for speed in [*self._speeds]:
                 if self.now >= self._give_up_at:
                     return None
-                self._set_speed(speed)
+                yield from self._set_speed(speed)
                 self.heard = False
                 found = yield Wait(limit=LISTEN + self._round_trip, ends_with_noise=True)
                 if found is None and self.heard:
@@ -210,7 +214,7 @@ class SetUp:
         assert step.codes is not None
         return replace(step, codes=step.codes | {VALUES}) if scans_answer else step
 
-    def _prepare(self, found: Telegram) -> Generator[Wait, Telegram | None, bool]:
+    def _prepare(self, found: Telegram) -> LmsScript[bool]:
         """Return whether the unit, heard at the present speed, has been made to scan."""
         status = yield from self._stop(found)
         if status is None or not (yield from self._change_speed()):
@@ -219,16 +223,16 @@ class SetUp:
         if text is None:
             return False
         self.line_speed = self.speed or status.speed
-        self.events.append(Identified(_identity(text, status)))
+        yield Identified(_identity(text, status))
         if status.defective:
-            self.events.append(Remarked("the laser reports that it is defective"))
+            yield Remarked("the laser reports that it is defective")
         set_up = (yield from self._set_variant(status)) and (yield from self._configure(status))
         if not set_up:
             return False
         answer = yield self._ask_mode(Mode.ALL_VALUES, scans_answer=True)
         return answer is not None and (answer.code == VALUES or _is_mode_taken(answer))
 
-    def _stop(self, found: Telegram) -> Generator[Wait, Telegram | None, Status | None]:
+    def _stop(self, found: Telegram) -> LmsScript[Status | None]:
         """Make the unit idle, with no answer outstanding; return its status."""
         stopped = found.code == Command.MODE + ANSWER
         for _ in range(TRIES):
@@ -243,7 +247,7 @@ class SetUp:
             stopped = False
         return None
 
-    def _change_speed(self) -> Generator[Wait, Telegram | None, bool]:
+    def _change_speed(self) -> LmsScript[bool]:
         """Go to the target speed; return whether the unit answers there."""
         if self.speed is None or self._target is None or self.speed == self._target:
             return True
@@ -252,21 +256,19 @@ class SetUp:
         if answer is None:
             return False
         if not _is_mode_taken(answer):
-            self.events.append(Remarked(f"the laser refuses {target} baud and stays at {before}"))
+            yield Remarked(f"the laser refuses {target} baud and stays at {before}")
             self._target = before
             return True
-        self._set_speed(target)
-        yield Wait(limit=SETTLE, codes=frozenset())
+        yield from self._set_speed(target)
+        yield Pause(SETTLE)
         if (yield self._ask(Command.TYPE)) is not None:
             self._prefer(target)
             return True
-        self.events.append(
-            Remarked(f"the laser does not answer at {target} baud; back to {before}")
-        )
+        yield Remarked(f"the laser does not answer at {target} baud; back to {before}")
         self._target = before
         return False
 
-    def _set_variant(self, status: Status) -> Generator[Wait, Telegram | None, bool]:
+    def _set_variant(self, status: Status) -> LmsScript[bool]:
         """Set field and step, where they differ; return whether the unit answers."""
         self.variant = status.variant
         if self.variant == self._wanted:
@@ -276,10 +278,10 @@ class SetUp:
             self.variant = self._wanted
         elif answer is not None:
             told = f"the laser refuses {self._wanted} and goes on with {self.variant}"
-            self.events.append(Remarked(told))
+            yield Remarked(told)
         return answer is not None
 
-    def _configure(self, status: Status) -> Generator[Wait, Telegram | None, bool]:
+    def _configure(self, status: Status) -> LmsScript[bool]:
         """Set measuring mode and units, where they differ; return whether the unit can scan."""
         numbers = WITH_INTENSITIES if self._settings.intensities else WITHOUT_INTENSITIES
         if status.measuring_mode not in numbers or status.units != Units.MILLIMETRES:
@@ -288,27 +290,25 @@ class SetUp:
                 return False
             config = _config(answer)
             if config is None:
-                self.events.append(Remarked("the laser does not tell its configuration"))
+                yield Remarked("the laser does not tell its configuration")
             else:
                 wanted = replace(config, measuring_mode=numbers[0], units=Units.MILLIMETRES)
                 written = yield from self._write(wanted.to_bytes(len(answer.body)))
                 if written is None:
                     return False
                 if written:
-                    self.events.append(Remarked(_change(config, wanted)))
+                    yield Remarked(_change(config, wanted))
                     status = replace(status, measuring_mode=numbers[0])
                 else:
-                    self.events.append(Remarked("the laser refuses to be configured"))
+                    yield Remarked("the laser refuses to be configured")
         mode = MEASURING_MODES.get(status.measuring_mode)
         if mode is None or mode.amplitude:
-            self.events.append(
-                Remarked(f"the laser's measuring mode {status.measuring_mode} has no ranges")
-            )
+            yield Remarked(f"the laser's measuring mode {status.measuring_mode} has no ranges")
             return False
         self.measuring_mode = mode
         return True
 
-    def _write(self, block: bytes) -> Generator[Wait, Telegram | None, bool | None]:
+    def _write(self, block: bytes) -> LmsScript[bool | None]:
         """Write the configuration; return whether it is taken, or `None` without an answer."""
         opened = yield self._ask_mode(Mode.INSTALLATION, commands.PASSWORD)
         if opened is None or not _is_mode_taken(opened):

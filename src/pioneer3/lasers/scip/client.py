@@ -15,14 +15,15 @@ Rules:
 Facts: scip.md 1 to 6.
 """
 
-from collections.abc import Generator, Sequence
+from collections.abc import Sequence
 from math import inf
 from typing import Final
 
 from pioneer3.lasers.client import Event, Lost, Measured, Patience, RawScan, Remarked, ScanSettings
+from pioneer3.lasers.dialogue import Dialogue, Pause
 from pioneer3.lasers.line import ROUNDING
 from pioneer3.lasers.scip.scans import Readings, decode, ranges_of
-from pioneer3.lasers.scip.start import NOTHING, OK, Ask, Pause, Reply, Start, Step
+from pioneer3.lasers.scip.start import NOTHING, OK, Ask, Reply, Start
 from pioneer3.lasers.scip.stream import Stream
 from pioneer3.lasers.scip.wire import Answer, AnswerReader, decode_stamp
 from pioneer3.units import MM
@@ -66,7 +67,7 @@ class ScipClient:
         self._patience = patience or Patience()
         self._answer_time = self._patience.answer + round_trip
         self._start = Start(speeds, settings or ScanSettings())
-        self._dialogue: Generator[Step, Reply, Stream] | None = None
+        self._dialogue: Dialogue[Ask, Reply, Stream] | None = None
         self._asked: Ask | None = None
         self._asked_at = self._sent_at = now
         self._stream: Stream | None = None
@@ -117,7 +118,7 @@ class ScipClient:
         if now >= self._answered_at + self._silence - ROUNDING:
             return [self._lose(f"the laser has said nothing for {self._silence:g} s")]
         if self._dialogue is None:
-            self._dialogue = self._start.run()
+            self._dialogue = Dialogue(self._start.run())
             return self._go_on(None, now)
         return self._go_on(NOTHING, now)
 
@@ -132,8 +133,8 @@ class ScipClient:
         del now
         if self._left:
             return
-        self._left = self._ended = True
-        self.deadline = inf
+        self._left = True
+        self._end()
         scip1 = self._stream is not None and not self._stream.summed
         self._outbox.append(b"L0\n" if scip1 else b"\nTM2\nQT\n" if self._dialogue else b"QT\n")
         if (speed := self._start.started_at) is not None:
@@ -147,28 +148,21 @@ class ScipClient:
     def _go_on(self, reply: Reply | None, now: float) -> list[Event]:
         """Go on with the dialogue until it waits for something."""
         assert self._dialogue is not None
-        events: list[Event] = []
         self._asked = None
-        try:
-            step = self._dialogue.send(reply) if reply else next(self._dialogue)
-            while not isinstance(step, Ask | Pause):
-                events.append(step)
-                if isinstance(step, Lost):
-                    self._lose(step.reason)
-                    return events
-                step = next(self._dialogue)
-        except StopIteration as end:
-            self._watch(end.value, now)
-            return events
+        events, step = self._dialogue.go_on(reply), self._dialogue.step
         if isinstance(step, Ask):
             self._asked, self._asked_at = step, now
             self._heard_noise = self._heard_noise or self._noise
             self._noise = False
             self._send_question(step, now)
             self._wait(now, self._answer_time)
-        else:
+        elif isinstance(step, Pause):
             self._answered_at += step.seconds  # it was asked nothing
             self._wait(now, step.seconds)
+        elif self._dialogue.result is not None:
+            self._watch(self._dialogue.result, now)
+        else:
+            self._end()
         return events
 
     def _send_question(self, question: Ask, now: float) -> None:
@@ -228,7 +222,7 @@ class ScipClient:
 
     def _begin_again(self, now: float, reason: str) -> list[Event]:
         """Start the scans again, which have stopped."""
-        self._stream, self._dialogue = None, self._start.run()
+        self._stream, self._dialogue = None, Dialogue(self._start.run())
         self._reader.discard()
         return [Remarked(f"{reason}: starting the laser again"), *self._go_on(None, now)]
 
@@ -316,8 +310,11 @@ class ScipClient:
         )
 
     def _lose(self, reason: str) -> Lost:
-        self._ended, self.deadline = True, inf
+        self._end()
         return Lost(reason)
+
+    def _end(self) -> None:
+        self._ended, self.deadline = True, inf
 
     def _reason_for_no_scan(self) -> str:
         if self._start.findings:

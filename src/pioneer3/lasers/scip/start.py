@@ -18,24 +18,14 @@ Rules:
    again.
 4. A dialogue that follows one in vain begins after a pause, so that no laser is flooded that
    answers at once, but wrongly.
-
-The dialogue is a generator: it yields what it asks, when it pauses and what is worth an event, and
-is sent the answers.
 """
 
-from collections.abc import Generator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, TypeVar
 
-from pioneer3.lasers.client import (
-    Event,
-    Identified,
-    LaserIdentity,
-    Lost,
-    Remarked,
-    ScanSettings,
-    SpeedWanted,
-)
+from pioneer3.lasers.client import Identified, LaserIdentity, Remarked, ScanSettings, SpeedWanted
+from pioneer3.lasers.dialogue import HopelessError, Pause, Script
 from pioneer3.lasers.scip.identity import FIRST_URG, identity_from, is_healthy, steps_from
 from pioneer3.lasers.scip.stream import Stream, fits, streams
 from pioneer3.lasers.scip.timing import DeviceClock
@@ -75,13 +65,6 @@ class Ask:
 
 
 @dataclass(frozen=True, slots=True)
-class Pause:
-    """Send nothing for some time [s]."""
-
-    seconds: float
-
-
-@dataclass(frozen=True, slots=True)
 class Reply:
     """The answer to :class:`Ask`.
 
@@ -98,8 +81,9 @@ class Reply:
     answered: float = 0.0
 
 
-Step = Ask | Pause | Event
 NOTHING: Final = Reply()
+T = TypeVar("T")
+ScipScript = Script[Ask, Reply, T]
 
 
 class _NoAnswerError(Exception):
@@ -140,7 +124,7 @@ class Start:
         """The speed in use, or `None` on links without one."""
         return self._baud
 
-    def run(self) -> Generator[Step, Reply, Stream]:
+    def run(self) -> ScipScript[Stream]:
         """Return the stream that has been started."""
         while True:
             if self._in_vain:
@@ -173,7 +157,7 @@ class Start:
             "switch it off and on, or give it firmware 3.3.00 or later, which knows SCIP 2.0"
         )
 
-    def _find(self) -> Generator[Step, Reply, None]:
+    def _find(self) -> ScipScript[None]:
         """Go over all speeds until the laser answers and is idle."""
         number = self._speeds.index(self._baud) if self._baud is not None else 0
         while True:
@@ -184,7 +168,7 @@ class Start:
                 return
             number += 1
 
-    def _wake(self) -> Generator[Step, Reply, bool]:
+    def _wake(self) -> ScipScript[bool]:
         """End old scans and modes; return whether the laser answers.
 
         Raises:
@@ -207,7 +191,7 @@ class Start:
                 return reply.status in OK
         raise _NoAnswerError
 
-    def _get_acquainted(self) -> Generator[Step, Reply, Steps]:
+    def _get_acquainted(self) -> ScipScript[Steps]:
         if self._scip1:
             version, steps = (yield from self._pairs(b"V")), FIRST_URG
             state: Mapping[str, str] = {}
@@ -227,7 +211,7 @@ class Start:
                 yield Remarked(f"the laser reports {identity.status!r}")
         return steps
 
-    def _speed_up(self, steps: Steps) -> Generator[Step, Reply, None]:
+    def _speed_up(self, steps: Steps) -> ScipScript[None]:
         """Change to the fastest speed that both know, where the line is too slow for the scans."""
         wanted = next(streams(steps, self._settings, self._baud, scip1=self._scip1))
         if self._baud is None or self._keep_speed or fits(wanted, self._baud):
@@ -250,7 +234,7 @@ class Start:
             if reply.status == ALREADY_SET:
                 return
 
-    def _compare_clocks(self) -> Generator[Step, Reply, None]:
+    def _compare_clocks(self) -> ScipScript[None]:
         lead = TM1_LONGER * 10 / self._baud if self._baud else 0.0
         reply = yield Ask(b"TM0")
         if reply.status in {"00", "02"}:
@@ -266,7 +250,7 @@ class Start:
         if not self.clock.compared:
             yield Remarked("the laser does not tell its time: scans are dated as they come")
 
-    def _measure(self, steps: Steps) -> Generator[Step, Reply, Stream | None]:
+    def _measure(self, steps: Steps) -> ScipScript[Stream | None]:
         """Switch the laser on and start scans; return `None` if it has to be found again."""
         if self._scip1:
             yield from self._ask(b"L1")
@@ -282,7 +266,7 @@ class Start:
         yield from self._mend(reply.status)
         return None
 
-    def _mend(self, status: str) -> Generator[Step, Reply, None]:
+    def _mend(self, status: str) -> ScipScript[None]:
         """Wait for a laser that is not ready; reset one that reports an error."""
         stat = self.identity.status if self.identity and self.identity.status else ""
         reports = f"status {status}" + (f", {stat!r}" if stat else "")
@@ -291,7 +275,7 @@ class Start:
             yield Remarked(f"the laser is not ready yet: {reports}")
             return
         if self._resets >= RESETS:
-            yield Lost(
+            raise HopelessError(
                 f"the laser reports an error ({reports}) after {RESETS} resets, too: "
                 "switch it off and on; if the error stays, the laser is broken"
             )
@@ -302,7 +286,7 @@ class Start:
         if self.started_at is not None:  # a reset also resets the speed
             self._baud, self.started_at = self.started_at, None
 
-    def _ask(self, command: bytes) -> Generator[Step, Reply, Reply]:
+    def _ask(self, command: bytes) -> ScipScript[Reply]:
         """Return the answer to `command`.
 
         Raises:
@@ -314,9 +298,7 @@ class Start:
                 return reply
         raise _NoAnswerError
 
-    def _pairs(
-        self, command: bytes, *, needed: bool = True
-    ) -> Generator[Step, Reply, Mapping[str, str]]:
+    def _pairs(self, command: bytes, *, needed: bool = True) -> ScipScript[Mapping[str, str]]:
         """Return the keys and values of an answer."""
         for _ in range(TRIES):
             reply = yield Ask(command)
