@@ -4,11 +4,11 @@ import sys
 from math import radians
 
 from pioneer3 import connect
-from pioneer3.behaviors import Desire, Situation
+from pioneer3.behaviors import Action, Desire, Situation
 from pioneer3.behaviors.modes import wander
 
 
-class Polite:
+class Polite(Action):
     """Stands still while something is right in front."""
 
     name = "polite"

@@ -20,7 +20,7 @@ from pioneer3.arcos.commands import (
     Tcm2,
     Tcm2Mode,
 )
-from pioneer3.behaviors.action import Desire, Situation, Stack
+from pioneer3.behaviors.action import Action, Desire, Situation, Stack
 from pioneer3.demo.columns import Row
 from pioneer3.demo.mode import Context, DemoMode, Description
 from pioneer3.demo.modes import MODES
@@ -745,7 +745,7 @@ class TestTrouble:
             assert the.words.count("in the columns") == 1
 
     async def test_an_action_that_fails_stops_the_robot_and_is_named(self) -> None:
-        class Bad:
+        class Bad(Action):
             name = "bad idea"
 
             def decide(self, situation: Situation) -> Desire:

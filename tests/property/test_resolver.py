@@ -6,13 +6,13 @@ from math import inf
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pioneer3.behaviors.action import Desire, Ranked, Situation, Stack, Weighted
+from pioneer3.behaviors.action import Action, Desire, Ranked, Situation, Stack, Weighted
 from pioneer3.behaviors.engine import Decision, resolve
 from tests.unit.behaviors.support import seen
 
 
 @dataclass(frozen=True)
-class Wants:
+class Wants(Action):
     name: str
     desire: Desire
 

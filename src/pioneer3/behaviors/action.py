@@ -207,17 +207,6 @@ MODE = 20
 """Priority of modes against other stacks: below every hand and program at the controls."""
 
 
-class Action(Protocol):
-    """Turns a situation into a desire. Its priority is its place in a stack."""
-
-    @property
-    def name(self) -> str:
-        """Shown to people; unique in its stack."""
-
-    def decide(self, situation: Situation) -> Desire | None:
-        """Return the desire at this instant, or `None`. Called once per snapshot."""
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Goal:
     """A place in odometry's frame.
@@ -237,12 +226,54 @@ class Goal:
     to_go: float | None = field(default=None, compare=False)
 
 
+class Action(Protocol):
+    """Turns a situation into a desire. Its priority is its place in a stack.
+
+    Actions inherit from this, and say only what differs from these defaults.
+
+    Attributes:
+        name: Shown to people; unique in its stack.
+    """
+
+    __slots__ = ()
+    name: str
+
+    @property
+    def done(self) -> bool:
+        """Whether it has reached its aim, which ends the mode."""
+        return False
+
+    @property
+    def failed(self) -> str | None:
+        """The reason to give up, which ends the mode, or `None`."""
+        return None
+
+    @property
+    def goal(self) -> Goal | None:
+        """The place that it goes to, or `None`."""
+        return None
+
+    @property
+    def wants_scans(self) -> bool:
+        """Whether it looks at scans: lasers are on while its mode runs."""
+        return False
+
+    def decide(self, situation: Situation) -> Desire | None:
+        """Return the desire at this instant, or `None`. Called once per snapshot."""
+
+
 @dataclass(frozen=True, slots=True)
 class Ranked:
     """An action at its place in a stack; the higher priority decides first."""
 
     priority: int
     action: Action
+
+    def __post_init__(self) -> None:
+        """Refuse an action without the defaults, before it takes part in driving."""
+        if Action not in type(self.action).__mro__:
+            name = type(self.action).__name__
+            raise TypeError(f"{name} is no action: it must inherit from pioneer3.behaviors.Action")
 
 
 @dataclass(frozen=True, slots=True)
@@ -263,25 +294,25 @@ class Stack:
 
     @property
     def done(self) -> bool:
-        """Whether one of its actions is done (its `done`); most never are."""
-        return any(getattr(ranked.action, "done", False) for ranked in self.actions)
+        """Whether one of its actions is done."""
+        return any(ranked.action.done for ranked in self.actions)
 
     @property
     def failed(self) -> str | None:
-        """The reason that one of its actions gives up for (its `failed`); most never do."""
-        reasons = (getattr(ranked.action, "failed", None) for ranked in self.actions)
+        """The reason that one of its actions gives up for, or `None`."""
+        reasons = (ranked.action.failed for ranked in self.actions)
         return next((reason for reason in reasons if reason), None)
 
     @property
     def goal(self) -> Goal | None:
-        """The place that one of its actions goes to (its `goal`); most have none."""
-        goals = (getattr(ranked.action, "goal", None) for ranked in self.actions)
+        """The place that one of its actions goes to, or `None`."""
+        goals = (ranked.action.goal for ranked in self.actions)
         return next((goal for goal in goals if goal is not None), None)
 
     @property
     def wants_scans(self) -> bool:
-        """Whether one of its actions looks at scans (its `wants_scans`); most do not."""
-        return any(getattr(ranked.action, "wants_scans", False) for ranked in self.actions)
+        """Whether one of its actions looks at scans."""
+        return any(ranked.action.wants_scans for ranked in self.actions)
 
     @classmethod
     def of(cls, name: str, priority: int, actions: Iterable[Ranked], hint: str = "") -> "Stack":

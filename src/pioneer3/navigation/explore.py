@@ -2,12 +2,12 @@
 
 from dataclasses import dataclass
 
-from pioneer3.behaviors.action import Desire, Goal, Situation
+from pioneer3.behaviors.action import Action, Desire, Goal, Situation
 from pioneer3.navigation.follow_way import FollowWay
 
 
 @dataclass(slots=True, kw_only=True)
-class Explore:
+class Explore(Action):
     """Drives one way after the other; between them the robot stands.
 
     Attributes:

@@ -47,7 +47,7 @@ def any_speed(x: float, y: float) -> float:
 
 
 @dataclass(slots=True, kw_only=True)
-class FollowWay:
+class FollowWay(Action):
     """Drives along the way of a :class:`Follower`, in the map's frame.
 
     Attributes:

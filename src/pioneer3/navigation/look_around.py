@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from pioneer3.behaviors.action import MODE, Desire, Ranked, Situation, Stack
+from pioneer3.behaviors.action import MODE, Action, Desire, Ranked, Situation, Stack
 from pioneer3.behaviors.modes import wander
 from pioneer3.limits import Limits
 from pioneer3.nav.estimate import Estimate
@@ -15,7 +15,7 @@ PATIENCE = 120.0
 
 
 @dataclass(slots=True)
-class UntilSure:
+class UntilSure(Action):
     """Ends a mode once it is sure where the robot is, or after a while; asks for no motion.
 
     Attributes:

@@ -5,14 +5,14 @@ from math import inf, nan, pi, radians
 
 import pytest
 
-from pioneer3.behaviors.action import Desire, Ranked, Situation, Stack, Weighted
+from pioneer3.behaviors.action import Action, Desire, Goal, Ranked, Situation, Stack, Weighted
 from pioneer3.behaviors.engine import ActionError, Decision, approach, resolve
 from pioneer3.geometry import STILL, Pose2, Twist2
 from tests.unit.behaviors.support import LIMITS, seen
 
 
 @dataclass
-class Wants:
+class Wants(Action):
     name: str
     priority: int
     desire: Desire | None
@@ -142,7 +142,7 @@ def test_a_turn_keeps_within_the_limit_of_its_side() -> None:
 def test_actions_know_what_those_above_want() -> None:
     heard: list[float] = []
 
-    class Listens:
+    class Listens(Action):
         name = "listens"
 
         def decide(self, situation: Situation) -> None:
@@ -161,6 +161,27 @@ def test_the_stack_comes_before_the_place_within() -> None:
     assert resolve([low, high], seen()).v_by == "weak"
 
 
+def test_a_mode_asks_its_actions_and_most_have_nothing_to_say() -> None:
+    class Arrives(Wants):
+        done, wants_scans, failed, goal = True, True, "no way", Goal(x=1.0, y=2.0)
+
+    plain = Stack.alone(Wants("plain", 0, None), 0)
+    assert (plain.done, plain.failed, plain.goal, plain.wants_scans) == (False, None, None, False)
+    one = plain.adding(Arrives("arrives", 0, None), 1)
+    assert (one.done, one.failed, one.goal, one.wants_scans) == (True, "no way", Arrives.goal, True)
+
+
+def test_what_does_not_inherit_from_action_is_refused_before_it_drives() -> None:
+    class Foreign:
+        name = "foreign"
+
+        def decide(self, situation: Situation) -> None:
+            raise AssertionError
+
+    with pytest.raises(TypeError, match="Foreign is no action: it must inherit from"):
+        Stack.alone(Foreign(), 1)  # type: ignore[arg-type]
+
+
 def test_two_actions_of_one_name_are_refused() -> None:
     with pytest.raises(ValueError, match="two actions are called web"):
         Stack.of("mode", 1, [Ranked(1, WEB), Ranked(2, WEB)])
@@ -170,7 +191,7 @@ def test_two_actions_of_one_name_are_refused() -> None:
     "failing", [lambda: 1 / 0, lambda: Desire(v=nan), lambda: Desire(turn=1, heading=1)]
 )
 def test_a_failing_action_is_named(failing: object) -> None:
-    class Fails:
+    class Fails(Action):
         name = "shy"
 
         def decide(self, situation: Situation) -> Desire | None:

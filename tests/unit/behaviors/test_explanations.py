@@ -2,14 +2,14 @@
 
 from dataclasses import dataclass
 
-from pioneer3.behaviors.action import Desire, Ranked, Situation, Stack, Weighted
+from pioneer3.behaviors.action import Action, Desire, Ranked, Situation, Stack, Weighted
 from pioneer3.behaviors.engine import Decision, resolve
 from pioneer3.behaviors.explanations import explain, explain_standstill
 from tests.unit.behaviors.support import seen
 
 
 @dataclass(frozen=True)
-class Wants:
+class Wants(Action):
     name: str
     desire: Desire
 

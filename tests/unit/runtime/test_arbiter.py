@@ -9,7 +9,7 @@ import pytest
 
 from pioneer3 import MotionError, Robot, connect_async
 from pioneer3.arcos.commands import Sonar
-from pioneer3.behaviors.action import MODE, Desire, Situation, Stack
+from pioneer3.behaviors.action import MODE, Action, Desire, Situation, Stack
 from pioneer3.behaviors.actions import Hold
 from pioneer3.behaviors.modes import follow, goto, wander
 from pioneer3.geometry import STILL, Twist2
@@ -257,7 +257,7 @@ async def test_letting_go_answers_no_block_for_somebody_else_who_holds_on() -> N
 
 
 @dataclass
-class Waiting:
+class Waiting(Action):
     """Stands until there is something to go to, as following does."""
 
     name: str = "waiting"
@@ -393,7 +393,7 @@ async def test_a_key_held_through_an_outage_must_be_let_go_first() -> None:
 
 
 async def test_what_was_sensed_is_kept_from_the_first_mode_on_where_only_inputs_drive() -> None:
-    class Looks:
+    class Looks(Action):
         name = "looks"
         seen = 0
 

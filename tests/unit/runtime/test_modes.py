@@ -20,7 +20,7 @@ from tests.support import SLOW, SimulatedRobot, wall_at
 
 
 @dataclass
-class Go:
+class Go(Action):
     """Drives ahead, and backs off a stalled robot if it is to."""
 
     name: str = "go"
@@ -34,7 +34,7 @@ class Go:
 
 
 @dataclass
-class Keep:
+class Keep(Action):
     """Lets the robot no nearer to what its sonar sees than a metre."""
 
     name: str = "keep away"
@@ -45,7 +45,7 @@ class Keep:
 
 
 @dataclass
-class Fails:
+class Fails(Action):
     """Works for a while."""
 
     name: str = "shy"

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from pioneer3.behaviors.action import MODE, Desire, Goal, Situation, Stack
+from pioneer3.behaviors.action import MODE, Action, Desire, Goal, Situation, Stack
 from pioneer3.geometry import Pose2
 from pioneer3.maps import LineMap
 from pioneer3.web.control import SILENCE
@@ -99,7 +99,7 @@ async def test_a_real_robot_is_sent_by_where_odometry_began() -> None:
         assert (target["x"], target["y"], target["heading"]) == (5.0, 1.0, None)
 
 
-class Shadow:
+class Shadow(Action):
     """An action that follows somebody who stands still."""
 
     name = "shadow"

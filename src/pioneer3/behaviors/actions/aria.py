@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 from math import radians
 
-from pioneer3.behaviors.action import Desire, Situation
+from pioneer3.behaviors.action import Action, Desire, Situation
 from pioneer3.behaviors.actions.sensing import ahead, beside
 from pioneer3.behaviors.surroundings import Buffer
 from pioneer3.geometry import wrap
@@ -12,7 +12,7 @@ FROM, TO = radians(60), radians(120)
 
 
 @dataclass(slots=True)
-class AvoidSide:
+class AvoidSide(Action):
     """Stands and turns away from obstacles beside the robot (facts.md 7.6).
 
     When that is done it wants straight ahead once, as :class:`AvoidFront` does. ARIA's goes on
@@ -48,7 +48,7 @@ LOOK = 3.0
 
 
 @dataclass(slots=True)
-class TurnAway:
+class TurnAway(Action):
     """Turns the more, the slower the robot has become (ARIA's Turn, facts.md 7.6).
 
     Below limiters of the speed it steers around what made them slow down. The side stays until the
@@ -83,7 +83,7 @@ class TurnAway:
 
 
 @dataclass(slots=True)
-class Input:
+class Input(Action):
     """Passes on the command of a program until it sets another (facts.md 7.6).
 
     Unlike :class:`Hold` it does not expire by itself: a program that ends must end its stack.
@@ -125,7 +125,7 @@ class Input:
 
 
 @dataclass(slots=True)
-class Stop:
+class Stop(Action):
     """Wants to stand still, whatever lower priorities want (facts.md 7.6)."""
 
     name: str = "stop"

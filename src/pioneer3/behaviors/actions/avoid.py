@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 from math import inf, pi, radians
 
-from pioneer3.behaviors.action import Desire, Situation
+from pioneer3.behaviors.action import Action, Desire, Situation
 from pioneer3.behaviors.actions.sensing import BLIND, Table, ahead, table_seen
 from pioneer3.behaviors.engine import TURNED
 from pioneer3.behaviors.memory import BUMPER_ARC
@@ -14,7 +14,7 @@ FRONT = radians(70)
 
 
 @dataclass(slots=True)
-class AvoidFront:
+class AvoidFront(Action):
     """Turns on, always the same way, until nothing is near in front (facts.md 7.6).
 
     When it has looked into all four quadrants and found no way out, it goes on in half the steps;
@@ -94,7 +94,7 @@ ARRIVED = radians(3)
 
 
 @dataclass(slots=True)
-class Bumpers:
+class Bumpers(Action):
     """Backs off and turns away when a bumper is hit (facts.md 7.6).
 
     ARIA's asks for a robot that still moves while the bumper is pressed. Ours has been stopped by

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 from math import cos, inf, pi, radians, sin
 
-from pioneer3.behaviors.action import Desire, Situation
+from pioneer3.behaviors.action import Action, Desire, Situation
 from pioneer3.behaviors.actions.sensing import BLIND
 from pioneer3.behaviors.surroundings import Buffer, Point
 from pioneer3.geometry import TURN, Pose2, wrap
@@ -29,7 +29,7 @@ KEEP, TURNING, ROOM = 0.5, 1.0, 0.3
 
 
 @dataclass(slots=True)
-class Explore:
+class Explore(Action):
     """Chooses the heading with most room and most new ground, and drives there.
 
     Ways count as free where what is seen and remembered leaves the robot's width and twice

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 from math import atan2, copysign, cos, degrees, hypot, inf, pi, radians
 from typing import Protocol
 
-from pioneer3.behaviors.action import Desire, Goal, Situation
+from pioneer3.behaviors.action import Action, Desire, Goal, Situation
 from pioneer3.behaviors.actions.sensing import BLIND
 from pioneer3.behaviors.detection import RADIUS
 from pioneer3.behaviors.trackers import PersonTracker, SonarTracker, Target
@@ -31,7 +31,7 @@ FASTEST_TURN = radians(45)
 
 
 @dataclass(slots=True, kw_only=True)
-class FollowLab:
+class FollowLab(Action):
     """Follow the nearest echo of the front, as the lab's `p3_sonar_following_moving_object` does.
 
     Speed (d - 0.3 m) / 1.2 s from -0.3 to 0.5 m/s, turn rate bearing / 1.2 s up to 45 degrees/s
@@ -97,7 +97,7 @@ ASIDE = radians(60)
 
 
 @dataclass(slots=True, kw_only=True)
-class FollowTracking:
+class FollowTracking(Action):
     """Follow a person with a filter and a memory for furniture.
 
     Attributes:
@@ -193,7 +193,7 @@ class BlobSource(Protocol):
 
 
 @dataclass(slots=True)
-class ColorFollow:
+class ColorFollow(Action):
     """Drives on and keeps a patch of colour in the middle; ARIA's example of ACTS, in our figures.
 
     It moves only while `moving`. When nothing is seen it stands, or turns to look for it while

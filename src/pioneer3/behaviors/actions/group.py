@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from math import atan2, cos, hypot, inf, pi, sin
 
-from pioneer3.behaviors.action import Desire, Situation
+from pioneer3.behaviors.action import Action, Desire, Situation
 from pioneer3.behaviors.formations import Place
 from pioneer3.behaviors.peers import Peer, Peers, named
 from pioneer3.geometry import Pose2, Twist2, wrap
@@ -30,7 +30,7 @@ def _find(leader: str, peers: Peers, now: float) -> Peer | None:
 
 
 @dataclass(slots=True, kw_only=True)
-class KeepFormation:
+class KeepFormation(Action):
     """Keeps a place beside a leader, as if both were parts of one body.
 
     Attributes:
@@ -67,7 +67,7 @@ LOOK_AHEAD = 0.4
 
 
 @dataclass(slots=True, kw_only=True)
-class FollowLeader:
+class FollowLeader(Action):
     """Follows the track of a leader, at a distance along it.
 
     Attributes:
@@ -129,7 +129,7 @@ SETTLED = 0.05
 
 
 @dataclass(slots=True, kw_only=True)
-class SpreadOut:
+class SpreadOut(Action):
     """Drives away from the other robots, until all are far enough.
 
     Attributes:

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 from typing import Final
 
-from pioneer3.behaviors.action import Desire, Situation
+from pioneer3.behaviors.action import Action, Desire, Situation
 from pioneer3.geometry import STILL, Twist2
 from pioneer3.stops import LET_GO, Stop, leads_away
 
@@ -13,7 +13,7 @@ LETTING_GO: Final = 0.6
 
 
 @dataclass(slots=True)
-class Hold:
+class Hold(Action):
     """Wants the last twist set, for as long as that lasts.
 
     A command begins when the one before was let go of: released, set to zero, or not renewed in

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from math import atan2, cos, hypot, inf, pi, sin, sqrt
 
-from pioneer3.behaviors.action import Desire, Situation
+from pioneer3.behaviors.action import Action, Desire, Situation
 from pioneer3.behaviors.actions.limiters import CREEP
 from pioneer3.behaviors.peers import LOST, Peer, Peers
 from pioneer3.geometry import Pose2, wrap
@@ -60,7 +60,7 @@ class _Room:
 
 
 @dataclass(slots=True, kw_only=True)
-class LimiterPeers:
+class LimiterPeers(Action):
     """Limits speed and turns by the other robots of a group, also where no sensor sees them.
 
     Both of two robots that come nearer to each other brake, so that each leaves the other the

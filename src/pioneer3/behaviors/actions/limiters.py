@@ -4,7 +4,7 @@ from dataclasses import dataclass, field, replace
 from itertools import chain
 from math import atan2, hypot, inf, radians, sqrt
 
-from pioneer3.behaviors.action import Desire, Situation
+from pioneer3.behaviors.action import Action, Desire, Situation
 from pioneer3.behaviors.actions.sensing import BLIND, ahead, behind, blind_behind, table_seen
 from pioneer3.behaviors.pings import Ping, PingReader
 from pioneer3.behaviors.surroundings import Buffer, Point
@@ -16,7 +16,7 @@ CREEP = 0.035
 
 
 @dataclass(slots=True)
-class LimiterForwards:
+class LimiterForwards(Action):
     """Limits the speed forwards by obstacles ahead within the robot's width (facts.md 7.6).
 
     Attributes:
@@ -48,7 +48,7 @@ class LimiterForwards:
 
 
 @dataclass(slots=True)
-class LimiterBackwards:
+class LimiterBackwards(Action):
     """Limits the speed backwards by obstacles behind within one and a half widths (facts.md 7.6).
 
     Distances are positive here. It looks as far as `slow_distance`; ARIA's box ends at
@@ -85,7 +85,7 @@ class LimiterBackwards:
 
 
 @dataclass(slots=True)
-class LimiterTableSensor:
+class LimiterTableSensor(Action):
     """Keeps the robot from driving under a table (facts.md 7.6)."""
 
     name: str = "limiter table sensor"
@@ -106,7 +106,7 @@ BY_SONAR = 0.4
 
 
 @dataclass(slots=True)
-class LimiterBySonar:
+class LimiterBySonar(Action):
     """Slows a mode down while a laser that should scan does not: sonars see less, and later.
 
     Not one of ARIA's.
@@ -135,7 +135,7 @@ AWAY = 0.035
 
 
 @dataclass(slots=True)
-class LimiterSweep:
+class LimiterSweep(Action):
     """Slows the robot down before obstacles that it sees or has seen; never below a creep.
 
     Not one of ARIA's, whose limiters look ahead only, at what is seen now: things that sonars have
@@ -241,7 +241,7 @@ PLANNED_SHARE = 0.7
 
 
 @dataclass(slots=True, kw_only=True)
-class Brake:
+class Brake(Action):
     """Limits the speed forwards so that the robot can brake in time.
 
     Where the other limiters keep clear of all that has been heard in the last seconds, and so of
@@ -304,7 +304,7 @@ TOP = 2.0
 
 
 @dataclass(slots=True, kw_only=True)
-class DeceleratingLimiter:
+class DeceleratingLimiter(Action):
     """Limits the speed one way so that the robot can stop before an obstacle (facts.md 7.6).
 
     The room it keeps grows with the speed. Outside of it the speed may be as high as

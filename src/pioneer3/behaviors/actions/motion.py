@@ -3,13 +3,13 @@
 from dataclasses import dataclass, field
 from math import atan2, cos, degrees, hypot, inf, radians, sin, sqrt
 
-from pioneer3.behaviors.action import Desire, Goal, Situation
+from pioneer3.behaviors.action import Action, Desire, Goal, Situation
 from pioneer3.behaviors.engine import approach
 from pioneer3.geometry import Pose2, wrap
 
 
 @dataclass(slots=True)
-class ConstantVelocity:
+class ConstantVelocity(Action):
     """Wants straight ahead at `velocity` [m/s], negative is backwards (facts.md 7.6)."""
 
     velocity: float = 0.4
@@ -25,7 +25,7 @@ KEEP_HEADING = 1.5
 
 
 @dataclass(slots=True, kw_only=True)
-class Move:
+class Move(Action):
     """Drive `distance` [m] along the heading at the start; negative is backwards.
 
     Attributes:
@@ -64,7 +64,7 @@ SLOWEST = radians(2)
 
 
 @dataclass(slots=True, kw_only=True)
-class Turn:
+class Turn(Action):
     """Turn by `angle` [rad], counter-clockwise positive; more than a full turn is possible.
 
     Attributes:
@@ -111,7 +111,7 @@ STANDING, ALIGNED, TURNING = 0.005, radians(3), radians(2)
 
 
 @dataclass(slots=True)
-class Goto:
+class Goto(Action):
     """Drives straight to a point of odometry's frame, around what slows it (facts.md 7.6).
 
     While a higher priority limits the speed below `speed_to_turn_at`, it turns away from the goal;

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 from math import inf, radians
 
-from pioneer3.behaviors.action import Desire, Situation
+from pioneer3.behaviors.action import Action, Desire, Situation
 
 DEAD_DRIVE, DEAD_TURN = 0.1, 0.05
 """Less is nothing."""
@@ -29,7 +29,7 @@ class Ratios:
 
 
 @dataclass(slots=True)
-class RatioInput:
+class RatioInput(Action):
     """Drives by shares of full speed (facts.md 7.6, 8.3). A pushed stick comes before keys.
 
     Keys: :meth:`up` and :meth:`down` change the speed by a twentieth, :meth:`left` and

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 from math import hypot, inf, radians
 from typing import NamedTuple
 
-from pioneer3.behaviors.action import Desire, Situation
+from pioneer3.behaviors.action import Action, Desire, Situation
 from pioneer3.behaviors.actions.explore import Explore
 from pioneer3.behaviors.actions.limiters import CREEP
 from pioneer3.behaviors.surroundings import Buffer
@@ -42,7 +42,7 @@ WAYS = (
 
 
 @dataclass(slots=True)
-class StallRecover:
+class StallRecover(Action):
     """Tries ten ways out of a stall, one after the other (facts.md 7.6).
 
     Its desire is the answer to the stall, which ends every other motion. It leaves the robot
@@ -154,7 +154,7 @@ def _away(situation: Situation) -> int:
 
 
 @dataclass(slots=True)
-class Unstick:
+class Unstick(Action):
     """Takes the way with most room when the robot has hardly moved for a while.
 
     Not one of ARIA's: its avoiders turn for ever where something is near all around, though there

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from math import cos, pi, radians, sin
 
 from pioneer3.arcos.commands import GyroMode
-from pioneer3.behaviors.action import MODE, Desire, Ranked, Situation, Stack
+from pioneer3.behaviors.action import MODE, Action, Desire, Ranked, Situation, Stack
 from pioneer3.behaviors.engine import approach
 from pioneer3.demo.columns import (
     MISSING,
@@ -34,7 +34,7 @@ TURNING = radians(2)
 
 
 @dataclass(slots=True)
-class Travel:
+class Travel(Action):
     """Moves as MOVE and HEAD do, bounded by the robot's limits.
 
     Attributes:
