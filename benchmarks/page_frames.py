@@ -90,7 +90,9 @@ def snapshot(number: int, now: float) -> messages.Snapshot:
         sonar=Sonar(ranges=ranges, enabled=True),
         bumpers=Bumpers(),
     )
-    return snapshot_part(number, reading, pose=pose, why=None, emergency_stop=False, driver=None)
+    return snapshot_part(
+        number, reading, robot_in_map=pose, why=None, emergency_stop=False, driver=None
+    )
 
 
 def scan(number: int, now: float) -> messages.Sweep:

@@ -23,10 +23,9 @@ from pioneer3.sim.server.start import simulator
 from pioneer3.state import Snapshot
 from pioneer3.tasks import running
 from pioneer3.web.hosting import Target, hosted
-from pioneer3.web.messages import Driver
 from pioneer3.web.messages import Snapshot as SnapshotPart
 from pioneer3.web.page import Page
-from pioneer3.web.robot_view import RobotView
+from pioneer3.web.robot_view import ConnectedClients, RobotView
 from pioneer3.web.scene import Scene
 from pioneer3.web.server import serve
 
@@ -102,9 +101,9 @@ def _note_arrivals(arrivals: Arrivals) -> None:
     """Let every snapshot that is told to pages be noted on its way."""
     told = RobotView.snapshot
 
-    def note(self: RobotView, snapshot: Snapshot, driver: Driver | None) -> SnapshotPart:
+    def note(self: RobotView, snapshot: Snapshot, clients: ConnectedClients) -> SnapshotPart:
         arrivals[f"{self.number} {snapshot.sequence}"] = snapshot.stamp
-        return told(self, snapshot, driver)
+        return told(self, snapshot, clients)
 
     RobotView.snapshot = note  # type: ignore[method-assign]
 

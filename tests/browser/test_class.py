@@ -140,7 +140,7 @@ def seats(page: Page) -> Any:
 
 def place(page: Page, robot: int) -> tuple[float, float]:
     """Return where a robot is [m], as the teacher's page has it."""
-    pose = state(page)["robots"][robot - 1]["snapshot"]["pose"]
+    pose = state(page)["robots"][robot - 1]["snapshot"]["robot_in_map"]
     return pose["x"], pose["y"]
 
 

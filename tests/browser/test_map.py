@@ -101,7 +101,7 @@ def say(product: Product, target: Target, mode: str | None = None) -> None:
         odometry=replace(snapshot.odometry, twist=Twist2(0.4, 0.2)),
         bumpers=Bumpers(front=(True, True, False, False, False), rear=()),
     )
-    told = structs.replace(view.snapshot(moment, None), target=target, mode=mode)
+    told = structs.replace(view.snapshot(moment, product.web.clients), target=target, mode=mode)
     product.call(lambda: product.web.audiences[0].snapshots.put(view.number, encode(told)))
 
 

@@ -103,7 +103,7 @@ class OpenPage:
             elif message["type"] in {"robots", "class_robots"}:
                 for snapshot in message["snapshots"]:
                     self.seen.add(snapshot["robot"])
-                    self.pose[snapshot["robot"]] = snapshot["pose"]
+                    self.pose[snapshot["robot"]] = snapshot["robot_in_map"]
 
     async def say(self, type_: str, **fields: object) -> None:
         """Send a request."""
@@ -276,7 +276,7 @@ async def test_the_api_is_as_strict(tmp_path: Path) -> None:
             answer = await ann.ask(method, path, **body)
             assert answer.status == 403, (method, path, answer.body)
         assert the.token not in (await ann.ask("GET", "/class")).body.decode()
-        assert [robot["number"] for robot in (await ann.ask("GET", "/robots")).json] == [1]
+        assert [robot["id"] for robot in (await ann.ask("GET", "/robots")).json] == [1]
         assert (await ann.ask("POST", "/robots/1/stop")).status == 200
         assert (await ann.ask("POST", "/robots/1/drive", v=0.1)).status == 200
         assert (await ann.ask("POST", "/emergency_stop")).status == 204

@@ -16,9 +16,8 @@ from pioneer3.robot.devices.laser import LaserSource
 from pioneer3.robot.devices.lines import LinesReading, read_io
 from pioneer3.robot.devices.sensor import Sensor
 from pioneer3.robot.lasers.driver import LaserDriver
-from pioneer3.robot.supervisor import RobotInfo
 from pioneer3.runtime.robot import Robot
-from pioneer3.state import Inputs, LinkQuality
+from pioneer3.state import Inputs
 from pioneer3.web import messages
 from pioneer3.web.broadcast import RetainedChannel, Subscriber
 from pioneer3.web.scene import Scene
@@ -124,10 +123,7 @@ class Details:
         return messages.Details(
             robot=self._number,
             findings=(*self._findings(now), *laser_findings(self._robot.lasers)),
-            pose=odometry.robot_in_odom,
-            encoder=odometry.robot_in_encoder,
-            twist=odometry.twist,
-            commanded=self._robot.supervisor.pilot.sent,
+            robot_in_encoder=odometry.robot_in_encoder,
             wheels=messages.Sides(odometry.left_speed, odometry.right_speed),
             stalls=messages.Stalls(motors.left_stalled, motors.right_stalled),
             temperature=snapshot.inputs.temperature,
@@ -135,7 +131,7 @@ class Details:
             flags=status.flags,
             faults=status.faults,
             charger_power=status.charger_power,
-            link=_link(info, snapshot.link),
+            baud=info.speed,
             lines=self._describe_lines(snapshot.inputs, now),
             sensors=tuple(map(_sensor, self._robot.devices.sensors)),
         )
@@ -184,18 +180,6 @@ def laser_findings(lasers: Iterable[LaserSource]) -> Iterator[Finding]:
             yield Finding(
                 check=laser.name, level=Level.FAIL, found=str(laser.presence), advice=advice
             )
-
-
-def _link(info: RobotInfo, quality: LinkQuality) -> messages.LinkDetails:
-    return messages.LinkDetails(
-        url=info.url,
-        speed=info.speed,
-        reports=quality.reports,
-        bad_checksums=quality.bad_checksums,
-        bytes_skipped=quality.bytes_skipped,
-        rate=quality.rate,
-        sessions=quality.sessions,
-    )
 
 
 def _sensor(sensor: Sensor[Any]) -> messages.SensorDetails:

@@ -65,7 +65,7 @@ class SpeedLimits(Part, frozen=True):
 
 
 class Robot(Part, frozen=True):
-    """A robot. `robot` and `limits` are null until it has been connected to.
+    """A robot. `shape` and `limits` are null until it has been connected to.
 
     It `plans` ways where it has a map, a laser or sonars, and what navigation needs; `forbids` says
     why nothing drives to places of a map without. Pictures of its `camera` are got over the HTTP
@@ -74,9 +74,9 @@ class Robot(Part, frozen=True):
 
     id: int
     name: str
-    connection: Literal["ROBOT", "SIMULATOR"]
+    kind: Literal["ROBOT", "SIMULATOR"]
     url: str
-    robot: Shape | None
+    shape: Shape | None
     limits: SpeedLimits | None
     laser: bool
     scans: bool
@@ -149,15 +149,6 @@ class Motors(Part, frozen=True):
         return cls(motors.enabled, motors.stalled, motors.moving, motors.stop_button)
 
 
-class Link(Part, frozen=True):
-    """Reports per second [1/s], and counts of bad frames, reports and sessions."""
-
-    rate: float
-    bad_checksums: int
-    reports: int
-    sessions: int
-
-
 class Driver(Part, frozen=True):
     """A driver; `id` is the number of a client, null for a script or an action."""
 
@@ -173,6 +164,14 @@ class ModeEnd(Part, frozen=True):
     why: str
 
 
+class ModeState(Part, frozen=True):
+    """The running mode with the decisions of its actions, and how the last one ended."""
+
+    mode: str | None = None
+    decided: tuple[str, ...] = ()
+    ended: ModeEnd | None = None
+
+
 class Target(Part, frozen=True):
     """The place that a mode drives to, in the map; `person` if it follows a person there."""
 
@@ -183,7 +182,7 @@ class Target(Part, frozen=True):
 
 
 class Snapshot(Part, frozen=True):
-    """A snapshot of a robot, ten times a second. Poses are in the map.
+    """A snapshot of a robot, ten times a second.
 
     `why` is the reason for the robot to stand still, and `standing` the kind of that reason.
     `decided` says which action of the `mode` decides what; `commanded` is the last command sent.
@@ -191,13 +190,14 @@ class Snapshot(Part, frozen=True):
 
     robot: int
     sequence: int
-    pose: Pose2
+    robot_in_map: Pose2
+    robot_in_odom: Pose2
     twist: Twist2
     sonar: Sonar
     bumpers: state.Bumpers
     battery: state.Battery
     motors: Motors
-    link: Link
+    link: state.LinkQuality
     faults: tuple[str, ...]
     why: str | None
     standing: Literal["idle", "normal", "fault"] | None
@@ -277,14 +277,14 @@ class Robots(Message, tag="robots", frozen=True):
 class Sweep(Part, frozen=True):
     """A sweep of a laser.
 
-    `laser` is its number on the robot, from 0; `pose` is its pose in the map, in whole millimetres
-    and milliradians; `ranges` are in millimetres, 0 where nothing answered, from angle `first` on
-    in steps of `step` [rad].
+    `laser` is its number on the robot, from 0; its pose is in whole millimetres and milliradians;
+    `ranges` are in millimetres, 0 where nothing answered, from angle `first` on in steps of `step`
+    [rad].
     """
 
     robot: int
     laser: int
-    pose: tuple[int, int, int]
+    sensor_in_map: tuple[int, int, int]
     first: float
     step: float
     ranges: tuple[int, ...]
@@ -388,7 +388,7 @@ class Thing(msgspec.Struct, tag_field="kind", kw_only=True, frozen=True):
     front: float
     rear: float
     side: float
-    pose: Placed
+    thing_in_map: Placed
 
 
 class Box(Thing, tag="box", frozen=True):
@@ -517,18 +517,6 @@ class Stalls(Part, frozen=True):
     right: bool
 
 
-class LinkDetails(Part, frozen=True):
-    """The link; `speed` in baud, null where it has none."""
-
-    url: str
-    speed: int | None
-    reports: int
-    bad_checksums: int
-    bytes_skipped: int
-    rate: float
-    sessions: int
-
-
 class AnalogPort(Part, frozen=True):
     """The selected analog port and its voltage [V]."""
 
@@ -568,15 +556,12 @@ class NoDetails(Message, tag="details", frozen=True):
 
 
 class Details(Message, tag="details", kw_only=True, frozen=True):
-    """More about a robot than a snapshot has."""
+    """More about a robot than a snapshot has; `baud` is null where the link has none."""
 
     robot: int
     known: Literal[True] = True
     findings: tuple[Finding, ...]
-    pose: Pose2
-    encoder: Pose2
-    twist: Twist2
-    commanded: Twist2 | None
+    robot_in_encoder: Pose2
     wheels: Sides
     stalls: Stalls
     temperature: int | None
@@ -584,7 +569,7 @@ class Details(Message, tag="details", kw_only=True, frozen=True):
     flags: tuple[str, ...]
     faults: tuple[str, ...] | None
     charger_power: bool
-    link: LinkDetails
+    baud: int | None
     lines: Lines
     sensors: tuple[SensorDetails, ...]
 
@@ -658,14 +643,14 @@ class Class(Message, tag="class", frozen=True):
 
 
 class SmallSnapshot(Part, frozen=True):
-    """A robot of a class at one instant, for the teacher's page; the pose is in the map.
+    """A robot of a class at one instant, for the teacher's page.
 
     `driver` is null while nobody drives. `by` is the kind of driver: a student's page, the
     teacher's, a program at the robot's port, or a mode or script. `battery` is in volts.
     """
 
     robot: int
-    pose: Placed
+    robot_in_map: Placed
     v: float
     battery: float
     stalled: bool

@@ -10,7 +10,6 @@ from pioneer3.models import RobotModel
 from pioneer3.robot.explain import kind_of
 from pioneer3.robot.identity import kind
 from pioneer3.robot.supervisor import RobotInfo
-from pioneer3.runtime.arbiter import Ended
 from pioneer3.runtime.robot import Robot
 from pioneer3.state import Scan, Snapshot
 from pioneer3.web import messages
@@ -23,6 +22,7 @@ from pioneer3.web.scene import Scene
 
 SONAR_MAX = 5.0
 DEFAULT_SPEED, DEFAULT_TURN_RATE = 0.3, 0.6
+NO_MODE = messages.ModeState()
 
 
 class ConnectedClients(Protocol):
@@ -98,25 +98,32 @@ class RobotView:
         async for snapshot in self.robot.supervisor.snapshots.values():
             wanting = [audience for audience in audiences if audience.wants(self.number)]
             if wanting:
-                driver = _driver(self.control.driver(), clients)
-                text = messages.encode(self.snapshot(snapshot, driver))
+                text = messages.encode(self.snapshot(snapshot, clients))
                 for audience in wanting:
                     audience.snapshots.put(self.number, text)
 
-    def snapshot(self, snapshot: Snapshot, driver: messages.Driver | None) -> messages.Snapshot:
+    def mode(self) -> messages.ModeState:
+        """Return the running mode, and how the last one ended."""
+        arbiter = self.robot.arbiter
+        running, ended = arbiter.mode, arbiter.ended
+        return messages.ModeState(
+            running.name if running else None,
+            arbiter.told if running else (),
+            messages.ModeEnd(ended.mode.name, ended.done, ended.why) if ended else None,
+        )
+
+    def snapshot(self, snapshot: Snapshot, clients: ConnectedClients) -> messages.Snapshot:
         """Return the message part for a snapshot."""
         arbiter, odom = self.robot.arbiter, snapshot.odometry.robot_in_odom
         return snapshot_part(
             self.number,
             snapshot,
-            pose=self.scene.robot_in_map(odom),
+            robot_in_map=self.scene.robot_in_map(odom),
             why=self.robot.why_not_moving(),
-            mode=arbiter.mode.name if arbiter.mode else None,
-            decided=arbiter.told if arbiter.mode else (),
-            ended=arbiter.ended,
+            mode=self.mode(),
             commanded=self.robot.supervisor.pilot.sent,
             emergency_stop=self.robot.supervisor.pilot.emergency,
-            driver=driver,
+            driver=_driver(self.control.driver(), clients),
             target=self._target(arbiter.mode.goal, odom) if arbiter.mode else None,
         )
 
@@ -147,9 +154,9 @@ def robot_part(
     return messages.Robot(
         id=number,
         name=name,
-        connection=kind(info) if info else "ROBOT",
+        kind=kind(info) if info else "ROBOT",
         url=info.url if info else "",
-        robot=_shape(info.identity.name, info.model) if info else None,
+        shape=_shape(info.identity.name, info.model) if info else None,
         limits=_limits(info.limits) if info else None,
         laser=laser,
         scans=scans,
@@ -163,36 +170,34 @@ def snapshot_part(
     number: int,
     now: Snapshot,
     *,
-    pose: Pose2,
+    robot_in_map: Pose2,
     why: str | None,
     emergency_stop: bool,
     driver: messages.Driver | None,
-    mode: str | None = None,
-    decided: tuple[str, ...] = (),
-    ended: Ended | None = None,
+    mode: messages.ModeState = NO_MODE,
     commanded: Twist2 | None = None,
     target: messages.Target | None = None,
 ) -> messages.Snapshot:
-    """Return the message part for a snapshot of a robot at `pose` of the map."""
-    link = now.link
+    """Return the message part for a snapshot of a robot."""
     return messages.Snapshot(
         robot=number,
         sequence=now.sequence,
-        pose=pose,
+        robot_in_map=robot_in_map,
+        robot_in_odom=now.odometry.robot_in_odom,
         twist=now.odometry.twist,
         sonar=messages.Sonar.of(now.sonar),
         bumpers=now.bumpers,
         battery=now.battery,
         motors=messages.Motors.of(now.motors),
-        link=messages.Link(link.rate, link.bad_checksums, link.reports, link.sessions),
+        link=now.link,
         faults=now.faults,
         why=why,
         standing=kind_of(why),
         emergency_stop=emergency_stop,
         driver=driver,
-        mode=mode,
-        decided=decided,
-        ended=messages.ModeEnd(ended.mode.name, ended.done, ended.why) if ended else None,
+        mode=mode.mode,
+        decided=mode.decided,
+        ended=mode.ended,
         commanded=commanded,
         target=target,
     )

@@ -104,7 +104,7 @@ class WorldView:
                 front=front,
                 rear=rear,
                 side=side,
-                pose=_placed(item.pose),
+                thing_in_map=_placed(item.pose),
                 walks=item.walks,
                 height=item.height,
             )
@@ -115,7 +115,7 @@ class WorldView:
             front=model.length_front,
             rear=model.length_rear,
             side=model.width / 2,
-            pose=_placed(item.body.robot_in_world),
+            thing_in_map=_placed(item.body.robot_in_world),
             model=model.name,
             title=model.title,
             url=self.urls.get(item, item.url),
@@ -185,16 +185,16 @@ class WorldChannel:
         return World(
             all=complete,
             things=tuple(k.thing for k in known if complete or k.described > seen),
-            moved=tuple((thing.id, *thing.pose) for thing in moved),
+            moved=tuple((thing.id, *thing.thing_in_map) for thing in moved),
             gone=() if complete else tuple(n for n, at in self._gone.items() if at > seen),
             clock=self._clock,
         )
 
     def _note(self, thing: Box | Person | SimulatedRobot, version: int) -> bool:
         known = self._known.get(thing.id)
-        if known is None or replace(known.thing, pose=thing.pose) != thing:
+        if known is None or replace(known.thing, thing_in_map=thing.thing_in_map) != thing:
             self._known[thing.id] = _Known(thing, version, version)
-        elif known.thing.pose != thing.pose:
+        elif known.thing.thing_in_map != thing.thing_in_map:
             known.thing, known.moved = thing, version
         else:
             return False

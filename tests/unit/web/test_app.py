@@ -55,7 +55,7 @@ def test_beyond_loopback_the_machine_goes_by_its_own_name(monkeypatch: pytest.Mo
 async def test_the_page_itself_and_programs_may_connect(origin: str | None) -> None:
     async with product() as the, Browser(the.app, origin=origin) as ann:
         assert ann.closed is None
-        assert ann.latest("hello")["robots"][0]["robot"]["model"] == "p3at-sh"
+        assert ann.latest("hello")["robots"][0]["shape"]["model"] == "p3at-sh"
 
 
 @pytest.mark.parametrize(

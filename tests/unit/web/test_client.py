@@ -294,7 +294,7 @@ async def test_a_lost_link_and_its_return_are_told() -> None:
         assert states[0] == "connected"
         assert "lost" in states
         assert states[-1] == "connected"
-        assert ann.latest("hello")["robots"][0]["robot"]["model"] == "p3at-sh"
+        assert ann.latest("hello")["robots"][0]["shape"]["model"] == "p3at-sh"
         assert len(ann.snapshots()) > silent
 
 
@@ -321,7 +321,7 @@ async def test_a_visitor_during_an_outage_is_told_of_it() -> None:
         await asyncio.sleep(0.5)
         async with Browser(the.app) as ann:
             assert ann.all("status")[0]["state"] in {"lost", "connecting"}
-            assert ann.all("hello")[0]["robots"][0]["robot"]["model"] == "p3at-sh"
+            assert ann.all("hello")[0]["robots"][0]["shape"]["model"] == "p3at-sh"
             ann.drive(0.3)
             await asyncio.sleep(1.0)
             assert ann.snapshots() == []

@@ -56,7 +56,8 @@ async def test_details_tell_what_no_snapshot_does() -> None:
         await ann.keep_driving(0.3, 4.0)
         details = ann.latest("details")
         assert details["known"]
-        assert details["commanded"] == {"v": 0.3, "w": 0.0}
+        assert set(details).isdisjoint(set(ann.snapshot) - {"robot", "faults"})
+        assert details["robot_in_encoder"]["x"] > 0.5
         assert details["wheels"]["left"] == pytest.approx(0.3, abs=0.05)
         assert details["stalls"] == {"left": False, "right": False}
         assert len(details["lines"]["analog"]) == 8

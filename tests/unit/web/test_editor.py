@@ -104,7 +104,7 @@ async def test_robots_are_dragged_to_free_places_only() -> None:
         for x, y in ((5.0, 0.0), (0.0, 6.0)):
             answer = await answer_to(ann, "move", id=OWN, x=x, y=y, theta=0)
             assert answer["message"].startswith("robot-1: something stands at ")
-        assert ann.snapshot["pose"] == {"x": 2.0, "y": 1.0, "theta": 1.0}
+        assert ann.snapshot["robot_in_map"] == {"x": 2.0, "y": 1.0, "theta": 1.0}
 
 
 async def test_who_lifts_the_robot_stops_it() -> None:

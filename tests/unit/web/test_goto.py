@@ -83,7 +83,7 @@ async def test_a_script_is_told_that_the_way_is_blocked() -> None:
         await asyncio.sleep(40.0)
         ended = (await script.ask("GET", "/api/robots/1/mode")).json
         assert ended["mode"] is None
-        assert ended["ended"].startswith("goto: something is in the way")
+        assert ended["ended"]["why"].startswith("something is in the way")
 
 
 async def test_a_real_robot_is_sent_by_where_odometry_began() -> None:

@@ -67,7 +67,7 @@ async def test_sweeps_of_several_lasers_are_told_apart() -> None:
         for laser, count in ((front, 1081), (rear, 271)):
             assert 10 < len(laser) <= 3.0 / SWEEP_PERIOD + 1
             assert {len(sweep["ranges"]) for sweep in laser} == {count}
-        assert rear[-1]["pose"] == [-200, 100, round(1000 * pi)]
+        assert rear[-1]["sensor_in_map"] == [-200, 100, round(1000 * pi)]
         before = [r for r in front[-1]["ranges"] if r]
         assert min(before) / 1000 == pytest.approx(
             3.0 - the.robot.laser.sensor_in_robot.x, abs=0.05
@@ -80,7 +80,7 @@ async def test_points_lie_on_the_wall() -> None:
         await asyncio.sleep(2.0)
         sweeps = [sweep for message in ann.all("scans") for sweep in message["scans"]]
         sweep = next(sweep for sweep in reversed(sweeps) if sweep["laser"] == 0)
-        x, _, theta = (part / 1000 for part in sweep["pose"])
+        x, _, theta = (part / 1000 for part in sweep["sensor_in_map"])
         bearings = [theta + sweep["first"] + i * sweep["step"] for i in range(1081)]
         met = [
             x + r / 1000 * cos(bearing)

@@ -59,7 +59,7 @@ def said(message: messages.Message | messages.Part) -> dict[str, Any]:
 
 
 def test_hello_shows_the_robot_as_the_model_has_it() -> None:
-    robot = said(robot_part(1, "dora", info()))["robot"]
+    robot = said(robot_part(1, "dora", info()))["shape"]
     assert robot == {
         "name": "dora",
         "model": "p3dx-sh",
@@ -77,10 +77,10 @@ def test_hello_shows_the_robot_as_the_model_has_it() -> None:
 
 def test_a_robot_is_told_with_its_number_its_name_and_what_it_is_in_capitals() -> None:
     robot = said(robot_part(3, "left", info()))
-    assert (robot["id"], robot["name"], robot["robot"]["name"]) == (3, "left", "dora")
-    assert (robot["connection"], robot["url"]) == ("ROBOT", "serial:/dev/ttyUSB0")
-    assert said(robot_part(1, "", info(serial="SIM")))["connection"] == "SIMULATOR"
-    assert said(robot_part(1, "", info(name="MobileSim")))["connection"] == "SIMULATOR"
+    assert (robot["id"], robot["name"], robot["shape"]["name"]) == (3, "left", "dora")
+    assert (robot["kind"], robot["url"]) == ("ROBOT", "serial:/dev/ttyUSB0")
+    assert said(robot_part(1, "", info(serial="SIM")))["kind"] == "SIMULATOR"
+    assert said(robot_part(1, "", info(name="MobileSim")))["kind"] == "SIMULATOR"
 
 
 def test_moderate_speeds_are_offered_to_begin_with() -> None:
@@ -104,16 +104,18 @@ def test_hello_says_what_it_is() -> None:
 
 def test_a_robot_that_nobody_has_met_is_told_too() -> None:
     robot = said(robot_part(1, "dora", None))
-    assert (robot["robot"], robot["limits"], robot["url"]) == (None, None, "")
+    assert (robot["shape"], robot["limits"], robot["url"]) == (None, None, "")
 
 
 def test_a_snapshot_says_what_the_reading_says() -> None:
     pose = Pose2(1.0, 2.0, 3.0)
     why, driver = "The motors are off.", messages.Driver(2, "ann")
     told = said(
-        snapshot_part(4, reading(0.5), pose=pose, why=why, emergency_stop=True, driver=driver)
+        snapshot_part(
+            4, reading(0.5), robot_in_map=pose, why=why, emergency_stop=True, driver=driver
+        )
     )
-    assert told["pose"] == {"x": 1.0, "y": 2.0, "theta": 3.0}
+    assert told["robot_in_map"] == {"x": 1.0, "y": 2.0, "theta": 3.0}
     assert told["twist"] == {"v": 0.5, "w": 0.5}
     assert (told["robot"], told["sequence"], told["why"]) == (4, 7, why)
     assert (told["emergency_stop"], told["driver"]) == (True, {"id": 2, "name": "ann"})
@@ -131,7 +133,9 @@ def test_a_snapshot_says_what_the_reading_says() -> None:
 
 def test_what_no_sonar_has_seen_is_null() -> None:
     told = said(
-        snapshot_part(1, reading(), pose=Pose2(), why=None, emergency_stop=False, driver=None)
+        snapshot_part(
+            1, reading(), robot_in_map=Pose2(), why=None, emergency_stop=False, driver=None
+        )
     )
     assert told["sonar"] == {"ranges": [1.5, None, None, 0.0], "enabled": True}
 
@@ -140,9 +144,11 @@ def test_what_no_sonar_has_seen_is_null() -> None:
 def test_a_snapshot_is_strict_json_whatever_the_robot_says(number: float) -> None:
     pose = Pose2(number, number, number)
     told = said(
-        snapshot_part(1, reading(number), pose=pose, why=None, emergency_stop=False, driver=None)
+        snapshot_part(
+            1, reading(number), robot_in_map=pose, why=None, emergency_stop=False, driver=None
+        )
     )
-    assert told["pose"] == {"x": None, "y": None, "theta": None}
+    assert told["robot_in_map"] == {"x": None, "y": None, "theta": None}
     assert told["battery"]["voltage"] is None
 
 

@@ -213,7 +213,7 @@ async def test_a_real_robot_began_at_home_and_is_drawn_where_it_finds_itself(
             await ann.stay(30.0)
             there = sim.body.robot_in_world
             assert hypot(there.x - 2.5, there.y) < 0.05
-            drawn = ann.snapshot["pose"]
+            drawn = ann.snapshot["robot_in_map"]
             assert (drawn["x"], drawn["y"]) == pytest.approx((there.x, there.y), abs=0.05)
             assert drawn["theta"] == pytest.approx(there.theta, abs=0.03)
 
@@ -262,7 +262,7 @@ async def test_somebody_may_tell_a_robot_its_place(monkeypatch: pytest.MonkeyPat
             ann.say("place_robot", x=2.4, y=1.1, heading=2.1)
             await ann.stay(3.0)
             assert ann.latest("navigation")["sure"]
-            assert ann.snapshot["pose"]["x"] == pytest.approx(2.5, abs=0.05)
+            assert ann.snapshot["robot_in_map"]["x"] == pytest.approx(2.5, abs=0.05)
 
 
 async def test_a_lost_robot_looks_around_until_it_knows() -> None:

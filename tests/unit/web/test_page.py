@@ -105,5 +105,5 @@ async def test_a_keyboard_that_takes_over_is_named_as_the_driver() -> None:
 async def test_the_robot_is_drawn_where_the_scene_has_it() -> None:
     async with product(Scene(odom_in_map=Pose2(3.0, 4.0, 0.0))) as the:
         assert the.robot.snapshot is not None
-        drawn = the.view.snapshot(the.robot.snapshot, None)
-        assert drawn.pose == Pose2(3.0, 4.0, 0.0)
+        drawn = the.view.snapshot(the.robot.snapshot, the.page.clients)
+        assert drawn.robot_in_map == Pose2(3.0, 4.0, 0.0)

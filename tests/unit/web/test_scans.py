@@ -27,7 +27,7 @@ def test_a_sweep_is_told_in_whole_numbers() -> None:
     assert strict(encode(sweep(7, scan, Pose2(1.0, -2.0, 0.5)))) == {
         "robot": 7,
         "laser": 0,
-        "pose": [1000, -2000, 500],
+        "sensor_in_map": [1000, -2000, 500],
         "first": -0.1,
         "step": 0.1,
         "ranges": [1234, 0, 500],
@@ -60,7 +60,7 @@ async def test_points_lie_on_the_wall_wherever_the_robot_was_lifted() -> None:
         (scan,) = ann.latest("scans")["scans"]
         assert scan["robot"] == 1
         assert len(scan["ranges"]) == 181
-        x, _, theta = (part / 1000 for part in scan["pose"])
+        x, _, theta = (part / 1000 for part in scan["sensor_in_map"])
         bearings = [theta + scan["first"] + n * scan["step"] for n in range(181)]
         met = [
             x + r / 1000 * cos(bearing)

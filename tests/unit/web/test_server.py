@@ -139,7 +139,7 @@ async def test_the_page_itself_gets_one() -> None:
         async with connect(f"ws://{where}/ws", additional_headers=headers) as page:
             hello = json.loads(await page.recv())
             assert hello["type"] == "hello"
-            assert hello["robots"][0]["robot"]["model"] == "p3at-sh"
+            assert hello["robots"][0]["shape"]["model"] == "p3at-sh"
 
 
 async def test_a_frame_that_is_too_long_ends_the_visit_and_stops_the_robot() -> None:

@@ -211,7 +211,7 @@ async def test_the_api_knows_all_robots() -> None:
     async with fleet(3) as the:
         script = Script(the.app)
         listed = (await script.ask("GET", "/api/robots")).json
-        assert [robot["number"] for robot in listed] == [1, 2, 3]
+        assert [robot["id"] for robot in listed] == [1, 2, 3]
         await script.ask("POST", "/api/robots/2/drive", {"v": 0.2})
         await asyncio.sleep(0.4)
         assert [sim.speed > 0.05 for sim in the.sims] == [False, True, False]

@@ -70,7 +70,7 @@ def test_the_first_news_is_all_there_is() -> None:
         "stop_button": False,
         "plugged": True,
         "charge": 1.0,
-        "pose": [1.0, 2.0, 0.5],
+        "thing_in_map": [1.0, 2.0, 0.5],
     }
     assert (other["id"], other["own"], other["url"]) == (2, None, "memory:2")
     assert box == {
@@ -82,7 +82,7 @@ def test_the_first_news_is_all_there_is() -> None:
         "side": 0.2,
         "walks": False,
         "height": 0.5,
-        "pose": [3.0, 1.0, 0.5],
+        "thing_in_map": [3.0, 1.0, 0.5],
     }
     assert (person["kind"], person["name"], person["walks"]) == ("person", "Ada", True)
     assert person["front"] == person["side"] == 0.25
@@ -152,7 +152,7 @@ def test_two_pages_hear_the_same_whenever_they_come() -> None:
     view.simulation.move(box, Pose2(4.0, 1.0))
     second = told(News(view, first.shared))["things"][1]
     assert second["id"] == told(first)["moved"][0][0] == 2
-    assert second["pose"] == [4.0, 1.0, 0.0]
+    assert second["thing_in_map"] == [4.0, 1.0, 0.0]
 
 
 def test_the_time_is_told_while_it_stands_still() -> None:

@@ -41,20 +41,12 @@ def join_class(request: ApiRequest, body: types.JoinRequest) -> types.Joined | E
     return types.Joined(session.robot, session.name, seat.url)
 
 
-def get_class(request: ApiRequest) -> types.ClassState | ErrorResponse:
+def get_class(request: ApiRequest) -> messages.Class | ErrorResponse:
     """Return the class; a student gets the own seat and runs only."""
     classroom = request.page.classroom
     if classroom is None:
         return NO_CLASS
-    own = request.caller.robot
-    chosen = classroom.roster.robots if own is None else [own]
-    return types.ClassState(
-        paused=classroom.roster.all_paused,
-        locked=classroom.roster.locked,
-        shared=classroom.roster.shared,
-        seats=tuple(map(classroom.seat, chosen)),
-        handed_in=classroom.handed_in(own),
-    )
+    return classroom.message(request.page.audience_for(request.caller, robot=None, small=False))
 
 
 def get_link(request: ApiRequest) -> types.ClassLink | ErrorResponse:

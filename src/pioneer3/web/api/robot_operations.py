@@ -5,28 +5,31 @@ from math import inf
 from pioneer3.behaviors.modes import AnyMode, Goto
 from pioneer3.errors import MotionError
 from pioneer3.robot.limits import checked
-from pioneer3.state import Snapshot
 from pioneer3.web import group, messages
 from pioneer3.web.access.middleware import ErrorResponse
 from pioneer3.web.access.sessions import Role
 from pioneer3.web.api import types
 from pioneer3.web.api.operation import ApiRequest, operation
 from pioneer3.web.modes import GroupModeForm, ModeForm, forms, group_forms
-from pioneer3.web.robot_view import RobotView
 
 
-def list_robots(request: ApiRequest) -> list[types.Robot]:
-    """List the robots; a student's own only."""
+def list_robots(request: ApiRequest) -> list[messages.Robot]:
+    """List the robots; a student's own only. The `id` of each is its number in the paths."""
     own = request.caller.robot
-    return [describe(view) for n, view in request.page.robots.items() if own in {None, n}]
+    return [view.describe() for n, view in request.page.robots.items() if own in {None, n}]
 
 
-def get_snapshot(request: ApiRequest) -> types.Snapshot | ErrorResponse:
+def get_status(request: ApiRequest) -> messages.Status:
+    """Return the state of the connection to the robot."""
+    return request.view.status()
+
+
+def get_snapshot(request: ApiRequest) -> messages.Snapshot | ErrorResponse:
     """Return the newest snapshot of the robot."""
     snapshot = request.view.robot.snapshot
     if snapshot is None:
         return ErrorResponse(409, "the robot is not connected")
-    return read(request.view, snapshot)
+    return request.view.snapshot(snapshot, request.page.clients)
 
 
 def emergency_stop_all(request: ApiRequest) -> None:
@@ -107,19 +110,12 @@ def list_modes(request: ApiRequest) -> list[ModeForm]:
     return forms()
 
 
-def get_mode(request: ApiRequest) -> types.ModeState | ErrorResponse:
+def get_mode(request: ApiRequest) -> messages.ModeState | ErrorResponse:
     """Return the running mode, or how the last one ended."""
-    arbiter = request.view.robot.arbiter
-    ended = arbiter.ended
-    return types.ModeState(
-        mode=arbiter.mode.name if arbiter.mode else None,
-        decided=list(arbiter.told) if arbiter.mode else [],
-        ended=f"{ended.mode.name}: {ended.why}" if ended else None,
-        done=ended is not None and ended.done,
-    )
+    return request.view.mode()
 
 
-def start_mode(request: ApiRequest, body: AnyMode) -> types.ModeState | ErrorResponse:
+def start_mode(request: ApiRequest, body: AnyMode) -> messages.ModeState | ErrorResponse:
     """Stop, then start a mode.
 
     Takes control if it is free; it is yours while the mode runs.
@@ -128,7 +124,7 @@ def start_mode(request: ApiRequest, body: AnyMode) -> types.ModeState | ErrorRes
     return _refused(refused) or get_mode(request)
 
 
-def end_mode(request: ApiRequest) -> types.ModeState | ErrorResponse:
+def end_mode(request: ApiRequest) -> messages.ModeState | ErrorResponse:
     """End the mode; its motion ends at once."""
     return _refused(request.view.control.end_mode(request.caller)) or get_mode(request)
 
@@ -153,43 +149,9 @@ def start_group_mode(request: ApiRequest, body: types.Group) -> ErrorResponse | 
     return _refused(refused)
 
 
-def goto(request: ApiRequest, body: Goto) -> types.ModeState | ErrorResponse:
+def goto(request: ApiRequest, body: Goto) -> messages.ModeState | ErrorResponse:
     """Drive to a point: the same as that mode."""
     return start_mode(request, body)
-
-
-def describe(view: RobotView) -> types.Robot:
-    """Return the description of a robot, with the state of its connection."""
-    robot = view.robot
-    info, status = robot.info, robot.supervisor.status.latest
-    return types.Robot(
-        number=view.number,
-        name=view.label,
-        model=info.model.name,
-        title=info.model.title,
-        url=info.url,
-        connection=status.connection.value if status else "connecting",
-        max_speed=info.limits.max_speed,
-        max_turn_rate=info.limits.max_turn_rate,
-    )
-
-
-def read(view: RobotView, now: Snapshot) -> types.Snapshot:
-    """Return a snapshot and the driver."""
-    driver = view.control.driver()
-    return types.Snapshot(
-        sequence=now.sequence,
-        pose=now.odometry.robot_in_odom,
-        velocity=now.odometry.twist,
-        sonar=messages.Sonar.of(now.sonar),
-        battery=now.battery,
-        motors=messages.Motors.of(now.motors),
-        bumpers=now.bumpers,
-        faults=now.faults,
-        emergency_stop=view.robot.supervisor.pilot.emergency,
-        why=view.robot.why_not_moving(),
-        driver=driver if driver is None or isinstance(driver, str) else driver.name,
-    )
 
 
 def _refused(refused: str | None) -> ErrorResponse | None:
@@ -205,6 +167,7 @@ VIEWER, STUDENT, DRIVER = Role.VIEWER, Role.STUDENT, Role.DRIVER
 ROBOTS = (
     operation("GET", "/api/robots", list_robots, VIEWER),
     operation("POST", "/api/emergency_stop", emergency_stop_all, VIEWER),
+    operation("GET", f"{ROBOT}/status", get_status, VIEWER, 404),
     operation("GET", f"{ROBOT}/snapshot", get_snapshot, VIEWER, 404, 409),
     operation("POST", f"{ROBOT}/stop", stop, VIEWER, 404),
     operation("POST", f"{ROBOT}/emergency_stop", emergency_stop, VIEWER, 404),

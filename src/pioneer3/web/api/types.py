@@ -6,10 +6,8 @@ import msgspec
 from msgspec import Meta
 
 from pioneer3.behaviors.modes.group import AnyGroupMode
-from pioneer3.geometry import Pose2, Twist2
-from pioneer3.state import Battery, Bumpers
 from pioneer3.web.access.sessions import Role
-from pioneer3.web.messages import HandedIn, Motors, Recording, Seat, Sonar
+from pioneer3.web.messages import HandedIn, Recording
 from pioneer3.web.requests import Metre, Radian
 from pioneer3.web.requests import Speed as MapSpeed
 
@@ -97,44 +95,6 @@ class CommandResult(msgspec.Struct):
     """Success of a command. `why` is the reason to stand still, null while the robot moves."""
 
     why: str | None
-
-
-class Robot(msgspec.Struct):
-    """A robot and how it is connected; `number` is its place in the paths."""
-
-    number: int
-    name: str
-    model: str
-    title: str
-    url: str
-    connection: str
-    max_speed: float
-    max_turn_rate: float
-
-
-class Snapshot(msgspec.Struct):
-    """A snapshot of everything; `sequence` counts them. Poses are in odometry's frame."""
-
-    sequence: int
-    pose: Pose2
-    velocity: Twist2
-    sonar: Sonar
-    battery: Battery
-    motors: Motors
-    bumpers: Bumpers
-    faults: tuple[str, ...]
-    emergency_stop: bool
-    why: str | None
-    driver: str | None
-
-
-class ModeState(msgspec.Struct):
-    """The running mode and the decisions of its actions; how the last one ended, in words."""
-
-    mode: str | None
-    decided: list[str]
-    ended: str | None
-    done: bool
 
 
 class ControlState(msgspec.Struct):
@@ -293,13 +253,3 @@ class RecordingState(msgspec.Struct):
 
     recording: Recording | None
     handed_in: HandedIn | None
-
-
-class ClassState(msgspec.Struct):
-    """The class, or of a student the own seat and runs."""
-
-    paused: bool
-    locked: bool
-    shared: bool
-    seats: tuple[Seat, ...]
-    handed_in: tuple[HandedIn, ...]

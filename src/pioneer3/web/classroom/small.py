@@ -25,7 +25,7 @@ def small_snapshot(
     by, driver = _driver(view, program, is_student)
     return messages.SmallSnapshot(
         robot=view.number,
-        pose=(round(pose.x, 2), round(pose.y, 2), round(pose.theta, 2)),
+        robot_in_map=(round(pose.x, 2), round(pose.y, 2), round(pose.theta, 2)),
         v=round(now.odometry.twist.v, 2) if now else 0.0,
         battery=round(latest.battery.voltage, 1) if latest else 0.0,
         stalled=now is not None and now.motors.stalled,

@@ -10,13 +10,13 @@ export interface Hello {
   class: ClassMember | null;
 }
 
-/** A robot. `robot` and `limits` are null until it has been connected to. It `plans` ways where it has a map, a laser or sonars, and what navigation needs; `forbids` says why nothing drives to places of a map without. Pictures of its `camera` are got over the HTTP API. */
+/** A robot. `shape` and `limits` are null until it has been connected to. It `plans` ways where it has a map, a laser or sonars, and what navigation needs; `forbids` says why nothing drives to places of a map without. Pictures of its `camera` are got over the HTTP API. */
 export interface Robot {
   id: number;
   name: string;
-  connection: "ROBOT" | "SIMULATOR";
+  kind: "ROBOT" | "SIMULATOR";
   url: string;
-  robot: Shape | null;
+  shape: Shape | null;
   limits: SpeedLimits | null;
   laser: boolean;
   scans: boolean;
@@ -99,17 +99,18 @@ export interface Robots {
   snapshots: Snapshot[];
 }
 
-/** A snapshot of a robot, ten times a second. Poses are in the map. `why` is the reason for the robot to stand still, and `standing` the kind of that reason. `decided` says which action of the `mode` decides what; `commanded` is the last command sent. */
+/** A snapshot of a robot, ten times a second. `why` is the reason for the robot to stand still, and `standing` the kind of that reason. `decided` says which action of the `mode` decides what; `commanded` is the last command sent. */
 export interface Snapshot {
   robot: number;
   sequence: number;
-  pose: Pose2;
+  robot_in_map: Pose2;
+  robot_in_odom: Pose2;
   twist: Twist2;
   sonar: Sonar;
   bumpers: Bumpers;
   battery: Battery;
   motors: Motors;
-  link: Link;
+  link: LinkQuality;
   faults: string[];
   why: string | null;
   standing: "fault" | "idle" | "normal" | null;
@@ -166,11 +167,12 @@ export interface Motors {
   stop_button: boolean;
 }
 
-/** Reports per second [1/s], and counts of bad frames, reports and sessions. */
-export interface Link {
-  rate: number;
-  bad_checksums: number;
+/** Quality of the reception. */
+export interface LinkQuality {
   reports: number;
+  bad_checksums: number;
+  bytes_skipped: number;
+  rate: number;
   sessions: number;
 }
 
@@ -201,11 +203,11 @@ export interface Scans {
   scans: Sweep[];
 }
 
-/** A sweep of a laser. `laser` is its number on the robot, from 0; `pose` is its pose in the map, in whole millimetres and milliradians; `ranges` are in millimetres, 0 where nothing answered, from angle `first` on in steps of `step` [rad]. */
+/** A sweep of a laser. `laser` is its number on the robot, from 0; its pose is in whole millimetres and milliradians; `ranges` are in millimetres, 0 where nothing answered, from angle `first` on in steps of `step` [rad]. */
 export interface Sweep {
   robot: number;
   laser: number;
-  pose: [number, number, number];
+  sensor_in_map: [number, number, number];
   first: number;
   step: number;
   ranges: number[];
@@ -295,7 +297,7 @@ export interface Box {
   front: number;
   rear: number;
   side: number;
-  pose: [number, number, number];
+  thing_in_map: [number, number, number];
 }
 
 /** A person of some height [m]. */
@@ -308,7 +310,7 @@ export interface Person {
   front: number;
   rear: number;
   side: number;
-  pose: [number, number, number];
+  thing_in_map: [number, number, number];
 }
 
 /** A simulated robot; `own` is the number of a robot that the page drives, null of others. */
@@ -319,7 +321,7 @@ export interface SimulatedRobot {
   front: number;
   rear: number;
   side: number;
-  pose: [number, number, number];
+  thing_in_map: [number, number, number];
   model: string;
   title: string;
   url: string;
@@ -412,10 +414,10 @@ export interface ClassRobots {
   snapshots: SmallSnapshot[];
 }
 
-/** A robot of a class at one instant, for the teacher's page; the pose is in the map. `driver` is null while nobody drives. `by` is the kind of driver: a student's page, the teacher's, a program at the robot's port, or a mode or script. `battery` is in volts. */
+/** A robot of a class at one instant, for the teacher's page. `driver` is null while nobody drives. `by` is the kind of driver: a student's page, the teacher's, a program at the robot's port, or a mode or script. `battery` is in volts. */
 export interface SmallSnapshot {
   robot: number;
-  pose: [number, number, number];
+  robot_in_map: [number, number, number];
   v: number;
   battery: number;
   stalled: boolean;
@@ -499,16 +501,13 @@ export interface Pong {
   t: number;
 }
 
-/** More about a robot than a snapshot has. */
+/** More about a robot than a snapshot has; `baud` is null where the link has none. */
 export interface Details {
   type: "details";
   robot: number;
   known: true;
   findings: Finding[];
-  pose: Pose2;
-  encoder: Pose2;
-  twist: Twist2;
-  commanded: Twist2 | null;
+  robot_in_encoder: Pose2;
   wheels: Sides;
   stalls: Stalls;
   temperature: number | null;
@@ -516,7 +515,7 @@ export interface Details {
   flags: string[];
   faults: string[] | null;
   charger_power: boolean;
-  link: LinkDetails;
+  baud: number | null;
   lines: Lines;
   sensors: SensorDetails[];
 }
@@ -544,17 +543,6 @@ export interface Sides {
 export interface Stalls {
   left: boolean;
   right: boolean;
-}
-
-/** The link; `speed` in baud, null where it has none. */
-export interface LinkDetails {
-  url: string;
-  speed: number | null;
-  reports: number;
-  bad_checksums: number;
-  bytes_skipped: number;
-  rate: number;
-  sessions: number;
 }
 
 /** Digital and analog lines; `analog` [V] is null where the robot does not tell them all. */

@@ -69,7 +69,7 @@ async def test_the_robot_goes_to_a_place_and_tells_what_is_left(
         assert told["pose"][:2] == pytest.approx([where(the).x, where(the).y], abs=0.1)
         await asyncio.sleep(25.0)
         assert hypot(where(the).x - 2.5, where(the).y) < 0.05
-        assert (await script.ask("GET", f"{ROBOT}/mode")).json["done"]
+        assert (await script.ask("GET", f"{ROBOT}/mode")).json["ended"]["done"]
         assert (await script.ask("GET", f"{ROBOT}/navigation")).json["left"] is None
 
 

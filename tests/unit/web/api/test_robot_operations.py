@@ -7,11 +7,13 @@ from math import pi
 import pytest
 
 from pioneer3.behaviors.modes import MODES
+from pioneer3.geometry import Pose2
 from pioneer3.tasks import running
 from pioneer3.web.access.sessions import Kind, Role
 from pioneer3.web.api.operation import openapi
 from pioneer3.web.api.routes import LONGEST_BODY, OPERATIONS
 from pioneer3.web.control import KEPT
+from pioneer3.web.scene import Scene
 from tests.support import STAYED
 from tests.unit.web.asking import Script, stranger
 from tests.unit.web.browser import Browser, Product, product
@@ -29,11 +31,28 @@ def script_of(the: Product, role: Role) -> Script:
     return stranger(the.app).with_headers(authorization=f"Bearer {token}")
 
 
-async def test_the_robot_is_listed() -> None:
-    async with product() as the:
-        (robot,) = (await Script(the.app).ask("GET", "/api/robots")).json
-        assert (robot["number"], robot["model"], robot["connection"]) == (1, "p3at-sh", "connected")
-        assert robot["max_speed"] == the.robot.info.limits.max_speed
+async def test_scripts_are_told_of_a_robot_as_pages_are() -> None:
+    async with product() as the, Browser(the.app) as ann:
+        await ann.stay(0.5)
+        script = Script(the.app)
+        (robot,) = (await script.ask("GET", "/api/robots")).json
+        assert robot == ann.latest("hello")["robots"][0]
+        assert (robot["id"], robot["shape"]["model"]) == (1, "p3at-sh")
+        assert robot["limits"]["speed"] == the.robot.info.limits.max_speed
+        assert (await script.ask("GET", f"{ROBOT}/status")).json == ann.latest("status")
+        assert (await script.ask("GET", f"{ROBOT}/snapshot")).json == ann.snapshot
+
+
+async def test_the_poses_of_a_snapshot_say_their_frames() -> None:
+    async with product(Scene(odom_in_map=Pose2(5.0, 1.0, pi / 2))) as the:
+        snapshot = (await Script(the.app).ask("GET", f"{ROBOT}/snapshot")).json
+        assert snapshot["robot_in_odom"] == {"x": 0.0, "y": 0.0, "theta": 0.0}
+        assert snapshot["robot_in_map"] == {"x": 5.0, "y": 1.0, "theta": pi / 2}
+
+
+def test_the_document_gives_each_name_to_one_type() -> None:
+    schemas = json.loads(openapi(OPERATIONS))["components"]["schemas"]
+    assert [name for name in schemas if "." in name] == []  # msgspec tells namesakes apart so
 
 
 async def test_a_snapshot_says_what_the_robot_says() -> None:
@@ -115,7 +134,8 @@ async def test_it_goes_to_a_point_and_says_how_that_ended() -> None:
         assert begun.json["mode"] == "goto"
         await asyncio.sleep(20.0)
         ended = (await script.ask("GET", f"{ROBOT}/mode")).json
-        assert ended == {"mode": None, "decided": [], "ended": "goto: done", "done": True}
+        how = {"mode": "goto", "done": True, "why": "done"}
+        assert ended == {"mode": None, "decided": [], "ended": how}
         assert the.sim.body.robot_in_world.x == pytest.approx(1.0, abs=0.3)
 
 
@@ -138,7 +158,7 @@ async def test_a_mode_ends_when_asked_and_after_its_time() -> None:
         assert the.speed > 0.1
         await asyncio.sleep(1.0)
         ended = (await script.ask("GET", f"{ROBOT}/mode")).json
-        assert ended["ended"] == "wander: its time was over"
+        assert ended["ended"]["why"] == "its time was over"
         assert the.speed == 0.0
 
 

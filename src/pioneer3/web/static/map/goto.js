@@ -173,7 +173,7 @@ export class GotoTool {
       const place = planned.place || `${target.x.toFixed(2)}, ${target.y.toFixed(2)}`;
       return `To ${place}: ${planned.left.toFixed(1)} m, ${timeOf(planned.seconds)} left${planned.problem && `; ${planned.problem}`}`;
     }
-    const left = Math.hypot(target.x - snapshot.pose.x, target.y - snapshot.pose.y).toFixed(1);
+    const left = Math.hypot(target.x - snapshot.robot_in_map.x, target.y - snapshot.robot_in_map.y).toFixed(1);
     if (target.person) return `Follows somebody ${left} m away`;
     const place = placeAt(this.#scene.places, target, NEAR)?.name || `${target.x.toFixed(2)}, ${target.y.toFixed(2)}`;
     return `To ${place}: ${left} m left`;

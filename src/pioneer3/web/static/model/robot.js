@@ -45,7 +45,7 @@ export class Robot {
 
   /** Outline, sonars and bumpers, or null before any robot has answered. */
   get shape() {
-    return this.hello.robot;
+    return this.hello.shape;
   }
 
   takeHello(hello) {
@@ -56,8 +56,8 @@ export class Robot {
   takeSnapshot(snapshot) {
     this.snapshot = snapshot;
     this.#snapshotAt = performance.now();
-    this.moveTo(snapshot.pose);
-    this.#leaveTrail(snapshot.pose);
+    this.moveTo(snapshot.robot_in_map);
+    this.#leaveTrail(snapshot.robot_in_map);
   }
 
   /** @param {import("../messages.d.ts").Sweep} sweep */
@@ -127,7 +127,7 @@ function joined(parts) {
 }
 
 /** Returns the points of a scan in the map: [x, y, x, y, ...] [m]. */
-function pointsOf({ pose: [x_mm, y_mm, theta_mrad], first, step, ranges }) {
+function pointsOf({ sensor_in_map: [x_mm, y_mm, theta_mrad], first, step, ranges }) {
   const [x, y, theta] = [x_mm / 1000, y_mm / 1000, theta_mrad / 1000];
   const points = new Float32Array(2 * ranges.length);
   let count = 0;

@@ -17,7 +17,7 @@ export class World {
       this.things.delete(id);
       this.#drawn.delete(id);
     }
-    for (const { pose, ...thing } of things) {
+    for (const { thing_in_map: pose, ...thing } of things) {
       this.things.set(thing.id, thing);
       this.#place(thing, pose, now);
     }

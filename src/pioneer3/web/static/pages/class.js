@@ -53,8 +53,8 @@ function takeClass(message) {
 
 /** @param {import("../messages.d.ts").ClassRobots} message */
 function takeSnapshots({ snapshots }) {
-  for (const { pose: [x, y, theta], ...snapshot } of snapshots) {
-    model.robots.get(snapshot.robot)?.takeSnapshot({ ...snapshot, pose: { x, y, theta } });
+  for (const { robot_in_map: [x, y, theta], ...snapshot } of snapshots) {
+    model.robots.get(snapshot.robot)?.takeSnapshot({ ...snapshot, robot_in_map: { x, y, theta } });
   }
   tiles.moved();
   show();

@@ -44,7 +44,7 @@ export class History {
   add(snapshot, sonars, now) {
     const last = this.columns[0].at(-1) ?? now;
     if (now - last > GAP) this.#push(last + 1e-3, COLUMNS.map(() => null));
-    const { twist, commanded, battery, pose } = snapshot;
+    const { twist, commanded, battery, robot_in_map: pose } = snapshot;
     this.#push(now, [
       commanded?.v ?? null, twist.v, commanded?.w ?? null, twist.w, battery.voltage, nearest(snapshot.sonar, sonars),
       pose.x, pose.y, pose.theta,

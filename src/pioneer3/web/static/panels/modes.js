@@ -89,7 +89,7 @@ export class ModesView {
   show(snapshot, usable, startedBy, mapping) {
     this.#map.show(mapping, usable && !snapshot.emergency_stop);
     const { mode, ended, decided, motors, emergency_stop: latched } = snapshot;
-    this.#pose = snapshot.pose;
+    this.#pose = snapshot.robot_in_map;
     const runs = mode !== null;
     put(this.#running, runs ? `${named(mode)} runs${startedBy ? `, started by ${startedBy}` : ""}.` : howItEnded(ended));
     putLines(this.#decided, runs ? decided : []);

@@ -91,7 +91,7 @@ export class Panels {
 
   receive(message) {
     if (message.robot !== this.#selected?.id) return;
-    if (message.type === "details") this.#view.showDetails(message);
+    if (message.type === "details") this.#view.showDetails(message, this.#selected.hello.url);
     else if (message.type === "config") this.#view.showConfig(message);
   }
 

@@ -51,7 +51,8 @@ export class RobotView {
     const { motors, battery, why } = snapshot;
     put(this.#why, why ?? (snapshot.motors.moving ? "It moves." : "Nothing keeps it."));
     putLines(this.#decided, snapshot.mode ? [snapshot.mode, ...snapshot.decided] : []);
-    this.#motion.show("pose", place(snapshot.pose));
+    this.#motion.show("pose", place(snapshot.robot_in_map));
+    this.#motion.show("odometry", place(snapshot.robot_in_odom));
     this.#motion.show("measured", speeds(snapshot.twist));
     this.#motion.show("commanded", speeds(snapshot.commanded));
     this.#power.show("battery", `${number(battery.voltage, 1)} V${battery.low ? ", LOW" : ""}`, battery.low ? "bad" : null);
@@ -63,25 +64,24 @@ export class RobotView {
     const { link } = snapshot;
     this.#link.show("reports", `${number(link.rate, 1)} per second, ${link.reports} so far`);
     this.#link.show("spoilt", String(link.bad_checksums), link.bad_checksums ? "warn" : null);
+    this.#link.show("skipped", String(link.bytes_skipped), link.bytes_skipped ? "warn" : null);
     this.#link.show("sessions", String(link.sessions));
     this.#link.show("trip", roundTrip === null ? "–" : `${number(roundTrip, 0)} ms there and back`);
     showRoundTrip(this.#trip, roundTrip);
   }
 
-  /** @param {import("../messages.d.ts").Details | import("../messages.d.ts").NoDetails} details */
-  showDetails(details) {
+  /** @param {import("../messages.d.ts").Details | import("../messages.d.ts").NoDetails} details @param url of the robot */
+  showDetails(details, url) {
     if (!details.known) return;
-    const { wheels, stalls, link } = details;
-    this.#motion.show("odometry", place(details.pose));
-    this.#motion.show("encoder", place(details.encoder));
+    const { wheels, stalls, baud } = details;
+    this.#motion.show("encoder", place(details.robot_in_encoder));
     this.#motion.show("wheels", `${number(wheels.left, 2)}, ${number(wheels.right, 2)} m/s`);
     this.#power.show("temperature", details.temperature === null ? "no sensor" : `${details.temperature} °C`);
     for (const side of ["left", "right"]) this.#motors.show(side, stalls[side] ? "STALLED" : "free", stalls[side] ? "bad" : null);
     this.#lines.show(details.lines);
     this.#motion.show("compass", details.compass === null ? "none" : `${number(degrees(details.compass), 0)}°`);
     putItems(this.#sensors, JSON.stringify(details.sensors), () => details.sensors.flatMap(sensor));
-    this.#link.show("skipped", String(link.bytes_skipped), link.bytes_skipped ? "warn" : null);
-    this.#link.show("address", link.url + (link.speed ? ` at ${link.speed} baud` : ""));
+    this.#link.show("address", url + (baud ? ` at ${baud} baud` : ""));
     this.#flags.show("flags", details.flags.join(", ") || "none");
     this.#flags.show("faults", details.faults === null ? "not sent by this robot" : details.faults.join(", ") || "none", details.faults?.length ? "bad" : null);
     const isPower = ({ check }) => check === "battery";

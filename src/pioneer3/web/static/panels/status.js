@@ -14,17 +14,17 @@ function showChip(id, text, level) {
 
 const setLevel = (id, level) => set(byId(id), "data-level", level);
 
-/** @param robot {connection, name, robot, url} of the selected one, or null before any is known */
-export function showRobot({ connection, name = "", robot = null, url = "" } = {}) {
+/** @param robot {kind, name, shape, url} of the selected one, or null before any is known */
+export function showRobot({ kind, name = "", shape = null, url = "" } = {}) {
   const badge = byId("badge");
   const known = Boolean(url); // without an address nothing has answered yet
-  const label = known ? connection : "NOT CONNECTED";
+  const label = known ? kind : "NOT CONNECTED";
   badge.textContent = label;
-  badge.dataset.kind = known ? connection.toLowerCase() : "none";
+  badge.dataset.kind = known ? kind.toLowerCase() : "none";
   document.body.dataset.kind = badge.dataset.kind;
   badge.title = url;
   byId("name").textContent = name || "pioneer3";
-  byId("title").textContent = robot?.title ?? "waiting for the robot";
+  byId("title").textContent = shape?.title ?? "waiting for the robot";
   document.title = `${label}: ${name || "pioneer3"}`;
 }
 
@@ -54,7 +54,7 @@ function driver({ driver: who, snapshot, program }, holder) {
 
 /** Shows the numbers of a snapshot. */
 export function showSnapshot(snapshot) {
-  const { pose, twist, sonar, battery, motors, bumpers, link } = snapshot;
+  const { robot_in_map: pose, twist, sonar, battery, motors, bumpers, link } = snapshot;
   put(byId("speed-now"), number(twist.v, 2));
   put(byId("turn-now"), number(twist.w, 2));
   put(byId("pose-x"), number(pose.x, 2));
