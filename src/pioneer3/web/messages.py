@@ -230,20 +230,19 @@ class Way(Message, tag="way", frozen=True):
 class Navigation(Message, tag="navigation", frozen=True):
     """A robot's knowledge of its place on the map, and the rest of its way.
 
-    `pose` is the most likely one, x, y [m] and heading [rad]; `ellipse` is around the places where
-    the robot is with 95 %: its half axes [m] and the angle of the longer one [rad]. `agreement` is
-    the share of the readings that agree with the map, 0 to 1; `reason` says why the robot is `sure`
-    of its place, or is not. `left` is in metres, `seconds` a guess; `problem` says why the robot
-    does not come on.
+    `robot_in_map` is the most likely pose; `ellipse` is around the places where the robot is with
+    95 %: its half axes [m] and the angle of the longer one [rad]. `agreement` is the share of the
+    readings that agree with the map, 0 to 1; `reason` says why the robot is `sure` of its place, or
+    is not. `left` is in metres, `seconds` a guess; `problem` says why the robot does not come on.
     """
 
     robot: int
     sure: bool
-    agreement: float
     reason: str
-    problem: str
-    place: str
-    pose: tuple[float, float, float] | None = None
+    agreement: float = 0.0
+    problem: str = ""
+    place: str = ""
+    robot_in_map: Pose2 | None = None
     ellipse: tuple[float, float, float] | None = None
     way: tuple[tuple[float, float], ...] = ()
     left: float | None = None

@@ -326,11 +326,11 @@ class RobotNavigation:
         return messages.Navigation(
             self._number,
             sure=estimate.sure,
-            agreement=round(estimate.agreement, 2),
             reason=estimate.reason,
+            agreement=round(estimate.agreement, 2),
             problem=state.problem,
             place=state.goal.name if state.goal else "",
-            pose=_rounded((pose.x, pose.y, pose.theta)) if pose else None,
+            robot_in_map=Pose2(*_rounded((pose.x, pose.y, pose.theta))) if pose else None,
             ellipse=_rounded(estimate.ellipse) if estimate.ellipse else None,
             way=points_of(rest) if rest else (),
             left=round(rest.length, 1) if rest else None,

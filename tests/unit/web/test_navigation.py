@@ -241,7 +241,7 @@ async def test_the_page_is_told_how_sure_a_robot_is() -> None:
         ann.say("plan_way", x=2.5, y=0.0)
         await asyncio.sleep(3.0)
         told = ann.latest("navigation")
-        assert told["pose"] == pytest.approx([-2.5, -1.0, 0.0], abs=0.02)
+        assert told["robot_in_map"] == pytest.approx({"x": -2.5, "y": -1.0, "theta": 0.0}, abs=0.02)
         longer, shorter, _angle = told["ellipse"]
         assert 0.0 < shorter <= longer < 0.2
 

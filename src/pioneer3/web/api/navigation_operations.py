@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 from pioneer3.errors import ConfigError, PioneerError
 from pioneer3.maps import LineMap
+from pioneer3.web import messages
 from pioneer3.web.access.middleware import ErrorResponse
 from pioneer3.web.access.sessions import Role
 from pioneer3.web.api import types
@@ -25,12 +26,12 @@ def list_places(request: ApiRequest) -> list[types.MapPlace] | ErrorResponse:
     return [types.MapPlace(each.name, each.x, each.y, each.heading) for each in found]
 
 
-async def plan_way(request: ApiRequest, body: types.Place) -> types.Way | ErrorResponse:
+async def plan_way(request: ApiRequest, body: types.Place) -> messages.Way | ErrorResponse:
     """Return the way to a place of the map from where the robot is. Nothing drives."""
     return await _answer(request, body, drives=False)
 
 
-async def goto_place(request: ApiRequest, body: types.Place) -> types.Way | ErrorResponse:
+async def goto_place(request: ApiRequest, body: types.Place) -> messages.Way | ErrorResponse:
     """Drive to a place of the map along a planned way, and return that way.
 
     Takes control if it is free; it is yours while the robot is on its way. `mode` says how that
@@ -39,29 +40,19 @@ async def goto_place(request: ApiRequest, body: types.Place) -> types.Way | Erro
     return await _answer(request, body, drives=True)
 
 
-def get_navigation(request: ApiRequest) -> types.Navigation | ErrorResponse:
+def get_navigation(request: ApiRequest) -> messages.Navigation | ErrorResponse:
     """Return whether the robot is sure of its place on the map, and the rest of its way."""
     if refused := _impossible(request):
         return refused
     state = request.view.navigation.state
-    if state is None:
-        return types.Navigation(sure=False, reason="nobody has asked for a way yet")
-    return types.Navigation(
-        sure=state.sure,
-        reason=state.reason,
-        agreement=state.agreement,
-        pose=state.pose,
-        goal=state.place,
-        left=state.left,
-        seconds=state.seconds,
-        problem=state.problem,
-        way=state.way,
+    return state or messages.Navigation(
+        request.view.number, sure=False, reason="nobody has asked for a way yet"
     )
 
 
 async def _answer(
     request: ApiRequest, body: types.Place, *, drives: bool
-) -> types.Way | ErrorResponse:
+) -> messages.Way | ErrorResponse:
     by_name, by_numbers = body.name is not None, body.x is not None and body.y is not None
     if by_name == by_numbers:
         return ErrorResponse(400, "give the name of a place, or x and y")
@@ -70,14 +61,13 @@ async def _answer(
     if drives and (taken := request.view.control.take(request.caller)):
         return ErrorResponse(409, taken)
     try:
-        way = await request.view.navigation.answer(
+        return await request.view.navigation.answer(
             request.caller, lambda known: _place(known, body), body.speed, drives=drives
         )
     except ConfigError as error:
         return ErrorResponse(404, str(error))
     except PioneerError as error:
         return ErrorResponse(409, str(error))
-    return types.Way(way.points, way.length, way.seconds)
 
 
 def _impossible(request: ApiRequest) -> ErrorResponse | None:

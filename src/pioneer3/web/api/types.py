@@ -64,33 +64,6 @@ class MapPlace(msgspec.Struct):
     heading: float | None
 
 
-class Way(msgspec.Struct):
-    """A way to a place: some of its points in the map's frame, and how long it is and takes."""
-
-    points: tuple[tuple[float, float], ...]
-    length: float
-    seconds: int
-
-
-class Navigation(msgspec.Struct):
-    """The robot's knowledge of its place on the map, and the rest of its way.
-
-    `agreement` is the share of readings that agree with the map, 0 to 1; `reason` says why the
-    robot is `sure` of its place, or is not. `left` [m] and `seconds` are null without a goal, and
-    `problem` says why the robot does not come on.
-    """
-
-    sure: bool
-    reason: str
-    agreement: float = 0.0
-    pose: tuple[float, float, float] | None = None
-    goal: str = ""
-    left: float | None = None
-    seconds: int | None = None
-    problem: str = ""
-    way: tuple[tuple[float, float], ...] = ()
-
-
 class CommandResult(msgspec.Struct):
     """Success of a command. `why` is the reason to stand still, null while the robot moves."""
 

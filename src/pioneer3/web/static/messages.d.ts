@@ -441,16 +441,16 @@ export interface Way {
   closed: string;
 }
 
-/** A robot's knowledge of its place on the map, and the rest of its way. `pose` is the most likely one, x, y [m] and heading [rad]; `ellipse` is around the places where the robot is with 95 %: its half axes [m] and the angle of the longer one [rad]. `agreement` is the share of the readings that agree with the map, 0 to 1; `reason` says why the robot is `sure` of its place, or is not. `left` is in metres, `seconds` a guess; `problem` says why the robot does not come on. */
+/** A robot's knowledge of its place on the map, and the rest of its way. `robot_in_map` is the most likely pose; `ellipse` is around the places where the robot is with 95 %: its half axes [m] and the angle of the longer one [rad]. `agreement` is the share of the readings that agree with the map, 0 to 1; `reason` says why the robot is `sure` of its place, or is not. `left` is in metres, `seconds` a guess; `problem` says why the robot does not come on. */
 export interface Navigation {
   type: "navigation";
   robot: number;
   sure: boolean;
-  agreement: number;
   reason: string;
+  agreement: number;
   problem: string;
   place: string;
-  pose: [number, number, number] | null;
+  robot_in_map: Pose2 | null;
   ellipse: [number, number, number] | null;
   way: [number, number][];
   left: number | null;

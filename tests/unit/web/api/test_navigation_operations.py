@@ -41,6 +41,7 @@ async def test_the_places_of_the_map_are_listed() -> None:
 async def test_a_way_is_told_and_nothing_drives() -> None:
     async with rooms() as (the, script):
         way = (await script.ask("POST", f"{ROBOT}/way", {"name": "kitchen"})).json
+        assert (way["robot"], way["x"], way["y"], way["closed"]) == (1, 2.5, 0.0, "")
         assert way["points"][0] == pytest.approx([-2.5, -1.0], abs=0.1)
         assert way["points"][-1] == pytest.approx([2.5, 0.0], abs=0.01)
         assert way["length"] == pytest.approx(6.5, rel=0.1)
@@ -64,9 +65,11 @@ async def test_the_robot_goes_to_a_place_and_tells_what_is_left(
         await asyncio.sleep(5.0)
         told = (await script.ask("GET", f"{ROBOT}/navigation")).json
         assert told["sure"]
-        assert told["goal"] == name
+        assert told["place"] == name
         assert 0.5 < told["left"] < 6.5
-        assert told["pose"][:2] == pytest.approx([where(the).x, where(the).y], abs=0.1)
+        assert [told["robot_in_map"][k] for k in "xy"] == pytest.approx(
+            [where(the).x, where(the).y], abs=0.1
+        )
         await asyncio.sleep(25.0)
         assert hypot(where(the).x - 2.5, where(the).y) < 0.05
         assert (await script.ask("GET", f"{ROBOT}/mode")).json["ended"]["done"]

@@ -7,9 +7,9 @@ const CROSS = 7; // px
 const LOOKS = "look around"; // the mode
 
 /** Draws where navigation believes the robot to be, with 95 %, in world coordinates. */
-export function drawWhereabouts(context, view, palette, { pose, ellipse, sure }, drawn) {
+export function drawWhereabouts(context, view, palette, { robot_in_map: pose, ellipse, sure }, drawn) {
   if (!pose || !ellipse) return;
-  const [x, y, heading] = pose;
+  const { x, y, theta: heading } = pose;
   const [long, short, angle] = ellipse;
   const k = 1 / view.scale;
   const colour = sure ? palette.target : palette.hit;

@@ -92,8 +92,8 @@ function* marksOf(placed, { selected, isLive, shown, palette, goto }) {
       yield { points: [[pose.x, pose.y], ...(way.length ? way.slice(1) : [[target.x, target.y]])], color, dash: [0.18, 0.14] };
       yield { at: [target.x, target.y], heading: target.heading, color };
     }
-    if (shown("places") && navigation?.pose && navigation.ellipse) {
-      yield { ellipse: navigation.ellipse, at: navigation.pose.slice(0, 2), color: navigation.sure ? palette.target : palette.hit };
+    if (shown("places") && navigation?.robot_in_map && navigation.ellipse) {
+      yield { ellipse: navigation.ellipse, at: [navigation.robot_in_map.x, navigation.robot_in_map.y], color: navigation.sure ? palette.target : palette.hit };
     }
   }
   for (const [number, { x, y }] of goto.stops.entries()) yield { at: [x, y], heading: null, color: palette.target, text: String(number + 1) };
