@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from pioneer3.arcos import commands
+from pioneer3.arcos.commands import moves
 from pioneer3.behaviors.action import Stack
 from pioneer3.behaviors.modes import follow, goto, wander
 from pioneer3.doctor.diagnose import diagnose, examine, exit_code
@@ -19,7 +20,6 @@ from pioneer3.fleet.stop import stop_all
 from pioneer3.links import Link
 from pioneer3.models import Fallback, GivenModel, load_model
 from pioneer3.navigation.connect import connect_async
-from pioneer3.robot.pilot import moves
 from pioneer3.ros.node.node import RobotNode
 from pioneer3.ros.node.parameters import read_parameters
 from pioneer3.runtime.robot import Robot

@@ -163,6 +163,8 @@ def generic_model(
         turn_braking=CAREFUL_TURN_BRAKING,
         front_bumpers=max(0, min(front_bumpers, int(BUMPERS.high))),
         rear_bumpers=max(0, min(rear_bumpers, int(BUMPERS.high))),
+        settable_speed=False,
+        settable_acceleration=False,
     )
 
 

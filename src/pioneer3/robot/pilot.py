@@ -1,23 +1,21 @@
-"""Turns velocity commands and snapshots into ARCOS commands. No I/O, no clock.
+"""Decides the motion of a robot from velocity commands and snapshots. No I/O, no clock.
 
 Rules:
 
 1. A velocity command expires. Then, and on every doubt, the robot is told to stand still.
-2. VEL and RVEL are repeated while the robot moves or should: a lost frame costs 0.2 s at most.
-3. Motors are switched on when a command needs them, and only then. ENABLE is repeated until a
+2. A twist is repeated while the robot moves or should: a lost frame costs 0.2 s at most.
+3. Motors are switched on when a command needs them, and only then, again and again until a
    snapshot confirms it. Motors are switched off when the robot stands: without power it rolls on.
 4. A command that began before the last :class:`~pioneer3.stops.Stop` is ignored. The exception: a
    command that answers a stall (:class:`StallRecover`) goes on.
 5. The emergency stop latches. Resetting it leaves the motors off.
-6. Only the newest frame of each kind waits for the link, never a queue; stops go first. A changed
-   velocity does not wait for the repetition of an old one.
+6. Only the newest of each kind waits for the link (:class:`MotionRequest`), never a queue. A
+   changed twist does not wait for the repetition of an old one.
 """
 
 from dataclasses import KW_ONLY, dataclass, replace
 from math import inf
 
-from pioneer3.arcos import commands
-from pioneer3.arcos.commands import Command
 from pioneer3.geometry import STILL, Twist2
 from pioneer3.limits import Accelerations, Limits
 from pioneer3.robot.limits import limit
@@ -49,18 +47,6 @@ BUMPED = "a bumper was pressed"
 LATCHED = "the emergency stop is latched"
 LONGEST_PAUSE = 2.0
 """After a longer pause of this program [s] the robot's watchdog has stopped the robot."""
-MOTION = {bytes([number]) for number in (4, 8, 9, 11, 12, 13, 21, 22, 32, 110)}
-"""Numbers of the commands that can move the robot: ENABLE, MOVE, ROTATE, VEL, HEAD, DHEAD, RVEL,
-DCHEAD, VEL2 and LATVEL (protocol.md 3.1)."""
-
-
-def moves(command: Command) -> bool:
-    """Return whether a command can move the robot.
-
-    Raises:
-        CommandError: It does not fit the protocol.
-    """
-    return commands.to_payload(command)[:1] in MOTION
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,45 +69,27 @@ class VelocityCommand:
     accelerations: Accelerations | None = None
 
 
-@dataclass(slots=True)
-class Outbox:
-    """Commands to send: the newest of each kind, stops first.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MotionRequest:
+    """The motion that is due: the newest of each kind, stops first.
 
     Attributes:
-        emergency_stop: Whether to send ESTOP.
-        stop: Whether to send STOP.
-        power: Argument of ENABLE, or `None` for no ENABLE.
-        settings: Commands that prepare a session; sent once, in order.
-        accelerations: To set, or `None`.
-        velocity: [m/s, rad/s].
+        stop: Whether to stand still, at the set deceleration.
+        hard_stop: Whether to stop as hard as the robot can.
+        accelerations: To drive with from now on, or `None` for the ones before.
+        motors: Whether the motors are to have power, or `None` to leave them.
+        twist: [m/s, rad/s], or `None` for none.
     """
 
-    emergency_stop: bool = False
     stop: bool = False
-    power: bool | None = None
-    settings: tuple[Command, ...] = ()
+    hard_stop: bool = False
     accelerations: Accelerations | None = None
-    velocity: Twist2 | None = None
-
-    def commands(self) -> list[Command]:
-        """Return the commands to send, in this order."""
-        out: list[Command] = []
-        if self.stop:
-            out.append(commands.Stop())
-        if self.emergency_stop:
-            out.append(commands.EStop())
-        out += self.settings
-        if self.accelerations is not None:
-            out += _acceleration_commands(self.accelerations)
-        if self.power is not None:
-            out.append(commands.Enable(on=self.power))
-        if self.velocity is not None:
-            out += (commands.Vel(speed=self.velocity.v), commands.RVel(rate=self.velocity.w))
-        return out
+    motors: bool | None = None
+    twist: Twist2 | None = None
 
 
 class Pilot:
-    """Turns velocity commands into ARCOS commands, over all sessions with one robot.
+    """Decides the motion of one robot, over all sessions with it.
 
     Attributes:
         deadline: Time of the next call of :meth:`tick` [s, monotonic, as every `now`].
@@ -141,7 +109,7 @@ class Pilot:
         self.last_stop = Stop()
         self.drove = False
         self.refusal: str | None = None
-        self._outbox = Outbox()
+        self._request = MotionRequest()
         self._snapshot: Snapshot | None = None
         self._command = VelocityCommand(STILL, -inf, after=0)
         self._checked_at = -inf
@@ -151,7 +119,7 @@ class Pilot:
         self._recovering_from: Stop | None = None
         self._recovery_until = -inf
         self._bumped_since = inf
-        self._sent_accelerations: Accelerations | None = None
+        self._accelerations: Accelerations | None = None
         self._left_to_raw_commands = False
         self._motors_wanted: bool | None = None
         self._motors_wanted_at = -inf
@@ -160,40 +128,19 @@ class Pilot:
         self._enabled: bool | None = None
         self._enabled_at = self._observed_at = -inf
 
-    def session_opened(
-        self,
-        limits: Limits,
-        now: float,
-        *,
-        settable_speed: bool = True,
-        settable_acceleration: bool = True,
-        refusal: str | None = None,
-    ) -> None:
-        """Stop the robot, set its limits as far as the firmware allows, switch the sonar on.
-
-        Those of a robot that nothing may drive, for this `refusal`, are left as they are.
-        """
+    def session_opened(self, limits: Limits, now: float, *, refusal: str | None = None) -> None:
+        """Stop the robot, and keep its `limits`; with a `refusal` nothing may drive it."""
         self.limits, self.refusal = limits, refusal
         self.drove = False
-        settings: list[Command] = []
-        if settable_speed and not refusal:
-            settings += [
-                commands.SetV(speed=limits.max_speed),
-                commands.SetRV(rate=limits.max_turn_rate),
-            ]
-        self._sent_accelerations = None
-        if settable_acceleration and not refusal:
-            settings += _acceleration_commands(limits.accelerations)
-            self._sent_accelerations = limits.accelerations
-        settings.append(commands.Sonar(on=True))
-        self._outbox = Outbox(stop=True, settings=tuple(settings))
+        self._accelerations = limits.accelerations
+        self._request = MotionRequest(stop=True)
         self._count_stop(self.last_stop.why)  # commands from before the connection do not count
         self._sent, self._sent_at, self._checked_at = STILL, -inf, now
         self.deadline = now + REPEAT
 
     def session_lost(self, why: str, now: float) -> None:
         """Forget all commands: none may reach the next session."""
-        self._outbox = Outbox()
+        self._request = MotionRequest()
         self._snapshot, self._sent, self._left_to_raw_commands = None, None, False
         self._motors_wanted, self._motors_seen, self._enable_tries = None, False, 0
         self.deadline = inf
@@ -235,15 +182,17 @@ class Pilot:
         else:
             self._blocked = None
             self._count_stop(STOPPED)
-        self._outbox.velocity = None
+        self._request = replace(self._request, twist=None)
         if self._sent != STILL or now >= self._stopped_at + MIN_INTERVAL:
-            self._outbox.stop, self._stopped_at = True, now
+            self._request = replace(self._request, stop=True)
+            self._stopped_at = now
         self._sent, self._sent_at = STILL, now
 
     def emergency_stop(self, now: float) -> None:
         """Stop as hard as the robot can, motors off, until :meth:`reset_emergency_stop`."""
         self.stop(now)
-        self._outbox.emergency_stop |= self._outbox.stop or not self.emergency
+        if self._request.stop or not self.emergency:
+            self._request = replace(self._request, hard_stop=True)
         self.emergency = True
         self._block("the emergency stop was pressed", now)
         self._want_motors(on=False, now=now)
@@ -300,21 +249,15 @@ class Pilot:
         self.deadline = now + REPEAT
         self._update_velocity(now)
 
-    def outgoing(self) -> list[Command]:
-        """Return and forget the commands to send."""
-        outbox, self._outbox = self._outbox, Outbox()
-        return outbox.commands()
+    def outgoing(self) -> MotionRequest:
+        """Return and forget the motion that is due."""
+        request, self._request = self._request, MotionRequest()
+        return request
 
     @property
     def forbidden(self) -> str | None:
         """The reason that nothing may drive until somebody sees to it, or `None`."""
         return LATCHED if self.emergency else self.refusal
-
-    def refused(self, command: Command) -> str | None:
-        """Return the reason that the present robot must not be sent a raw command, or `None`."""
-        if self.refusal and moves(command):
-            return f"nothing drives this robot: {self.refusal}"
-        return None
 
     @property
     def blocked(self) -> str | None:
@@ -403,7 +346,7 @@ class Pilot:
         if now >= self._enabled_at + again:
             self._enabled, self._enabled_at = wanted, now
             self._enable_tries += 1
-            self._outbox.power = wanted
+            self._request = replace(self._request, motors=wanted)
             self.drove |= wanted
 
     def _still_stopping(self, now: float) -> bool:
@@ -426,7 +369,7 @@ class Pilot:
         if changed and not twist.is_zero:
             self._interval_until = max(self._interval_until, now) + MIN_INTERVAL
         if changed or due:
-            self._outbox.velocity = twist
+            self._request = replace(self._request, twist=twist)
             self.drove |= not twist.is_zero
             self._sent, self._sent_at = twist, now
         again = self._sent_at + REPEAT if twist == self._sent else change_at
@@ -443,16 +386,8 @@ class Pilot:
             self._block(BUMPED, now, stalled=asked)
 
     def _set_accelerations(self, limits: Limits) -> None:
-        """Send the wanted accelerations if they are new and the robot takes any."""
+        """Ask for the wanted accelerations if they are new."""
         wanted = self._command.accelerations or limits.accelerations
-        if self._sent_accelerations is not None and wanted != self._sent_accelerations:
-            self._outbox.accelerations = self._sent_accelerations = wanted
-
-
-def _acceleration_commands(accelerations: Accelerations) -> list[Command]:
-    return [
-        commands.SetA(acceleration=accelerations.acceleration),
-        commands.SetA(acceleration=-accelerations.deceleration),
-        commands.SetRA(acceleration=accelerations.turn_acceleration),
-        commands.SetRA(acceleration=-accelerations.turn_deceleration),
-    ]
+        if wanted != self._accelerations:
+            self._accelerations = wanted
+            self._request = replace(self._request, accelerations=wanted)

@@ -1,10 +1,11 @@
-"""One session: connects a link, an ARCOS host, the pilot and the snapshots. One task writes."""
+"""One session: makes ARCOS commands of the pilot's motion, and snapshots of reports."""
 
 import asyncio
 import logging
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from typing import Protocol
 
 from pioneer3.arcos import commands
@@ -22,13 +23,13 @@ from pioneer3.arcos.host_events import (
 )
 from pioneer3.arcos.reports import Config, Report, Sip
 from pioneer3.errors import CommandError, LinkError, NoRobotError
-from pioneer3.limits import Limits
+from pioneer3.limits import Accelerations, Limits
 from pioneer3.links import Link
 from pioneer3.links.base import HUNG_UP
 from pioneer3.models import GivenModel, RobotModel, find_model, generic_model, loaded_model
 from pioneer3.robot.assemble import Assembler
 from pioneer3.robot.limits import limits_for
-from pioneer3.robot.pilot import BRAKING, Pilot
+from pioneer3.robot.pilot import BRAKING, MotionRequest, Pilot
 from pioneer3.robot.report_requests import ReportRequests
 from pioneer3.state import Identity, Snapshot
 from pioneer3.units import DEGREE, MM
@@ -58,11 +59,11 @@ class Listener(Protocol):
 
 
 class Session:
-    """One session with one robot over one link.
+    """One session with one robot over one link; the only writer of the link.
 
     Args:
         link: Open; closed by :meth:`run`.
-        pilot: Decides the commands of motion; outlives the session.
+        pilot: Decides the motion; outlives the session.
         requests: For reports on demand; outlives the session.
         assembler: Makes snapshots; outlives the session.
         listener: Receives the events.
@@ -108,6 +109,7 @@ class Session:
         self._held_back = False
         self._lost: Lost | None = None
         self._configured = False
+        self._settings: Sequence[Command] = ()
         self.taken: bool | None = None
 
     def wake(self) -> None:
@@ -118,10 +120,11 @@ class Session:
         """Queue one command beside the pilot's, unless the last one of its kind is the same.
 
         Raises:
-            CommandError: no session is open, the command does not fit the protocol, or the link
-                has taken nothing for long.
+            CommandError: no session is open, the command does not fit the protocol, it would move a
+                robot that nothing drives, or the link has taken nothing for long.
         """
-        commands.to_payload(command)
+        if refusal := self._refusal(command):
+            raise CommandError(refusal)
         if self._host.state is not State.OPEN:
             raise CommandError(f"cannot send {type(command).__name__}: no session is open")
         if len(self._waiting) >= MAX_WAITING:
@@ -207,7 +210,7 @@ class Session:
     def _send_all(self, now: float) -> None:
         """Write all due commands to the link: the pilot's, then the requests, then the others."""
         if self._host.config_settled:
-            due = [*self._pilot.outgoing(), *self._requests.outgoing()]
+            due = [*self._motion_commands(), *self._requests.outgoing()]
             waited = [self._waiting.popleft() for _ in range(min(BATCH_SIZE, len(self._waiting)))]
             for command in (*due, *(each for each in waited if self._is_allowed(each))):
                 self._host.send(command, now)
@@ -215,10 +218,23 @@ class Session:
             self._sending = asyncio.ensure_future(self.link.write(data))
             self._sending.add_done_callback(self._sent)
 
+    def _motion_commands(self) -> list[Command]:
+        """Return the commands for the motion that is due; the first come with the settings."""
+        request = self._pilot.outgoing()
+        if self.model is None or not self.model.settable_acceleration:
+            request = replace(request, accelerations=None)
+        settings, self._settings = self._settings, ()
+        return commands_for(request, settings)
+
+    def _refusal(self, command: Command) -> str | None:
+        """Return the reason that the present robot must not be sent a command, or `None`."""
+        if commands.moves(command) and self._pilot.refusal:
+            return f"nothing drives this robot: {self._pilot.refusal}"
+        return None
+
     def _is_allowed(self, command: Command) -> bool:
         """Return whether this robot may be sent a command that has waited for its type."""
-        refusal = self._pilot.refused(command)
-        if refusal:
+        if refusal := self._refusal(command):
             log.warning("%s is not sent: %s", type(command).__name__, refusal)
         return not refusal
 
@@ -252,13 +268,9 @@ class Session:
         if self.model.refusal:
             log.warning("nothing drives this robot: %s", self.model.refusal)
         self._assembler.session_opened(self.model)
-        self._pilot.session_opened(
-            self._restrict(limits_for(self.model, config)),
-            now,
-            settable_speed=self.model.settable_speed,
-            settable_acceleration=self.model.settable_acceleration,
-            refusal=self.model.refusal,
-        )
+        limits = self._restrict(limits_for(self.model, config))
+        self._settings = settings_for(self.model, limits)
+        self._pilot.session_opened(limits, now, refusal=self.model.refusal)
         self._requests.session_opened(now)
         self._configured = True
         self._listener.on_connected(self)
@@ -328,7 +340,7 @@ class Session:
         async with asyncio.timeout(BRAKING):
             while not self._pilot.stands:
                 self._pilot.stop(self._clock())
-                for command in self._pilot.outgoing():
+                for command in self._motion_commands():
                     self._host.send(command, self._clock())
                 await self.link.write(self._host.outgoing())
                 if not (data := await self.link.read()):
@@ -337,6 +349,42 @@ class Session:
                 for event in self._host.receive(data, now):
                     if isinstance(event, Received) and isinstance(event.report, Sip):
                         self._pilot.observe(self._snapshot(event.report, now), now)
+
+
+def commands_for(request: MotionRequest, settings: Sequence[Command] = ()) -> list[Command]:
+    """Return the commands that ask a robot for a motion: stops, then `settings`, then the rest."""
+    due: list[Command] = []
+    if request.stop:
+        due.append(commands.Stop())
+    if request.hard_stop:
+        due.append(commands.EStop())
+    due += settings
+    if request.accelerations is not None:
+        due += _acceleration_commands(request.accelerations)
+    if request.motors is not None:
+        due.append(commands.Enable(on=request.motors))
+    if request.twist is not None:
+        due += (commands.Vel(speed=request.twist.v), commands.RVel(rate=request.twist.w))
+    return due
+
+
+def settings_for(model: RobotModel, limits: Limits) -> list[Command]:
+    """Return the commands that set `limits` as far as the firmware allows, and switch sonars on."""
+    settings: list[Command] = []
+    if model.settable_speed:
+        settings += (commands.SetV(limits.max_speed), commands.SetRV(limits.max_turn_rate))
+    if model.settable_acceleration:
+        settings += _acceleration_commands(limits.accelerations)
+    return [*settings, commands.Sonar(on=True)]
+
+
+def _acceleration_commands(accelerations: Accelerations) -> list[Command]:
+    return [
+        commands.SetA(acceleration=accelerations.acceleration),
+        commands.SetA(acceleration=-accelerations.deceleration),
+        commands.SetRA(acceleration=accelerations.turn_acceleration),
+        commands.SetRA(acceleration=-accelerations.turn_deceleration),
+    ]
 
 
 def model_of(identity: Identity, config: Config | None, given: GivenModel = None) -> RobotModel:

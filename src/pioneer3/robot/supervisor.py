@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Generic, TypeVar
 
-from pioneer3.arcos.commands import Command
+from pioneer3.arcos.commands import Command, moves
 from pioneer3.arcos.host_events import Timing
 from pioneer3.arcos.reports import Config, Report
 from pioneer3.errors import CommandError, LinkError, NoRobotError, RecordingOverError
@@ -18,7 +18,7 @@ from pioneer3.models import GivenModel, RobotModel, loaded_model
 from pioneer3.robot.assemble import Assembler
 from pioneer3.robot.explain import why_not_moving
 from pioneer3.robot.limits import limits_for
-from pioneer3.robot.pilot import Pilot, VelocityCommand, moves
+from pioneer3.robot.pilot import Pilot, VelocityCommand
 from pioneer3.robot.poses import Poses
 from pioneer3.robot.report_requests import ReportRequest, ReportRequests
 from pioneer3.robot.reports import Reports
@@ -251,8 +251,6 @@ class Supervisor:
             CommandError: no session is open, the command does not fit the protocol, or it moves a
                 robot whose units are not known.
         """
-        if refusal := self.pilot.refused(command):
-            raise CommandError(refusal)
         self._send(command)
         if moves(command):
             self.pilot.leave_to_raw_commands(self._clock())

@@ -1,4 +1,4 @@
-"""Which commands go out, and when: requests, snapshots and the time in, commands out."""
+"""Which motion is due, and when: velocity commands, snapshots and the time in, commands out."""
 
 from dataclasses import replace
 from math import inf
@@ -9,6 +9,7 @@ from pioneer3.arcos import commands
 from pioneer3.arcos.commands import Command
 from pioneer3.geometry import ORIGIN, STILL, Twist2
 from pioneer3.limits import Limits
+from pioneer3.models import RobotModel, generic_model, load_model
 from pioneer3.robot.pilot import (
     BRAKING,
     BURST,
@@ -18,12 +19,15 @@ from pioneer3.robot.pilot import (
     MIN_INTERVAL,
     REPEAT,
     STALL_RECOVERY,
+    MotionRequest,
     Pilot,
     VelocityCommand,
 )
+from pioneer3.robot.session import commands_for, settings_for
 from pioneer3.state import Battery, Bumpers, Motors, Odometry, Snapshot
 
 LIMITS = Limits(max_speed=0.7, max_turn_rate=1.5)
+P3AT = load_model("p3at-sh")
 AHEAD = Twist2(0.3, 0.0)
 ON, OFF = commands.Enable(on=True), commands.Enable(on=False)
 EXPIRY = LIMITS.expiry
@@ -53,12 +57,17 @@ def seen(
 STANDING, READY = seen(), seen(enabled=True)
 
 
+def frames(pilot: Pilot) -> list[Command]:
+    """Return the commands that a session makes of the motion that is due."""
+    return commands_for(pilot.outgoing())
+
+
 def flying(now: float = 0.0, *, auto_enable: bool = True) -> Pilot:
     """Return a pilot in a session, nothing asked, motors off, nothing left to send."""
     pilot = Pilot(auto_enable=auto_enable)
     pilot.session_opened(LIMITS, now)
     pilot.observe(STANDING, now)
-    pilot.outgoing()
+    frames(pilot)
     return pilot
 
 
@@ -79,15 +88,14 @@ def driving(now: float = 0.0) -> Pilot:
     pilot = flying(now)
     assert ask(pilot, AHEAD, now) is None
     pilot.observe(READY, now)
-    pilot.outgoing()
+    frames(pilot)
     return pilot
 
 
 def test_a_session_begins_with_a_stop_and_the_limits() -> None:
     pilot = Pilot()
     pilot.session_opened(LIMITS, 0.0)
-    expected: list[Command] = [
-        commands.Stop(),
+    settings: list[Command] = [
         commands.SetV(speed=0.7),
         commands.SetRV(rate=1.5),
         commands.SetA(acceleration=0.3),
@@ -96,52 +104,70 @@ def test_a_session_begins_with_a_stop_and_the_limits() -> None:
         commands.SetRA(acceleration=-LIMITS.turn_deceleration),
         commands.Sonar(on=True),
     ]
-    assert pilot.outgoing() == expected
-    assert pilot.outgoing() == []
+    assert settings_for(P3AT, LIMITS) == settings
+    assert commands_for(pilot.outgoing(), settings) == [commands.Stop(), *settings]
+    assert frames(pilot) == []
 
 
-def test_firmware_whose_limits_cannot_be_set_is_not_told_any() -> None:
-    pilot = Pilot()
-    pilot.session_opened(LIMITS, 0.0, settable_speed=False, settable_acceleration=False)
-    assert pilot.outgoing() == [commands.Stop(), commands.Sonar(on=True)]
+@pytest.mark.parametrize(
+    "model",
+    [
+        replace(P3AT, settable_speed=False, settable_acceleration=False),
+        generic_model("p2at", max_speed=1.0, max_turn_rate=1.0),
+    ],
+    ids=["old firmware", "unknown type"],
+)
+def test_a_robot_whose_limits_cannot_be_set_is_not_told_any(model: RobotModel) -> None:
+    assert settings_for(model, LIMITS) == [commands.Sonar(on=True)]
+
+
+def test_stops_go_first_then_settings_then_power_and_velocity() -> None:
+    everything = MotionRequest(
+        stop=True, hard_stop=True, accelerations=LIMITS.accelerations, motors=True, twist=AHEAD
+    )
+    sonar = commands.Sonar(on=True)
+    due = commands_for(everything, [sonar])
+    assert due[:3] == [commands.Stop(), commands.EStop(), sonar]
+    assert due[-3:] == [ON, *vel(0.3)]
+    assert due[3:-3] == settings_for(P3AT, LIMITS)[2:6]
 
 
 def test_motors_found_on_are_switched_off() -> None:
     pilot = Pilot()
     pilot.session_opened(LIMITS, 0.0)
-    pilot.outgoing()
+    frames(pilot)
     pilot.observe(READY, 0.0)
-    assert OFF in pilot.outgoing()
+    assert OFF in frames(pilot)
     pilot.observe(STANDING, 0.1)
     pilot.observe(READY, 0.2)  # somebody at the robot switches them on
-    assert OFF not in pilot.outgoing()
+    assert OFF not in frames(pilot)
 
 
 def test_before_a_session_requests_are_refused() -> None:
     pilot = Pilot()
     assert ask(pilot, AHEAD, 0.0) == "no robot is connected"
     pilot.session_opened(LIMITS, 0.0)
-    pilot.outgoing()
+    frames(pilot)
     assert ask(pilot, AHEAD, 1.0) == "no robot is connected"
-    assert pilot.outgoing() == []
+    assert frames(pilot) == []
 
 
 def test_a_request_switches_the_motors_on_and_sends_its_velocity() -> None:
     pilot = flying()
     assert ask(pilot, Twist2(0.2, 0.1), 0.1) is None
-    assert pilot.outgoing() == [ON, *vel(0.2, 0.1)]
+    assert frames(pilot) == [ON, *vel(0.2, 0.1)]
 
 
 def test_a_request_is_limited() -> None:
     pilot = flying()
     ask(pilot, Twist2(7.0, 0.0), 0.1)
-    assert pilot.outgoing() == [ON, *vel(0.7)]
+    assert frames(pilot) == [ON, *vel(0.7)]
 
 
 def test_a_zero_request_does_not_need_motors() -> None:
     pilot = flying()
     ask(pilot, STILL, 1.0)
-    assert pilot.outgoing() == []
+    assert frames(pilot) == []
 
 
 def test_the_same_request_is_repeated_every_fifth_of_a_second_while_it_holds() -> None:
@@ -151,29 +177,29 @@ def test_the_same_request_is_repeated_every_fifth_of_a_second_while_it_holds() -
         now = hundredth / 100
         ask(pilot, AHEAD, now)
         pilot.observe(seen(v=0.3, enabled=True), now)
-        sent += pilot.outgoing() == vel(0.3)
+        sent += frames(pilot) == vel(0.3)
     assert sent == 0.4 / REPEAT
 
 
 def test_a_new_request_goes_out_at_once() -> None:
     pilot = driving()
     ask(pilot, Twist2(0.1, 0.2), MIN_INTERVAL)
-    assert pilot.outgoing() == vel(0.1, 0.2)
+    assert frames(pilot) == vel(0.1, 0.2)
 
 
 def test_a_changed_request_does_not_wait_for_the_repetition_of_the_old_one() -> None:
     pilot = driving()
     pilot.observe(seen(v=0.3, enabled=True), REPEAT)
-    assert pilot.outgoing() == vel(0.3)
+    assert frames(pilot) == vel(0.3)
     ask(pilot, Twist2(0.1, 0.2), REPEAT + 0.001)
-    assert pilot.outgoing() == vel(0.1, 0.2)
+    assert frames(pilot) == vel(0.1, 0.2)
 
 
 def test_a_few_requests_in_quick_succession_all_go_out() -> None:
     pilot = driving()
     for number in range(1, BURST):
         ask(pilot, Twist2(0.1, number / 10), number / 1000)
-        assert pilot.outgoing() == vel(0.1, number / 10)
+        assert frames(pilot) == vel(0.1, number / 10)
 
 
 def test_a_flood_of_requests_does_not_queue_up_on_a_slow_line() -> None:
@@ -182,10 +208,10 @@ def test_a_flood_of_requests_does_not_queue_up_on_a_slow_line() -> None:
     for thousandth in range(1, 1000):
         ask(pilot, Twist2(0.1, thousandth / 1000), thousandth / 1000)
         pilot.observe(READY, thousandth / 1000)
-        sent.append(pilot.outgoing())
+        sent.append(frames(pilot))
     assert pilot.deadline <= 0.999 + MIN_INTERVAL
     pilot.tick(pilot.deadline)
-    sent.append(pilot.outgoing())
+    sent.append(frames(pilot))
     sent = [frames for frames in sent if frames]
     assert len(sent) <= 1 / MIN_INTERVAL + BURST
     assert sent[-1] == vel(0.1, 0.999)
@@ -194,19 +220,19 @@ def test_a_flood_of_requests_does_not_queue_up_on_a_slow_line() -> None:
 def test_a_stop_never_waits_for_its_turn() -> None:
     pilot = driving()
     ask(pilot, Twist2(), 0.001)
-    assert pilot.outgoing() == vel(0.0)
+    assert frames(pilot) == vel(0.0)
 
 
 def test_a_request_expires_to_the_moment() -> None:
     pilot = driving()
     pilot.observe(seen(v=0.3, enabled=True), 0.4)
     assert pilot.deadline == EXPIRY
-    pilot.outgoing()
+    frames(pilot)
     pilot.tick(EXPIRY - 0.001)
     assert pilot.asked(EXPIRY - 0.001) == AHEAD
-    assert vel(0.0) != pilot.outgoing()
+    assert vel(0.0) != frames(pilot)
     pilot.tick(EXPIRY)
-    assert pilot.outgoing() == vel(0.0)
+    assert frames(pilot) == vel(0.0)
     assert pilot.asked(EXPIRY) == STILL
 
 
@@ -223,15 +249,15 @@ def test_a_robot_that_falls_silent_is_told_to_stand_until_it_speaks_again() -> N
     pilot = driving()
     for tenth in range(1, 8):
         ask(pilot, AHEAD, tenth / 10)
-    assert pilot.outgoing() == vel(0.0)
+    assert frames(pilot) == vel(0.0)
     pilot.observe(seen(v=0.1, enabled=True), 0.8)
-    assert pilot.outgoing() == vel(0.3)
+    assert frames(pilot) == vel(0.3)
 
 
 def test_zero_is_repeated_until_the_robot_stands() -> None:
     pilot = driving()
     ask(pilot, STILL, 0.1)
-    assert pilot.outgoing() == vel(0.0)
+    assert frames(pilot) == vel(0.0)
     moving = seen(v=0.2, enabled=True)
     assert not sends(pilot, moving, 0.29)
     assert pilot.deadline == pytest.approx(0.1 + REPEAT)
@@ -245,7 +271,7 @@ def test_zero_is_repeated_until_the_robot_stands() -> None:
 
 def sends(pilot: Pilot, snapshot: Snapshot, now: float) -> bool:
     pilot.observe(snapshot, now)
-    return pilot.outgoing() == vel(0.0)
+    return frames(pilot) == vel(0.0)
 
 
 def test_enable_is_sent_again_until_the_motors_are_on_and_not_for_ever() -> None:
@@ -254,7 +280,7 @@ def test_enable_is_sent_again_until_the_motors_are_on_and_not_for_ever() -> None
     for tenth in range(100):
         ask(pilot, AHEAD, tenth / 10)
         pilot.observe(STANDING, tenth / 10)
-        tries += pilot.outgoing().count(ON)
+        tries += frames(pilot).count(ON)
     assert tries == ENABLE_TRIES
     assert pilot.enable_failed
     assert (ENABLE_TRIES - 1) * ENABLE_RETRY < 2.0  # a move waits that long before it gives up
@@ -265,24 +291,24 @@ def test_a_request_after_a_pause_tries_again_to_switch_the_motors_on() -> None:
     for tenth in range(100):
         ask(pilot, AHEAD, tenth / 10)
         pilot.observe(STANDING, tenth / 10)
-    pilot.outgoing()
+    frames(pilot)
     ask(pilot, AHEAD, 10.0)
-    assert ON not in pilot.outgoing()
+    assert ON not in frames(pilot)
     ask(pilot, AHEAD, 11.0)
-    assert ON in pilot.outgoing()
+    assert ON in frames(pilot)
 
 
 def test_motors_go_off_when_the_robot_is_seen_standing() -> None:
     pilot = driving()
     pilot.observe(seen(v=0.3, enabled=True), 0.1)
-    pilot.outgoing()
+    frames(pilot)
     assert pilot.set_motors(on=False, now=0.15) is None
-    assert pilot.outgoing() == [commands.Stop()]
+    assert frames(pilot) == [commands.Stop()]
     for tenth in range(2, 6):
         pilot.observe(seen(v=0.3 - tenth / 20, enabled=True), tenth / 10)
-        assert OFF not in pilot.outgoing()
+        assert OFF not in frames(pilot)
     pilot.observe(READY, 0.6)
-    assert pilot.outgoing() == [OFF]
+    assert frames(pilot) == [OFF]
 
 
 def test_motors_go_off_after_a_second_whatever_the_robot_says() -> None:
@@ -290,50 +316,50 @@ def test_motors_go_off_after_a_second_whatever_the_robot_says() -> None:
     moving = seen(v=0.3, enabled=True)
     pilot.observe(moving, 0.1)
     pilot.set_motors(on=False, now=0.1)
-    pilot.outgoing()
+    frames(pilot)
     for tenth in range(2, 11):
         pilot.observe(moving, tenth / 10)
-        assert OFF not in pilot.outgoing()
+        assert OFF not in frames(pilot)
     assert pilot.deadline == pytest.approx(0.1 + BRAKING)
     pilot.tick(pilot.deadline)
-    assert OFF in pilot.outgoing()
+    assert OFF in frames(pilot)
 
 
 def test_what_a_report_said_before_the_stop_does_not_count_as_standing() -> None:
     pilot = driving()  # told to drive, and reported to stand
     pilot.set_motors(on=False, now=0.1)
-    assert pilot.outgoing() == [commands.Stop()]
+    assert frames(pilot) == [commands.Stop()]
 
 
 def test_motors_of_a_robot_at_rest_go_off_at_once() -> None:
     pilot = driving()
     pilot.stop(0.1)
     pilot.observe(READY, 0.2)
-    pilot.outgoing()
+    frames(pilot)
     pilot.set_motors(on=False, now=0.3)
-    assert OFF in pilot.outgoing()
+    assert OFF in frames(pilot)
 
 
 def test_new_limits_reach_the_robot_with_the_next_look() -> None:
     pilot = flying()
     pilot.limits = replace(LIMITS, acceleration=0.2)
     pilot.tick(1.0)
-    assert commands.SetA(acceleration=0.2) in pilot.outgoing()
+    assert commands.SetA(acceleration=0.2) in frames(pilot)
 
 
 def test_without_auto_enable_motors_go_on_only_when_asked_for() -> None:
     pilot = flying(auto_enable=False)
     ask(pilot, AHEAD, 1.0)
-    assert ON not in pilot.outgoing()
+    assert ON not in frames(pilot)
     assert pilot.set_motors(on=True, now=2.0) is None
-    assert pilot.outgoing() == [commands.Stop(), ON]
+    assert frames(pilot) == [commands.Stop(), ON]
 
 
 def test_stop_is_sent_each_time() -> None:
     pilot = driving()
     for tenth in (1, 2, 3):
         pilot.stop(tenth / 10)
-        assert pilot.outgoing() == [commands.Stop()]
+        assert frames(pilot) == [commands.Stop()]
     assert pilot.asked(0.3) == STILL
 
 
@@ -342,7 +368,7 @@ def test_a_flood_of_stops_leaves_room_on_the_line() -> None:
     sent: list[Command] = []
     for thousandth in range(1000):
         pilot.stop(thousandth / 1000)
-        sent += pilot.outgoing()
+        sent += frames(pilot)
     assert sent == [commands.Stop()] * round(1 / MIN_INTERVAL)
 
 
@@ -351,7 +377,7 @@ def test_a_flood_of_emergency_stops_leaves_room_too_and_none_is_lost() -> None:
     sent: list[Command] = []
     for thousandth in range(1000):
         pilot.emergency_stop(thousandth / 1000)
-        sent += pilot.outgoing()
+        sent += frames(pilot)
     assert sent[:2] == [commands.Stop(), commands.EStop()]
     assert sent.count(commands.EStop()) <= round(1 / MIN_INTERVAL)
 
@@ -366,19 +392,19 @@ def test_what_waits_for_the_link_is_one_frame_of_a_kind_stops_first() -> None:
             pilot.set_motors(on=tenth % 20 == 0, now=now)
     ask(pilot, AHEAD, 5.1)
     pilot.emergency_stop(5.2)
-    waiting = pilot.outgoing()
+    waiting = frames(pilot)
     assert waiting[:2] == [commands.Stop(), commands.EStop()]
     assert not any(isinstance(command, commands.Vel) for command in waiting)
     assert len({type(command) for command in waiting}) == len(waiting)
     ask(pilot, AHEAD, 5.3)
-    assert pilot.outgoing() == []
+    assert frames(pilot) == []
 
 
 def test_an_old_velocity_never_follows_the_stop_after_it() -> None:
     pilot = driving()
     ask(pilot, Twist2(0.1, 0.2), MIN_INTERVAL)
     pilot.stop(MIN_INTERVAL)
-    assert pilot.outgoing() == [commands.Stop()]
+    assert frames(pilot) == [commands.Stop()]
 
 
 BLOCKS = {
@@ -394,12 +420,12 @@ def test_what_began_before_a_stop_is_ignored_however_long(what: Snapshot, why: s
     began = pilot.last_stop.number
     pilot.observe(what, 0.1)
     assert pilot.blocked == why
-    assert pilot.outgoing() == vel(0.0)
+    assert frames(pilot) == vel(0.0)
     after = replace(what, motors=Motors(enabled=what.motors.enabled))
     for tenth in range(2, 100):
         assert str(ask(pilot, AHEAD, tenth / 10, after=began)).startswith(why)
         pilot.observe(after, tenth / 10)
-        assert pilot.outgoing() == []
+        assert frames(pilot) == []
 
 
 @pytest.mark.parametrize(("what", "why"), BLOCKS.values(), ids=BLOCKS)
@@ -504,13 +530,13 @@ def test_a_lost_session_forgets_everything_asked_for() -> None:
     pilot = driving()
     ask(pilot, Twist2(0.1, 0.0), 0.1)
     pilot.session_lost("gone", 0.2)
-    assert pilot.outgoing() == []
+    assert frames(pilot) == []
     assert pilot.deadline == inf
     assert pilot.asked(0.2) == STILL
     pilot.session_opened(LIMITS, 1.0)
-    pilot.outgoing()
+    frames(pilot)
     pilot.observe(READY, 1.0)
-    assert pilot.outgoing() == [OFF]
+    assert frames(pilot) == [OFF]
     pilot.stop(1.1)  # no robot spoke yet when somebody pressed stop: harmless
     assert ask(pilot, AHEAD, 1.2) is None
 
@@ -526,7 +552,7 @@ def test_a_host_that_slept_longer_than_the_watchdog_waits_for_a_fresh_request() 
     pilot = driving()
     pilot.observe(seen(v=0.3, enabled=True), 2.5)
     assert pilot.blocked == "the watchdog stopped the robot: this program slept 2.5 s"
-    assert pilot.outgoing() == vel(0.0)
+    assert frames(pilot) == vel(0.0)
 
 
 def test_a_host_that_hears_reports_has_not_slept() -> None:
@@ -546,10 +572,10 @@ def test_a_tick_notices_sleep_too() -> None:
 def test_the_emergency_stop_latches() -> None:
     pilot = driving()
     pilot.emergency_stop(0.1)
-    assert pilot.outgoing() == [commands.Stop(), commands.EStop()]
+    assert frames(pilot) == [commands.Stop(), commands.EStop()]
     assert pilot.emergency
     pilot.observe(READY, 0.2)
-    assert pilot.outgoing() == [OFF]
+    assert frames(pilot) == [OFF]
     assert ask(pilot, AHEAD, 5.0) == "the emergency stop is latched"
     assert pilot.set_motors(on=True, now=5.0) == "the emergency stop is latched"
     assert pilot.set_motors(on=False, now=5.0) is None
@@ -559,9 +585,9 @@ def test_while_latched_the_motors_are_kept_off() -> None:
     pilot = driving()
     pilot.emergency_stop(0.1)
     pilot.observe(STANDING, 0.2)
-    pilot.outgoing()
+    frames(pilot)
     pilot.observe(READY, 3.0)  # somebody at the robot switches them on
-    assert pilot.outgoing() == [OFF]
+    assert frames(pilot) == [OFF]
 
 
 def test_after_the_reset_the_motors_stay_off_and_a_held_key_does_nothing() -> None:
@@ -572,31 +598,31 @@ def test_after_the_reset_the_motors_stay_off_and_a_held_key_does_nothing() -> No
         ask(pilot, AHEAD, tenth / 10, after=held)
         pilot.observe(STANDING, tenth / 10)
     pilot.reset_emergency_stop()
-    pilot.outgoing()
+    frames(pilot)
     for tenth in range(20, 50):
         assert "emergency stop was pressed" in str(ask(pilot, AHEAD, tenth / 10, after=held))
         pilot.observe(STANDING, tenth / 10)
-    assert pilot.outgoing() == []
+    assert frames(pilot) == []
     assert ask(pilot, AHEAD, 5.0 + EXPIRY) is None
-    assert ON in pilot.outgoing()
+    assert ON in frames(pilot)
 
 
 def test_releasing_the_stop_button_brings_no_motors_back() -> None:
     pilot = driving()
     pilot.observe(seen(stop_button=True), 0.1)
     pilot.observe(seen(stop_button=True), 2.0)
-    pilot.outgoing()
+    frames(pilot)
     for tenth in range(21, 60):
         pilot.observe(STANDING, tenth / 10)
-    assert pilot.outgoing() == []
+    assert frames(pilot) == []
 
 
 def test_a_bumper_stops_what_pushes_it() -> None:
     pilot = driving()
     pilot.observe(seen(v=0.3, enabled=True, bumpers=Bumpers(front=(False, True))), 0.1)
-    assert pilot.outgoing() == vel(0.0)
+    assert frames(pilot) == vel(0.0)
     ask(pilot, Twist2(-0.2, 0.0), 0.2)
-    assert pilot.outgoing() == vel(-0.2)
+    assert frames(pilot) == vel(-0.2)
 
 
 def test_what_a_bumper_has_held_up_for_more_than_a_moment_does_not_drive_by_itself() -> None:
@@ -606,7 +632,7 @@ def test_what_a_bumper_has_held_up_for_more_than_a_moment_does_not_drive_by_itse
         for tenth in range(1, round(10 * seconds)):
             pilot.observe(held, tenth / 10)
             pilot.drive(VelocityCommand(AHEAD, after=1), tenth / 10)
-        pilot.outgoing()
+        frames(pilot)
         pilot.observe(free, seconds)
         pilot.drive(VelocityCommand(AHEAD, after=1), seconds)
         assert (pilot.asked(seconds) == AHEAD) is goes_on

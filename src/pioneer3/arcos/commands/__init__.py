@@ -26,6 +26,7 @@ from pioneer3.arcos.commands.codec import (
     every_command,
     from_payload,
     is_old,
+    moves,
     named,
     to_payload,
 )
@@ -40,6 +41,7 @@ __all__ = [
     "every_command",
     "from_payload",
     "is_old",
+    "moves",
     "named",
     "to_payload",
 ]

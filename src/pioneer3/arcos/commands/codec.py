@@ -34,6 +34,10 @@ _ROWS: Final = {row.name: row for row in (*DRIVING, *DEVICES, *OLD_SIMULATOR)}
 NUMBERS: Final = {name: row.number for name, row in _ROWS.items()}
 """Numbers of the commands in the table, by name."""
 
+MOTION: Final = {bytes([number]) for number in (4, 8, 9, 11, 12, 13, 21, 22, 32, 110)}
+"""Numbers of the commands that can move the robot: ENABLE, MOVE, ROTATE, VEL, HEAD, DHEAD, RVEL,
+DCHEAD, VEL2 and LATVEL (protocol.md 3.1)."""
+
 Meaning = type[Command] | Row
 
 
@@ -104,6 +108,15 @@ def to_payload(command: Command) -> bytes:
     if isinstance(command, Unknown):
         return pack(command)
     return bytes([command.ID]) + pack(command)
+
+
+def moves(command: Command) -> bool:
+    """Return whether a command can move the robot.
+
+    Raises:
+        CommandError: It does not fit the protocol.
+    """
+    return to_payload(command)[:1] in MOTION
 
 
 def from_payload(payload: bytes, *, simulator: bool = False) -> Command:

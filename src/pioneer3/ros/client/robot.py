@@ -6,7 +6,6 @@ from dataclasses import replace
 from math import inf
 from typing import Final
 
-from pioneer3.arcos import commands
 from pioneer3.behaviors.action import Stack
 from pioneer3.geometry import STILL, Twist2
 from pioneer3.robot.explain import why_not_moving
@@ -112,9 +111,7 @@ class TopicSupervisor:
         if self._fresh is None:
             if self.pilot.emergency:
                 self._stop_hard()  # it may have been out of reach when that was asked for
-            self.pilot.session_opened(
-                self.info.limits, now, settable_speed=False, settable_acceleration=False
-            )
+            self.pilot.session_opened(self.info.limits, now)
             self.status.publish(Status(Connection.CONNECTED, self.info.url))
         self._fresh = snapshot = self._with_stall(snapshot, now)
         self.pilot.observe(snapshot, now)
@@ -193,19 +190,12 @@ class TopicSupervisor:
         self.status.publish(Status(Connection.LOST, why))
 
     def _flush(self, *, again: bool = False) -> None:
-        """Send the decision of the pilot, or the last velocity `again`.
+        """Send the motion that the pilot wants, or the last velocity `again`.
 
-        Its commands about power are left to the node, which has a pilot, too.
+        Motors and accelerations are left to the node, which has a pilot, too.
         """
-        v, wanted = 0.0, None
-        for command in self.pilot.outgoing():
-            match command:
-                case commands.Vel():
-                    v = command.speed
-                case commands.RVel():
-                    wanted = Twist2(v, command.rate)
-                case commands.Stop():
-                    wanted = STILL
+        request = self.pilot.outgoing()
+        wanted = STILL if request.stop and request.twist is None else request.twist
         if wanted is None and again:
             wanted = self._sent
         if wanted is not None and not (wanted.is_zero and self._sent.is_zero):
