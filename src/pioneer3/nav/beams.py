@@ -10,10 +10,13 @@ from pioneer3.state import Scan
 
 Float = NDArray[np.float64]
 
-CLEAR, HEARD = 8.0, 1 / 3
-"""Where nothing echoes, the way is free this far [m], and this share of the longest range: farther
-off, glass and dark walls send too little back. A URG-04LX tells 5.6 m and hears to 4.095 m."""
-MOST = 80.0
+CLEAR_RANGE = 8.0
+"""Longest way that is free where nothing echoes [m]. A URG-04LX tells 5.6 m and hears to 4.095 m.
+"""
+CLEAR_SHARE = 1 / 3
+"""Share of the longest range that is free where nothing echoes: farther off, glass and dark walls
+send too little back."""
+LONGEST_RANGE = 80.0
 """Longest range where the laser tells none [m]."""
 
 
@@ -42,7 +45,7 @@ class Beams:
         """Ends of the free part of the beams that echoed nothing [m], shape (M, 2)."""
         ways = self.clear - self.origin
         lengths = np.maximum(np.hypot(*ways.T), 1e-9)
-        known = min(CLEAR, HEARD * self.far)
+        known = min(CLEAR_RANGE, CLEAR_SHARE * self.far)
         ends: Float = self.origin + ways * np.minimum(1.0, known / lengths)[:, None]
         return ends
 
@@ -63,7 +66,7 @@ def beams_of(scan: Scan) -> Beams:
     origins = np.stack([x + c * sensor.x - s * sensor.y, y + s * sensor.x + c * sensor.y], axis=1)
     bearing = theta + sensor.theta + angles
     ahead = np.stack([np.cos(bearing), np.sin(bearing)], axis=1)
-    far = min(scan.far, MOST)
+    far = min(scan.far, LONGEST_RANGE)
     hit, none = np.isfinite(ranges), np.isposinf(ranges)
     return Beams(
         stamp=scan.stamp + max(0.0, scan.beam_time) * max(0, len(angles) - 1),

@@ -18,15 +18,18 @@ from math import hypot, inf, isfinite, pi
 from pioneer3.geometry import ORIGIN, Pose2
 from pioneer3.state import Scan
 
-NOTHING = 50.0
-"""A laser of the time sees nothing at readings from here on [m]."""
+NO_ECHO = 50.0
+"""Reading from which on a laser of the time has seen nothing [m]."""
 CODES = (8.18, 8.2), (16.36, 16.4), (32.74, 32.8)
 """Readings that mean the same where a SICK's 13 bits count in 1, 2 or 4 mm [m]."""
-OFFSET, FARTHEST = "robot_frontlaser_offset", "robot_front_laser_max"
-NEAR = 1e-3
-"""Poses that differ by less are the same [m, rad]."""
-LATE = 1.0
-"""Stamps of neighbouring lines differ by less than this [s], unless one of them means nothing."""
+OFFSET_PARAMETER = "robot_frontlaser_offset"
+"""Parameter of the laser's place ahead of the robot's middle."""
+RANGE_PARAMETER = "robot_front_laser_max"
+"""Parameter of the laser's longest range."""
+SAME_POSE = 1e-3
+"""Difference below which two poses are the same [m, rad]."""
+STAMP_GAP = 1.0
+"""Difference of neighbouring lines' stamps at most [s], unless one of them means nothing."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +73,7 @@ class _Reader:
     """Chains the odometry and makes scans."""
 
     def __init__(self) -> None:
-        self.offset, self.far = 0.0, NOTHING
+        self.offset, self.far = 0.0, NO_ECHO
         self._raw = ORIGIN
         self._anchor: Pose2 | None = None
         self._number = 0
@@ -90,7 +93,7 @@ class _Reader:
             self.move(sweep.robot, sweep.stamp)
         mount = sweep.robot.inverse() @ sweep.laser
         # a laser's pose is as far from the robot's as the laser; a corrected one is anywhere
-        differs = hypot(mount.x - self.offset, mount.y) > NEAR or abs(mount.theta) > NEAR
+        differs = hypot(mount.x - self.offset, mount.y) > SAME_POSE or abs(mount.theta) > SAME_POSE
         differs = differs and hypot(mount.x, mount.y) + abs(mount.theta) > 0
         self._number += 1
         return LoggedScan(
@@ -136,10 +139,10 @@ def read_carmen(lines: Iterable[str]) -> Iterator[LoggedOdometry | LoggedScan]:
 
 def _set(reader: _Reader, name: str, value: str) -> None:
     number = _number(value)
-    if name == OFFSET and isfinite(number):
+    if name == OFFSET_PARAMETER and isfinite(number):
         reader.offset = number
-    elif name == FARTHEST and number > 0:
-        reader.far = min(number, NOTHING)
+    elif name == RANGE_PARAMETER and number > 0:
+        reader.far = min(number, NO_ECHO)
 
 
 def _sweep(numbers: list[float]) -> _Sweep | None:
@@ -160,7 +163,7 @@ def _anchors(words: list[str], numbers: list[float], sweep: _Sweep) -> bool:
     robot = sweep.robot
     if words[0] != "ODOM" or len(numbers) < 8 or numbers[:3] != [robot.x, robot.y, robot.theta]:
         return False
-    return numbers[6] == 0 or abs(numbers[6] - sweep.stamp) > LATE
+    return numbers[6] == 0 or abs(numbers[6] - sweep.stamp) > STAMP_GAP
 
 
 def _angles(count: int) -> tuple[float, ...]:

@@ -10,27 +10,30 @@ from pioneer3.geometry import wrap
 Float = NDArray[np.float64]
 Int = NDArray[np.int64]
 
-JOINED = 0.45
-"""Echoes nearer to each other than this are of one thing [m]: the legs of somebody who walks."""
-WIDEST = 0.9
-"""Larger things are no people [m]."""
+JOIN_DISTANCE = 0.45
+"""Distance below which two echoes are of one thing [m]: the legs of somebody who walks."""
+WIDEST_PERSON = 0.9
+"""Size above which things are no people [m]."""
 COMPANY = 0.15
-"""An echo without another one so near is a mistake of the laser, or too little of a thing [m]."""
-SHANK, WIDE = 0.04, 0.15
-"""Radius of a leg, and how wide parts of a thing are at most that are legs [m]."""
-APART = 0.08
-"""Echoes farther apart are of two legs [m]."""
+"""Distance to the next echo at most [m]: one without it is a mistake of the laser, or too little of
+a thing."""
+SHANK_RADIUS = 0.04
+"""Radius of a leg [m]."""
+SHANK_WIDTH = 0.15
+"""Width of the parts of a thing that are legs at most [m]."""
+LEGS_APART = 0.08
+"""Distance above which two echoes are of two legs [m]."""
 STANCE = 0.2
-"""From the middle of somebody who stands to the outside of a leg at most [m]."""
-AT_EDGE = 0.1
-"""So near to the edge of what the laser sees a thing is not seen whole [rad]."""
+"""Distance from the middle of somebody who stands to the outside of a leg at most [m]."""
+FIELD_EDGE = 0.1
+"""Angle to the edge of the laser's field within which a thing is not seen whole [rad]."""
 
 
 def middle_of(points: Float, origin: Float) -> tuple[float, float]:
     """Return the middle of the box around points, as far behind them as that of a leg [m]."""
     x, y = ((points.min(axis=0) + points.max(axis=0)) / 2).tolist()
     dx, dy = x - float(origin[0]), y - float(origin[1])
-    share = SHANK / max(hypot(dx, dy), SHANK)
+    share = SHANK_RADIUS / max(hypot(dx, dy), SHANK_RADIUS)
     return x + share * dx, y + share * dy
 
 
@@ -57,14 +60,14 @@ def is_whole(points: Float, origin: Float, limit: Float, expected: tuple[float, 
     dx, dy = expected[0] - float(origin[0]), expected[1] - float(origin[1])
     middle = abs(wrap(atan2(dy, dx) - float(limit[0])))
     inside = float(limit[1]) - middle > atan2(STANCE, hypot(dx, dy))
-    return inside and bool((np.abs(off) < limit[1] - AT_EDGE / 2).all())
+    return inside and bool((np.abs(off) < limit[1] - FIELD_EDGE / 2).all())
 
 
 def looks_like_legs(points: Float) -> bool:
     """Return whether all parts of a thing (N, 2) are as narrow as legs."""
-    apart = np.hypot(*np.diff(points, axis=0).T) > APART
+    apart = np.hypot(*np.diff(points, axis=0).T) > LEGS_APART
     parts = np.split(points, np.flatnonzero(apart) + 1)
-    return all(hypot(*np.ptp(part, axis=0).tolist()) < WIDE for part in parts)
+    return all(hypot(*np.ptp(part, axis=0).tolist()) < SHANK_WIDTH for part in parts)
 
 
 def clusters(points: Float) -> list[Int]:
@@ -74,11 +77,11 @@ def clusters(points: Float) -> list[Int]:
     """
     if not len(points):
         return []
-    apart = np.hypot(*np.diff(points, axis=0).T) > JOINED
+    apart = np.hypot(*np.diff(points, axis=0).T) > JOIN_DISTANCE
     parts = np.split(np.arange(len(points)), np.flatnonzero(apart) + 1)
     small = []
     for part in parts:
         size = np.ptp(points[part], axis=0)
-        if hypot(size[0], size[1]) < WIDEST:
+        if hypot(size[0], size[1]) < WIDEST_PERSON:
             small.append(part)
     return small

@@ -20,7 +20,7 @@ Float = NDArray[np.float64]
 Float32 = NDArray[np.float32]
 Bool = NDArray[np.bool_]
 
-CELL = 0.05
+COST_CELL = 0.05
 """Side of a cell [m]."""
 MARGIN = 0.07
 """Kept on either side of the robot in the narrowest places [m]: it has to be in line."""
@@ -30,16 +30,16 @@ COMFORTABLE = 0.35
 """More room than this beside the robot is worth no detour [m]."""
 NARROW = 3.0
 """A metre without any room beside the robot costs so many metres in the open, and one more."""
-SQUEEZE = 60.0
-"""A metre where the robot does not fit costs so much: it may get out of there."""
-BUSY, ASIDE = 2.0, 0.15
-"""A metre on the lines on which people come costs so many metres more; nothing at the latter
-distance [m] from the place where they pass beside the robot.
-"""
-PASSES = 0.25 + 0.15
-"""From the middle of somebody who passes to the robot's side [m]."""
-CORE = 0.08
-"""No place nearer to a wall than this is worth leaving from [m]."""
+SQUEEZE_COST = 60.0
+"""Cost of a metre where the robot does not fit [m in the open]: it may get out of there."""
+PEOPLE_COST = 2.0
+"""Cost of a metre on the lines on which people come, besides that of the open [m in the open]."""
+PEOPLE_FADE = 0.15
+"""Distance over which this cost falls to nothing, from where they pass beside the robot on [m]."""
+PASSING_DISTANCE = 0.25 + 0.15
+"""Distance from the middle of somebody who passes to the robot's side [m]."""
+LEAST_CLEARANCE = 0.08
+"""Clearance below which no place is worth leaving from [m]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -53,7 +53,8 @@ class CostMap:
         closed: Where the robot must not be, whatever its clearance: in forbidden areas, outside of
             all that is known, shape (H, W).
         forbidden: Areas of the map that robots must not enter.
-        busy: Share of `BUSY` that each place costs, as people come there, shape (H, W), or `None`.
+        busy: Share of `PEOPLE_COST` that each place costs, as people come there, shape (H, W), or
+            `None`.
         speeds: Highest speed that is wanted [m/s], `inf` where any is, shape (H, W).
         needed: The clearance that the robot needs to pass [m].
         turning: The clearance that it needs to turn to any heading [m].
@@ -71,7 +72,7 @@ class CostMap:
     busy: Float32 | None = None
 
     @classmethod
-    def of(cls, line_map: LineMap, model: RobotModel, cell: float = CELL) -> Self:
+    def of(cls, line_map: LineMap, model: RobotModel, cell: float = COST_CELL) -> Self:
         """Return the costs of a map for a robot.
 
         A robot is as wide as it is: it turns towards its way before a narrow place.
@@ -115,10 +116,10 @@ class CostMap:
         """Return the costs with lines on which people come, (L, 4) [m]: best left to them."""
         if not len(lines):
             return self
-        apart = np.float32(self.needed - MARGIN + PASSES)
-        away = np.full(self.raster.shape, apart + np.float32(ASIDE), dtype=np.float32)
+        apart = np.float32(self.needed - MARGIN + PASSING_DISTANCE)
+        away = np.full(self.raster.shape, apart + np.float32(PEOPLE_FADE), dtype=np.float32)
         fast(nearest_wall, CACHE)(lines, self.raster.x, self.raster.y, self.raster.cell, away)
-        return replace(self, busy=np.clip((apart - away) / np.float32(ASIDE) + 1, 0, 1))
+        return replace(self, busy=np.clip((apart - away) / np.float32(PEOPLE_FADE) + 1, 0, 1))
 
     def speed_at(self, x: float, y: float) -> float:
         """Return the highest speed that is wanted at a place [m/s]; `inf` where any is."""
@@ -132,9 +133,9 @@ class CostMap:
         factors = 1 + np.float32(NARROW) * tight * tight
         factors *= np.maximum(1, np.float32(self.top_speed) / self.speeds)
         if self.busy is not None:
-            factors += np.float32(BUSY) * self.busy
-        factors[room < 0] = SQUEEZE
-        factors[self.closed | (self.clearance < CORE)] = np.inf
+            factors += np.float32(PEOPLE_COST) * self.busy
+        factors[room < 0] = SQUEEZE_COST
+        factors[self.closed | (self.clearance < LEAST_CLEARANCE)] = np.inf
         costs: Float32 = factors * np.float32(self.raster.cell)
         return costs
 

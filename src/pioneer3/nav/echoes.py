@@ -15,26 +15,33 @@ from pioneer3.nav.costs import CostMap
 Float = NDArray[np.float64]
 Int = NDArray[np.int64]
 
-EXPLAINED = 0.12
-"""An echo so near to a wall of the map is of that wall [m]."""
-SHORT = 0.15
-"""So much before an echo nothing is known to be free [m]: poses are not that exact."""
-HEARD, HEARD_AGE, HEARD_AMONG_PEOPLE = 3, 15.0, 3.0
-"""Plans avoid what was heard so often, until so long after the last time [s]."""
-ECHO, ECHO_AGE = 1.5, 3.0
-"""Echoes from nearer than this count [m]; a robot keeps clear of them for so long [s]."""
-NEAR = 0.5
-"""Nearer than this a thing may be anywhere on the arc of its echo [m]; farther ones close doors."""
-SAME = 0.1
-"""Echoes from the same direction are of one thing, if no farther apart [m]."""
-SURE = np.radians(10.0)
-"""So near to its axis a sonar hears all that is there [rad]."""
+WALL_ECHO = 0.12
+"""Distance to a wall of the map within which an echo is of that wall [m]."""
+UNSURE_END = 0.15
+"""Length before an echo of which nothing is known to be free [m]: poses are not that exact."""
+HEARD_TIMES = 3
+"""Echoes after which plans avoid a thing."""
+HEARD_AGE = 15.0
+"""Time after the last echo for which plans avoid a thing [s]."""
+HEARD_AMONG_PEOPLE = 3.0
+"""Time after the last echo for which plans avoid a thing where people are [s]."""
+ECHO_RANGE = 1.5
+"""Range below which echoes count [m]."""
+ECHO_AGE = 3.0
+"""Time for which a robot keeps clear of an echo [s]."""
+ARC_RANGE = 0.5
+"""Range below which a thing may be anywhere on the arc of its echo [m]; farther ones close doors.
+"""
+SAME_ECHO = 0.1
+"""Difference of two echoes of one thing from the same direction at most [m]."""
+AXIS = np.radians(10.0)
+"""Angle off its axis within which a sonar hears all that is there [rad]."""
 ARC = np.radians([-21.0, -10.0, 0.0, 10.0, 21.0])
-"""Directions off the axis of a sonar from which an echo may come."""
-BODY = 0.2
-"""Radius of what may be behind a near echo where people are [m]."""
-BEAM = np.radians([-15.0, 0.0, 15.0])
-"""Directions off the axis of a sonar in which it hears a body."""
+"""Directions off the axis of a sonar from which an echo may come [rad]."""
+BODY_RADIUS = 0.2
+"""Radius of the thing that may be behind a near echo where people are [m]."""
+BODY_BEAM = np.radians([-15.0, 0.0, 15.0])
+"""Directions off the axis of a sonar in which it hears a body [rad]."""
 NOWHERE: Float = np.empty((0, 2))
 
 
@@ -66,7 +73,7 @@ class Echoes:
         self._times: Float = np.zeros(costs.raster.shape)
         self._counts = np.zeros(costs.raster.shape, dtype=np.uint8)
         self._echoes: list[Echo] = []
-        self._steps = np.arange(0.1, ECHO, costs.raster.cell)
+        self._steps = np.arange(0.1, ECHO_RANGE, costs.raster.cell)
 
     def take(
         self,
@@ -86,23 +93,23 @@ class Echoes:
             is_known: Tells whether something else explains an echo from some points (5, 2) [m].
             people: Whether they may be of people.
         """
-        self._clear(transducers, np.minimum(ranges, ECHO))
-        echoed = (ranges > 0.0) & (ranges < ECHO)
+        self._clear(transducers, np.minimum(ranges, ECHO_RANGE))
+        echoed = (ranges > 0.0) & (ranges < ECHO_RANGE)
         places, ranges = transducers[echoed], ranges[echoed]
         bearings = places[:, 2:] + ARC
         arcs = places[:, None, :2] + ranges[:, None, None] * _directions(bearings)
         rows, columns, inside = self._cells(arcs)
-        by_map = self._clearance[rows, columns] < EXPLAINED
+        by_map = self._clearance[rows, columns] < WALL_ECHO
         for n in np.flatnonzero((inside & ~by_map).all(axis=1)).tolist():
             if not is_known(arcs[n]):
                 row, column = int(rows[n, 2]), int(columns[n, 2])
                 self._count(row, column, now)
                 bodies = NOWHERE
-                if people and ranges[n] < NEAR:
-                    there = _directions(places[n, 2] + BEAM)
-                    bodies = places[n, :2] + (ranges[n] + BODY) * there
+                if people and ranges[n] < ARC_RANGE:
+                    there = _directions(places[n, 2] + BODY_BEAM)
+                    bodies = places[n, :2] + (ranges[n] + BODY_RADIUS) * there
                 middle = arcs[n, 2]
-                points = arcs[n] if ranges[n] < NEAR else middle[None]
+                points = arcs[n] if ranges[n] < ARC_RANGE else middle[None]
                 self._echoes.append(Echo(now, middle, points, bodies))
 
     def _count(self, row: int, column: int, now: float) -> None:
@@ -113,7 +120,7 @@ class Echoes:
     def _clear(self, transducers: Float, metres: Float) -> None:
         """Forget what was heard from within the beams of sonars that reach so far [m], (F,)."""
         axes = _directions(transducers[:, 2])
-        free = self._steps < metres[:, None] - SHORT
+        free = self._steps < metres[:, None] - UNSURE_END
         beams = transducers[:, None, :2] + self._steps[:, None] * axes[:, None]
         rows, columns, inside = self._cells(beams[free])
         rows, columns = rows[inside], columns[inside]
@@ -123,8 +130,8 @@ class Echoes:
         off = np.array([each.middle for each in self._echoes])[:, None] - transducers[:, :2]
         along = (off * axes).sum(axis=2)
         aside = off[..., 1] * axes[:, 0] - off[..., 0] * axes[:, 1]
-        anew = np.abs(np.arctan2(aside, along)) < SURE
-        anew &= np.hypot(along, aside) <= metres + SAME
+        anew = np.abs(np.arctan2(aside, along)) < AXIS
+        anew &= np.hypot(along, aside) <= metres + SAME_ECHO
         gone = anew.any(axis=1).tolist()
         self._echoes = [
             each for each, is_gone in zip(self._echoes, gone, strict=True) if not is_gone
@@ -150,7 +157,7 @@ class Echoes:
             Times [s], 0 for none, shape (H, W).
         """
         since = now - min(age, HEARD_AMONG_PEOPLE if people else HEARD_AGE)
-        return np.where((self._counts >= HEARD) & (self._times >= since), self._times, 0.0)
+        return np.where((self._counts >= HEARD_TIMES) & (self._times >= since), self._times, 0.0)
 
     def near(self, x: float, y: float, within: float, now: float) -> Float:
         """Return points of the echoes of the last moments around a place, (N, 2) [m]."""
@@ -159,7 +166,7 @@ class Echoes:
         return points[np.hypot(points[:, 0] - x, points[:, 1] - y) < within]
 
     def bodies(self, now: float) -> Float:
-        """Return the middles of bodies of radius `BODY` that may be behind near echoes, (N, 2)."""
+        """Return the middles of bodies that may be behind near echoes [m], shape (N, 2)."""
         fresh = (each.bodies for each in self._echoes if each.when > now - ECHO_AGE)
         return np.concatenate([NOWHERE, *fresh])
 

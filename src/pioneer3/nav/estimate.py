@@ -12,7 +12,7 @@ from pioneer3.geometry import Pose2
 Float = NDArray[np.float64]
 
 CHI_SQUARED = 5.991
-"""Of two dimensions, at 95 %."""
+"""Quantile of the chi-squared distribution in two dimensions, at 95 %."""
 
 Stage = Literal["lost", "looking", "sure"]
 """`lost`: the robot may be anywhere. `looking`: it is at one of some places, or near one that

@@ -9,20 +9,20 @@ from numpy.typing import NDArray
 from pioneer3.geometry import Pose2
 from pioneer3.maps import OccupancyGrid
 from pioneer3.maps.line_map import FREE
-from pioneer3.nav.costs import CELL, CostMap
+from pioneer3.nav.costs import COST_CELL, CostMap
 from pioneer3.nav.frontiers import Frontier, find_frontiers
 from pioneer3.nav.planner import NoWay, Way, plan
 
 Float = NDArray[np.float64]
 
-SAME = 0.5
-"""Two edges, seen one after the other, are the same if they come so near to each other [m]."""
-PATIENCE = 45.0
-"""An edge is given up if the map has not grown for so long [s] while the robot drove there."""
+SAME_EDGE = 0.5
+"""Distance within which two edges, seen one after the other, are the same [m]."""
+EDGE_PATIENCE = 45.0
+"""Time without growth of the map after which the edge that the robot drives to is given up [s]."""
 GROWTH = 0.3
-"""Less of new ground is no growth [m^2]."""
+"""New ground below which the map has not grown [m^2]."""
 MOST_TRIED = 8
-"""Ways to so many edges are planned at once; the others come next time."""
+"""Edges to which ways are planned at once; the others come next time."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -127,7 +127,7 @@ class Exploration:
 
     def _find(self, grid: OccupancyGrid, costs: CostMap, robot_in_map: Pose2) -> list[Frontier]:
         old = np.array([each.frontier.end for each in self.given_up]).reshape(-1, 2)
-        turning = costs.turning + CELL
+        turning = costs.turning + COST_CELL
         return list(find_frontiers(grid, robot_in_map, turning, costs.needed, old))
 
     def wait(self, now: float) -> None:
@@ -139,13 +139,13 @@ class Exploration:
         area = float((grid.states == FREE).sum()) * grid.resolution**2
         if area > self._area + GROWTH:
             self._area, self._grew = area, now
-        elif self._target is not None and now - self._grew > PATIENCE:
+        elif self._target is not None and now - self._grew > EDGE_PATIENCE:
             self.give_up("the robot did not get there")
 
 
 def _same(a: Frontier, b: Frontier) -> bool:
     off = a.points[:, None, :] - b.points[None, :, :]
-    return bool((np.hypot(off[..., 0], off[..., 1]) < SAME).any())
+    return bool((np.hypot(off[..., 0], off[..., 1]) < SAME_EDGE).any())
 
 
 def _why(way: NoWay) -> str:

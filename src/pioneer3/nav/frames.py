@@ -13,7 +13,7 @@ from pioneer3.nav.matching import Cloud
 Float = NDArray[np.float64]
 
 VIEW = 5.0
-"""What is farther away counts as if it were here [m]."""
+"""Distance beyond which things seen count as if they were here [m]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

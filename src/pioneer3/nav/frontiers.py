@@ -18,21 +18,23 @@ Float = NDArray[np.float64]
 Int = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
-LEAST = 0.4
-"""Shorter frontiers are gaps between beams [m]."""
-BESIDE = 0.15
-"""What is unknown so near to a wall is the wall itself [m]: few beams graze along it."""
-LOOK = 2.0
-"""A frontier is looked at from this near [m]."""
-APART = 0.1
-"""Places to look from lie so far apart [m]."""
-WORTH, MOST_WORTH = 1.0, 6.0
-"""A longer frontier is worth so much more way, up to a length [m]."""
-IGNORED = 0.5
-"""Around a place where nothing is looked for [m]."""
+SHORTEST_FRONTIER = 0.4
+"""Length below which a frontier is a gap between beams [m]."""
+WALL_DEPTH = 0.15
+"""Distance to a wall within which the unknown is the wall itself [m]: few beams graze along it."""
+VIEW_DISTANCE = 2.0
+"""Distance from which a frontier is looked at [m]."""
+VIEWS_APART = 0.1
+"""Distance between two places to look from [m]."""
+FRONTIER_WORTH = 1.0
+"""Way that a metre more of frontier is worth [m]."""
+FRONTIER_LENGTH = 6.0
+"""Length above which a frontier is worth no more [m]."""
+IGNORED_RADIUS = 0.5
+"""Radius around a place in which nothing is looked for [m]."""
 NOWHERE: Float = np.empty((0, 2))
-BEGIN = 0.5
-"""A robot nearer to walls than it can turn begins at a place within this [m]."""
+BEGIN_RADIUS = 0.5
+"""Distance within which a robot begins that is nearer to walls than it can turn [m]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -56,7 +58,7 @@ class Frontier:
     @property
     def cost(self) -> float:
         """The way, less what a long frontier is worth [m]."""
-        return self.way - WORTH * min(self.length, MOST_WORTH)
+        return self.way - FRONTIER_WORTH * min(self.length, FRONTIER_LENGTH)
 
 
 def find_frontiers(
@@ -80,18 +82,18 @@ def find_frontiers(
     corner = np.array([grid.origin.x, grid.origin.y]) - grid.resolution
     cell = grid.resolution
     clear = ndimage.distance_transform_edt(states != OCCUPIED)
-    unknown = (states == UNKNOWN) & (clear > BESIDE / cell)
+    unknown = (states == UNKNOWN) & (clear > WALL_DEPTH / cell)
     edge = (states == FREE) & ndimage.binary_dilation(unknown)
-    _leave_out(edge, (without - corner) / cell, IGNORED / cell)
+    _leave_out(edge, (without - corner) / cell, IGNORED_RADIUS / cell)
     labels, count = ndimage.label(edge, structure=np.ones((3, 3)))
     at = (np.array([robot_in_map.x, robot_in_map.y]) - corner) / cell
     passable = (states == FREE) & (clear > (radius if passes is None else passes) / cell)
-    ways = _ways(passable, at, (radius + BEGIN) / cell)
+    ways = _ways(passable, at, (radius + BEGIN_RADIUS) / cell)
     if not count or ways is None:
         return ()
     off, nearest = ndimage.distance_transform_edt(~edge, return_indices=True)
-    every = max(1, round(APART / cell))
-    views = np.isfinite(ways) & (clear > radius / cell) & (off <= LOOK / cell)
+    every = max(1, round(VIEWS_APART / cell))
+    views = np.isfinite(ways) & (clear > radius / cell) & (off <= VIEW_DISTANCE / cell)
     near = np.argwhere(views[::every, ::every]) * every
     rows, columns = near.T
     ends = nearest[:, rows, columns].T
@@ -101,7 +103,7 @@ def find_frontiers(
     for label, cells in enumerate(ndimage.find_objects(labels), start=1):
         member = np.argwhere(labels[cells] == label) + np.array([cells[0].start, cells[1].start])
         length = _extent(member) * cell
-        if length < LEAST:
+        if length < SHORTEST_FRONTIER:
             continue
         mine = np.flatnonzero(owner == label)
         chosen = _first_in_sight(states, near[mine], ends[mine], cost[mine])

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from pioneer3.geometry import Pose2
 from pioneer3.nav.costs import CostMap
 from pioneer3.nav.mover import Mover
-from pioneer3.nav.moving import RADIUS
+from pioneer3.nav.moving import PERSON_RADIUS
 from pioneer3.nav.planner import CostToGo
 from pioneer3.nav.raster import Raster
 
@@ -64,7 +64,7 @@ def refuge(
     """
     here = robot_in_map.x, robot_in_map.y
     around = _window(costs, *here).with_obstacles(_with_bodies(seen, walkers))
-    apart = corner + RADIUS + BESIDE
+    apart = corner + PERSON_RADIUS + BESIDE
 
     def free(places: Float) -> Bool:
         beside = np.ones(len(places), dtype=np.bool_)
@@ -119,7 +119,7 @@ def _from_way(walker: Mover, ahead: Float, places: Float) -> Float:
 
 def _with_bodies(seen: Float, walkers: Sequence[Mover]) -> Float:
     angles = np.linspace(0, 2 * np.pi, 12, endpoint=False)
-    ring = RADIUS * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    ring = PERSON_RADIUS * np.stack([np.cos(angles), np.sin(angles)], axis=1)
     return np.concatenate([seen, *(ring + np.array((each.x, each.y)) for each in walkers)])
 
 

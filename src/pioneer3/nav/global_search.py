@@ -19,17 +19,18 @@ Float = NDArray[np.float64]
 Int32 = NDArray[np.int32]
 UInt8 = NDArray[np.uint8]
 
-CELL = 0.1
-"""From one place to the next [m]."""
-HEADINGS = ceil(2 * pi / radians(5))
-BEAMS = 40
-"""That are looked at."""
-SIGMA = 0.15
+SEARCH_CELL = 0.1
+"""Distance from one place to the next [m]."""
+SEARCH_HEADINGS = ceil(2 * pi / radians(5))
+"""Headings that are tried at each place."""
+SEARCH_BEAMS = 40
+"""Beams that are looked at."""
+SEARCH_SIGMA = 0.15
 """Standard deviation of a point from a wall, as coarse as places and headings are [m]."""
-FINE = 12_000
-"""Of the places and headings, so many are looked at more closely."""
+CLOSER_LOOKS = 12_000
+"""Places with headings that are looked at more closely."""
 NEIGHBORS = 5
-"""Of one that fits, so many of its neighbors among the best."""
+"""Neighbors of one that fits, among these, at most."""
 SLICE = 20_000
 """Places that are scored at once: bounds the memory."""
 
@@ -54,9 +55,9 @@ class Places:
     def of(cls, field: DistanceField, room: float) -> "Places":
         """Return the places that are farther than `room` [m] from the walls of a fine field."""
         raster = field.raster
-        step = round(CELL / raster.cell)
+        step = round(SEARCH_CELL / raster.cell)
         middles = field.distances[step // 2 :: step, step // 2 :: step]
-        scores = np.rint(255 * np.exp(-0.5 * (middles / SIGMA) ** 2)).astype(np.uint8)
+        scores = np.rint(255 * np.exp(-0.5 * (middles / SEARCH_SIGMA) ** 2)).astype(np.uint8)
         free = np.argwhere(middles >= min(room, field.reach)).astype(np.int32)
         return cls(raster.x, raster.y, scores, free)
 
@@ -93,30 +94,34 @@ class Search:
         points = self.likelihood.points
         if not len(points) or not len(self.places.free):
             return Candidates(self.robot_in_odom, None)
-        chosen = points[np.linspace(0, len(points) - 1, min(BEAMS, len(points))).astype(np.intp)]
+        chosen = points[
+            np.linspace(0, len(points) - 1, min(SEARCH_BEAMS, len(points))).astype(np.intp)
+        ]
         poses = self._best(chosen)
         hypotheses = Hypotheses.found(poses, self.likelihood)
         return Candidates(self.robot_in_odom, hypotheses)
 
     def _best(self, points: Float) -> Float:
-        """Return places and headings with the highest scores, at most `FINE`, shape (N, 3)."""
-        headings = (np.arange(HEADINGS) + 0.5) * (2 * pi / HEADINGS) - pi
+        """Return places and headings with the highest scores [m, rad], shape (N, 3)."""
+        headings = (np.arange(SEARCH_HEADINGS) + 0.5) * (2 * pi / SEARCH_HEADINGS) - pi
         c, s = np.cos(headings)[:, None], np.sin(headings)[:, None]
         x, y = points[:, 0], points[:, 1]
-        offsets = np.rint(np.stack([s * x + c * y, c * x - s * y], axis=2) / CELL).astype(np.int32)
+        offsets = np.rint(np.stack([s * x + c * y, c * x - s * y], axis=2) / SEARCH_CELL).astype(
+            np.int32
+        )
         places, score = self.places, fast(score_places, CACHE)
         found: list[Int32] = []
         for first in range(0, len(places.free), SLICE):
             some = places.free[first : first + SLICE]
-            out = np.empty((len(some), HEADINGS), dtype=np.uint16)
+            out = np.empty((len(some), SEARCH_HEADINGS), dtype=np.uint16)
             score(places.scores, some, offsets, out)
-            best = _highest(out.ravel(), FINE * NEIGHBORS)
-            row, column = some[best // HEADINGS].T
-            rows = np.stack([row, column, best % HEADINGS, out.ravel()[best]], axis=1)
+            best = _highest(out.ravel(), CLOSER_LOOKS * NEIGHBORS)
+            row, column = some[best // SEARCH_HEADINGS].T
+            rows = np.stack([row, column, best % SEARCH_HEADINGS, out.ravel()[best]], axis=1)
             found.append(_first_in_blocks(rows.astype(np.int32)))
         together = np.concatenate(found)
-        row, column, heading, _ = together[_highest(together[:, 3], FINE)].T
-        x, y = places.x + (column + 0.5) * CELL, places.y + (row + 0.5) * CELL
+        row, column, heading, _ = together[_highest(together[:, 3], CLOSER_LOOKS)].T
+        x, y = places.x + (column + 0.5) * SEARCH_CELL, places.y + (row + 0.5) * SEARCH_CELL
         return np.stack([x, y, headings[heading]], axis=1)
 
 

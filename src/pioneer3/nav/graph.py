@@ -14,11 +14,12 @@ Float = NDArray[np.float64]
 Int = NDArray[np.int64]
 
 PHI = 10.0
-"""A loop with a larger squared error than this is taken for partly wrong [squared sigmas]."""
-ROUNDS = 10
-SMALL = 1e-4
-"""Steps below this end the search [m, rad]."""
-PLAIN = 2
+"""Squared error above which a loop is taken for partly wrong [squared sigmas]."""
+GRAPH_ROUNDS = 10
+"""Rounds of the search at most."""
+GRAPH_STEP = 1e-4
+"""Step below which the search ends [m, rad]."""
+GRAPH_PLAIN_ROUNDS = 2
 """Rounds in which all loops count in full, as far ends of a long way are far from each other."""
 
 
@@ -69,9 +70,9 @@ def optimized(
     poses: Sequence[Pose2],
     edges: Sequence[Edge],
     *,
-    plain: int = PLAIN,
-    rounds: int = ROUNDS,
-    small: float = SMALL,
+    plain: int = GRAPH_PLAIN_ROUNDS,
+    rounds: int = GRAPH_ROUNDS,
+    small: float = GRAPH_STEP,
 ) -> tuple[Pose2, ...]:
     """Return the likeliest poses; the first stays where it is.
 

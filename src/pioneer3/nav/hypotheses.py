@@ -18,22 +18,31 @@ from pioneer3.nav.particles import MotionErrors, moved, wrapped
 Float = NDArray[np.float64]
 Int = NDArray[np.intp]
 
-APART, APART_TURN = 0.2, 0.15
-"""Hypotheses nearer than this are one [m, rad]."""
-ALIKE, ALIKE_TURN = 0.4, 0.2
-"""Hypotheses nearer than this do not contradict each other [m, rad]."""
-UNLIKELY = 12.0
-"""Hypotheses less likely than the best by this are dropped: the logarithm of the ratio."""
-MOST = 250
-"""Kept at most."""
-PRIOR, PRIOR_TURN = 0.15, 0.04
-"""Standard deviations of a tracked hypothesis before a scan is taken [m, rad]."""
-AFTER, AFTER_TURN = 0.05, 0.03
-"""And after that [m, rad]."""
-NEW_WAY, NEW_TURN = 0.5, 0.5
-"""A scan after this way or turn tells as much as the first one; scans before tell the same again
-[m, rad]."""
-STEPS = (0.4, 0.3, 0.2, 0.1, 0.05)
+ONE_PLACE = 0.2
+"""Distance below which two hypotheses are one [m]."""
+ONE_HEADING = 0.15
+"""Difference of headings below which two hypotheses are one [rad]."""
+AGREEING_PLACE = 0.4
+"""Distance below which two hypotheses do not contradict each other [m]."""
+AGREEING_HEADING = 0.2
+"""Difference of headings below which two hypotheses do not contradict each other [rad]."""
+LEAST_LIKELY = 12.0
+"""Logarithm of the ratio to the best above which a less likely hypothesis is dropped."""
+MOST_HYPOTHESES = 250
+"""Hypotheses that are kept at most."""
+PRIOR_SIGMA = 0.15
+"""Standard deviation of a tracked hypothesis before a scan is taken [m]."""
+PRIOR_TURN_SIGMA = 0.04
+"""Standard deviation of its heading before a scan is taken [rad]."""
+SCAN_SIGMA = 0.05
+"""Standard deviation of a tracked hypothesis after a scan is taken [m]."""
+SCAN_TURN_SIGMA = 0.03
+"""Standard deviation of its heading after a scan is taken [rad]."""
+NEW_WAY = 0.5
+"""Way after which a scan tells as much as the first one [m]; scans before tell the same again."""
+NEW_TURN = 0.5
+"""Turn after which a scan tells as much as the first one [rad]."""
+TRACK_SCALES = (0.4, 0.3, 0.2, 0.1, 0.05)
 """Distances at which points lose their weight, step by step [m]."""
 
 
@@ -50,7 +59,7 @@ class Hypotheses:
         self.poses, self.logs, self.verdict = poses, logs, verdict
 
     @classmethod
-    def found(cls, poses: Float, likelihood: ScanLikelihood, most: int = MOST) -> Self:
+    def found(cls, poses: Float, likelihood: ScanLikelihood, most: int = MOST_HYPOTHESES) -> Self:
         """Return those of `poses` (P, 3) that remain after a scan was brought into line with each.
 
         Args:
@@ -73,13 +82,13 @@ class Hypotheses:
     def take(self, likelihood: ScanLikelihood, motion: Pose2, errors: MotionErrors) -> None:
         """Weigh all by a scan after a `motion` that they were moved by."""
         way, turn = errors.spread(motion)
-        place, heading = PRIOR**2 + way**2, PRIOR_TURN**2 + turn**2
+        place, heading = PRIOR_SIGMA**2 + way**2, PRIOR_TURN_SIGMA**2 + turn**2
         information = np.diag([1 / place, 1 / place, 1 / heading])
-        self.poses, _ = likelihood.refined(self.poses, information, STEPS)
+        self.poses, _ = likelihood.refined(self.poses, information, TRACK_SCALES)
         self.verdict = likelihood.judged(self.poses)
         new = hypot(motion.x, motion.y) / NEW_WAY + abs(motion.theta) / NEW_TURN
         self.logs = self.logs + min(1.0, new) * self.verdict.log_likelihood
-        self._thin(MOST)
+        self._thin(MOST_HYPOTHESES)
 
     @property
     def share(self) -> float:
@@ -87,7 +96,7 @@ class Hypotheses:
         off = self.poses - self.poses[0]
         away, turned = np.hypot(off[:, 0], off[:, 1]), abs(wrapped(off[:, 2]))
         weights = np.exp(self.logs - self.logs[0])
-        alike = (away < ALIKE) & (turned < ALIKE_TURN)
+        alike = (away < AGREEING_PLACE) & (turned < AGREEING_HEADING)
         return float(weights[alike].sum() / weights.sum())
 
     @property
@@ -100,13 +109,15 @@ class Hypotheses:
         off = self.poses - pose
         off[:, 2] = wrapped(off[:, 2])
         self.logs = self.logs - 0.5 * ((off / deviations) ** 2).sum(axis=1)
-        self._thin(MOST)
+        self._thin(MOST_HYPOTHESES)
 
     def drawn(self, count: int, rng: Generator) -> Float:
         """Return `count` poses drawn by the weights, shape (count, 3)."""
         weights = np.exp(self.logs - self.logs[0])
         chosen = rng.choice(len(weights), count, p=weights / weights.sum())
-        spread = np.array([AFTER, AFTER, AFTER_TURN]) * rng.standard_normal((count, 3))
+        spread = np.array([SCAN_SIGMA, SCAN_SIGMA, SCAN_TURN_SIGMA]) * rng.standard_normal(
+            (count, 3)
+        )
         poses: Float = self.poses[chosen] + spread
         return poses
 
@@ -117,12 +128,12 @@ class Hypotheses:
         weights = np.exp(self.logs - self.logs[0])
         weights /= weights.sum()
         spread: Float = (weights[:, None] * off).T @ off
-        return spread + np.diag([AFTER**2, AFTER**2, AFTER_TURN**2])
+        return spread + np.diag([SCAN_SIGMA**2, SCAN_SIGMA**2, SCAN_TURN_SIGMA**2])
 
     def _thin(self, most: int) -> None:
         """Keep the best of those that are near each other, and none that is unlikely."""
         order = np.argsort(-self.logs, kind="stable")
-        order = order[self.logs[order] > self.logs[order[0]] - UNLIKELY]
+        order = order[self.logs[order] > self.logs[order[0]] - LEAST_LIKELY]
         kept: list[int] = []
         poses = self.poses[order]
         open_ = np.ones(len(order), dtype=np.bool_)
@@ -130,8 +141,8 @@ class Hypotheses:
             if open_[i]:
                 kept.append(int(order[i]))
                 off = poses - poses[i]
-                near = np.hypot(off[:, 0], off[:, 1]) < APART
-                open_ &= ~(near & (abs(wrapped(off[:, 2])) < APART_TURN))
+                near = np.hypot(off[:, 0], off[:, 1]) < ONE_PLACE
+                open_ &= ~(near & (abs(wrapped(off[:, 2])) < ONE_HEADING))
                 if len(kept) == most:
                     break
         chosen = np.array(kept, dtype=np.intp)
@@ -145,7 +156,7 @@ class Hypotheses:
 def _first_in_bins(poses: Float, costs: Float) -> Int:
     """Return the cheapest of the poses (P, 3) in each bin of place and heading."""
     order = np.argsort(costs, kind="stable")
-    size = APART / 2, APART / 2, APART_TURN / 2
+    size = ONE_PLACE / 2, ONE_PLACE / 2, ONE_HEADING / 2
     bins = np.floor(poses[order] / size).astype(np.int64)
     first = np.unique(bins, axis=0, return_index=True)[1]
     chosen: Int = order[np.sort(first)]

@@ -18,22 +18,29 @@ from pioneer3.nav.kernels.scans import judge_poses, number_walls, refine_poses, 
 Float = NDArray[np.float64]
 Int32 = NDArray[np.int32]
 
-CELL, REACH = 0.025, 0.5
-"""Of the distances for lasers [m]."""
-SIGMA = 0.05
+FIELD_CELL = 0.025
+"""Side of a cell of the distances for lasers [m]."""
+FIELD_REACH = 0.5
+"""Longest of the distances for lasers [m]."""
+WALL_SIGMA = 0.05
 """Standard deviation of a point of a scan from the walls of the map [m]."""
-FARTHEST = 0.15
-"""Points farther from all walls count as this far [m]: people and things that are not mapped."""
-INDEPENDENT = 15.0
-"""Readings of a scan count as so many: errors of neighbors and of the map are alike."""
+WALL_REACH = 0.15
+"""Distance from all walls that a point counts with at most [m]: people and things are not mapped.
+"""
+INDEPENDENT_READINGS = 15.0
+"""Readings that a scan counts as: errors of neighbors and of the map are alike."""
 SCALES = (0.5, 0.5, 0.5, 0.3, 0.3, 0.2, 0.2, 0.15, 0.1, 0.1, 0.07, 0.05, 0.05)
-"""At these distances from walls points lose their weight, step by step of a refinement [m]."""
+"""Distances from walls at which points lose their weight, step by step of a refinement [m]."""
 LAST_SCALES = (0.15, 0.1, 0.07, 0.05, 0.05)
-"""The same where the pose is known within a few centimeters."""
-NEAR, NEAR_SHARE, DEEP = 0.1, 0.015, 0.2
-"""A point agrees with a wall within this [m] or this share of its range; a beam that ends this
-much [m] behind a wall contradicts the map."""
-SHORT_COUNTS = 0.5
+"""Distances at which points lose their weight where the pose is known within a few centimeters [m].
+"""
+AGREEMENT = 0.1
+"""Distance to a wall within which a point agrees with it [m]."""
+AGREEMENT_SHARE = 0.015
+"""Share of its range within which a point agrees with a wall."""
+THROUGH_DEPTH = 0.2
+"""Depth behind a wall from which on a beam that ends there contradicts the map [m]."""
+SHORT_WEIGHT = 0.5
 """Share of a beam that meets something nearer than the map: a person agrees with any place."""
 
 
@@ -67,7 +74,7 @@ class WallField:
     def for_lasers(cls, line_map: LineMap) -> Self:
         """Return the field of the walls that stop light."""
         opaque = line_map.walls[line_map.materials != GLASS]
-        return cls.of(opaque, line_map, CELL, REACH)
+        return cls.of(opaque, line_map, FIELD_CELL, FIELD_REACH)
 
     @property
     def frame(self) -> tuple[float, float, float]:
@@ -96,15 +103,15 @@ class Verdict:
     def agreement(self) -> Float:
         """Share of beams that agree with the map, 0 to 1; short ones count half."""
         count = self.agree + self.short + self.through
-        good: Float = (self.agree + SHORT_COUNTS * self.short) / np.maximum(count, 1.0)
+        good: Float = (self.agree + SHORT_WEIGHT * self.short) / np.maximum(count, 1.0)
         return good
 
     @property
     def log_likelihood(self) -> Float:
-        """Logarithm of the likelihood, as of `INDEPENDENT` beams."""
+        """Logarithm of the likelihood, as of `INDEPENDENT_READINGS` beams."""
         count = self.agree + self.short + self.through
         cost = 0.5 * self.misfit * self.agree + 1.5 * self.short + 4.0 * self.through
-        likelihood: Float = -cost * INDEPENDENT / np.maximum(count, 1.0)
+        likelihood: Float = -cost * INDEPENDENT_READINGS / np.maximum(count, 1.0)
         return likelihood
 
 
@@ -144,8 +151,8 @@ class ScanLikelihood:
         """Return the negative logarithm of the likelihood at `poses` (P, 3), shape (P,)."""
         out = np.empty(len(poses))
         field = self.walls.field.distances, self.walls.frame
-        fast(weigh_poses, CACHE)(field, self.weighed, poses, (SIGMA, FARTHEST), out)
-        out *= min(1.0, INDEPENDENT / max(1, len(self.weighed)))
+        fast(weigh_poses, CACHE)(field, self.weighed, poses, (WALL_SIGMA, WALL_REACH), out)
+        out *= min(1.0, INDEPENDENT_READINGS / max(1, len(self.weighed)))
         return out
 
     def refined(
@@ -170,7 +177,7 @@ class ScanLikelihood:
         best, out = poses.copy(), np.empty((len(poses), 3, 3))
         walls, points = self.walls, self.points if all_points else self.weighed
         surface = walls.walls, walls.facing, walls.numbers, walls.frame
-        prior = information, SIGMA, np.array(scales)
+        prior = information, WALL_SIGMA, np.array(scales)
         fast(refine_poses, CACHE)(surface, (points, self.origin), best, prior, out)
         return best, out
 
@@ -180,7 +187,9 @@ class ScanLikelihood:
         w = self.walls
         surface = w.walls, w.field.distances, w.numbers, w.frame
         beams = self.weighed, self.clear, self.origin
-        fast(judge_poses, CACHE)(surface, beams, poses, (NEAR, NEAR_SHARE, DEEP), out)
+        fast(judge_poses, CACHE)(
+            surface, beams, poses, (AGREEMENT, AGREEMENT_SHARE, THROUGH_DEPTH), out
+        )
         return Verdict(*out.T)
 
 

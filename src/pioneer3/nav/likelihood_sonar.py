@@ -17,24 +17,34 @@ from pioneer3.nav.likelihood import WallField
 Float = NDArray[np.float64]
 UInt16 = NDArray[np.uint16]
 
-CELL, REACH = 0.05, 1.0
-"""Of the distances for sonars [m]."""
-PLACE, SECTORS = 0.1, 72
-"""Expected ranges are computed once for places of this side [m] and so many directions."""
-LONGEST = 5.0
+SONAR_CELL = 0.05
+"""Side of a cell of the distances for sonars [m]."""
+SONAR_REACH = 1.0
+"""Longest of the distances for sonars [m]."""
+PLACE_SIDE = 0.1
+"""Side of the places for which expected ranges are computed, once [m]."""
+SECTORS = 72
+"""Directions for which expected ranges are computed at each place."""
+SONAR_RANGE = 5.0
 """Range of the sonars [m]."""
 RAYS = np.radians([-15.0, -7.5, 0.0, 7.5, 15.0])
-"""That make up a beam, off its axis."""
-STEEP = cos(radians(27))
-"""Walls echo rays that meet them within this of a right angle."""
-SIGMA, SIGMA_SHARE = 0.04, 0.02
-"""Standard deviation of a range [m], and as a share of it."""
-RIGHT, NEARER, OTHER = 1.0, 0.08, 0.06
-"""Likelihoods of the range that the map tells, of a nearer one, and of any."""
-INDEPENDENT = 0.4
+"""Rays that make up a beam, off its axis [rad]."""
+INCIDENCE = cos(radians(27))
+"""Cosine of the angle to a wall's normal within which it echoes rays."""
+RANGE_SIGMA = 0.04
+"""Standard deviation of a range [m]."""
+RANGE_SIGMA_SHARE = 0.02
+"""Standard deviation of a range as a share of it."""
+RIGHT_LIKELIHOOD = 1.0
+"""Likelihood of the range that the map tells."""
+NEARER_LIKELIHOOD = 0.08
+"""Likelihood of a nearer range than the map tells."""
+OTHER_LIKELIHOOD = 0.06
+"""Likelihood of any range."""
+PING_WEIGHT = 0.4
 """Share of a ping that counts: neighbors are wrong alike."""
-FITS = 0.2
-"""A range agrees with the map within this [m], or twice its share."""
+RANGE_AGREEMENT = 0.2
+"""Difference within which a range agrees with the map [m], or twice its share."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -69,19 +79,19 @@ class EchoMap:
     @classmethod
     def of(cls, line_map: LineMap) -> Self:
         """Return the map of echoes of all walls; nothing is computed yet."""
-        walls = WallField.of(line_map.walls, line_map, CELL, REACH)
-        height, width = (ceil(size * CELL / PLACE) for size in walls.numbers.shape)
+        walls = WallField.of(line_map.walls, line_map, SONAR_CELL, SONAR_REACH)
+        height, width = (ceil(size * SONAR_CELL / PLACE_SIDE) for size in walls.numbers.shape)
         return cls(walls, np.zeros((height, width, SECTORS), dtype=np.uint16))
 
     def expected(self, pings: Float, poses: Float) -> Float:
         """Return the ranges [m] that `pings` (F, 3+) should have at `poses` (P, 3), shape (P, F).
 
-        Those that would echo nothing are longer than `LONGEST`.
+        Those that would echo nothing are longer than `SONAR_RANGE`.
         """
         out = np.empty((len(poses), len(pings)))
         w = self.walls
         surface = w.walls, w.field.distances, w.numbers, w.frame
-        cone, memory = (RAYS, LONGEST, STEEP), (self.known, PLACE)
+        cone, memory = (RAYS, SONAR_RANGE, INCIDENCE), (self.known, PLACE_SIDE)
         fast(expected_ranges, CACHE)(surface, cone, memory, (pings, poses), out)
         return out
 
@@ -101,15 +111,24 @@ class PingLikelihood:
     def cost(self, poses: Float) -> Float:
         """Return the negative logarithm of the likelihood at `poses` (P, 3), shape (P,)."""
         out = np.empty(len(poses))
-        shape = np.array([LONGEST, SIGMA, SIGMA_SHARE, RIGHT, NEARER, OTHER])
+        shape = np.array(
+            [
+                SONAR_RANGE,
+                RANGE_SIGMA,
+                RANGE_SIGMA_SHARE,
+                RIGHT_LIKELIHOOD,
+                NEARER_LIKELIHOOD,
+                OTHER_LIKELIHOOD,
+            ]
+        )
         expected = self.echoes.expected(self.pings, poses)
         fast(weigh_ranges, CACHE)(self.pings[:, 3], expected, shape, out)
-        out *= INDEPENDENT
+        out *= PING_WEIGHT
         return out
 
     def agreeing(self, pose: Float) -> tuple[int, int]:
         """Return the number of echoes that agree with the map at `pose` (3,), and of all."""
-        heard = self.pings[:, 3] <= LONGEST
+        heard = self.pings[:, 3] <= SONAR_RANGE
         off = abs(self.echoes.expected(self.pings, pose[None])[0] - self.pings[:, 3])[heard]
-        near = np.maximum(FITS, 2 * SIGMA_SHARE * self.pings[heard, 3])
+        near = np.maximum(RANGE_AGREEMENT, 2 * RANGE_SIGMA_SHARE * self.pings[heard, 3])
         return int((off < near).sum()), int(heard.sum())

@@ -22,46 +22,59 @@ from pioneer3.nav.tracking import Fix, LaserTrack, SonarTrack, is_known
 
 Float = NDArray[np.float64]
 
-STEP, STEP_TURN = 0.1, 0.1
-"""Readings count once the robot has moved or turned so far [m, rad]."""
-UNCOUNTED = np.diag([STEP**-2, STEP**-2, STEP_TURN**-2])
+UPDATE_WAY = 0.1
+"""Way after which readings count [m]."""
+UPDATE_TURN = 0.1
+"""Turn after which readings count [rad]."""
+UNCOUNTED = np.diag([UPDATE_WAY**-2, UPDATE_WAY**-2, UPDATE_TURN**-2])
 """Information of the pose since the last reading that counted, shape (3, 3)."""
-LOOK_AGAIN = 1.0
-"""Whether the map still agrees is looked at as often as this, even if the robot stands [s]."""
-AGREES, TOLD_AGREES = 0.9, 0.75
+LOOK_PERIOD = 1.0
+"""Time between two looks whether the map still agrees, even if the robot stands [s]."""
+AGREES = 0.9
 """Share of the beams that agree with the map where a robot becomes sure of a place that it has
-found, and of one that it was told: there may be things that are not on the map. These hide walls;
-beams that go through walls tell of another place."""
-CONTRADICTS, TIMES = 0.7, 3
-"""A robot that agrees with the map less than this, so many times in turn, was carried away."""
-JUMP, JUMP_TURN, LATE = 3.0, 8.0, 0.2
-"""Odometry that moves faster, times may be wrong by the third, was set anew [m/s, rad/s, s]."""
-WHIRLS = 0.6
-"""A scan of a robot that turns faster does not count for that [rad/s]: a pose that is 50 ms late is
-some degrees off."""
-SEEN_THROUGH = 0.1
-"""So large a share of beams through walls tells of another place. A robot that stands and sees less
-was not carried away: it may be crowded."""
-ENOUGH = 10
-"""Fewer beams that meet anything contradict nothing: the robot looks out into the open."""
-CERTAIN = 0.98
+found."""
+TOLD_AGREES = 0.75
+"""Share of the beams that agree where a robot becomes sure of a place that it was told: things that
+are not on the map hide walls."""
+CONTRADICTS = 0.7
+"""Share of the beams that agree below which the map contradicts the robot."""
+CONTRADICTIONS = 3
+"""Contradictions in turn after which the robot was carried away."""
+JUMP_SPEED = 3.0
+"""Speed of odometry above which it was set anew [m/s]."""
+JUMP_TURN_RATE = 8.0
+"""Turn rate of odometry above which it was set anew [rad/s]."""
+JUMP_DELAY = 0.2
+"""Error of the times of odometry [s]."""
+WHIRL_RATE = 0.6
+"""Turn rate above which a scan does not count for that [rad/s]: a pose that is 50 ms late is some
+degrees off."""
+THROUGH_SHARE = 0.1
+"""Share of beams through walls that tells of another place. A robot that stands and sees less was
+not carried away: it may be crowded."""
+FEWEST_BEAMS = 10
+"""Beams that meet anything below which nothing contradicts the map: the robot looks out into the
+open."""
+CERTAIN_SHARE = 0.98
 """Share of the weight that the best hypothesis of a sure robot has."""
-DRIVEN = 1.0
+SURE_WAY = 1.0
 """Way that a robot drives after a search before it is sure [m]."""
-SEARCH_AGAIN = 4.0
-"""A search that has led to nothing after this way is repeated [m]."""
-KNOWN_WELL = 0.5
-"""The standard deviation of a sure robot's position is below this [m]."""
+SEARCH_WAY = 4.0
+"""Way after which a search that has led to nothing is repeated [m]."""
+SURE_DEVIATION = 0.5
+"""Standard deviation below which the position of a sure robot is [m]."""
 GUESSES = 200
 """Hypotheses around a start that is known roughly."""
-LOOKED_AT = 40
+COMPARED_BEAMS = 40
 """Beams that hypotheses are compared by."""
-SONAR_AGREES, SONAR_CONTRADICTS = 0.5, 0.25
-"""A robot becomes sure by sonar above this share of echoes that agree with the map, and is not sure
-any more below the other one: among furniture half of the echoes are of edges."""
+SONAR_AGREES = 0.5
+"""Share of echoes that agree with the map above which a robot becomes sure by sonar: among
+furniture half of them are of edges."""
+SONAR_CONTRADICTS = 0.25
+"""Share of echoes below which a robot is not sure any more by sonar."""
 
-NOWHERE: Float = np.full((3, 3), inf)
-"""The covariance of a robot that may be anywhere."""
+UNKNOWN_COVARIANCE: Float = np.full((3, 3), inf)
+"""Covariance of a robot that may be anywhere."""
 
 
 @dataclass(slots=True, kw_only=True)
@@ -94,7 +107,7 @@ class _Progress:
     driven: float = 0.0
     low: int = 0
     looked: float = -inf
-    fix: Fix = field(default_factory=lambda: Fix(np.zeros(3), NOWHERE, 0.0))
+    fix: Fix = field(default_factory=lambda: Fix(np.zeros(3), UNKNOWN_COVARIANCE, 0.0))
 
 
 class Localizer:
@@ -177,7 +190,7 @@ class Localizer:
             now.looked = beams.stamp
             if now.hypotheses is not None:
                 now.hypotheses.move(motion)
-                likelihood = ScanLikelihood.of(self._walls, beams, LOOKED_AT)
+                likelihood = ScanLikelihood.of(self._walls, beams, COMPARED_BEAMS)
                 now.hypotheses.take(likelihood, motion, self._errors)
                 self._compare(now.hypotheses, now.hypotheses.agreement)
             elif now.laser is not None:
@@ -186,7 +199,7 @@ class Localizer:
                 self._place(fix)
                 if not whirls and _tells(verdict):
                     self._watch(contradicts=fix.agreement < CONTRADICTS)
-        elif beams.stamp >= now.looked + LOOK_AGAIN:
+        elif beams.stamp >= now.looked + LOOK_PERIOD:
             self._look_again(beams)
 
     def take_sonar(self, pings: Pings) -> None:
@@ -220,7 +233,7 @@ class Localizer:
             stage=now.stage,
             reason=now.reason,
         )
-        if estimate.sure and estimate.deviation > KNOWN_WELL:
+        if estimate.sure and estimate.deviation > SURE_DEVIATION:
             words = f"knows its place within {estimate.deviation:.1f} m only"
             return replace(estimate, sure=False, stage="looking", reason=words)
         return estimate
@@ -229,7 +242,7 @@ class Localizer:
     def wants_search(self) -> bool:
         """Whether a search is due."""
         now = self._now
-        in_vain = now.hypotheses is not None and now.driven > SEARCH_AGAIN
+        in_vain = now.hypotheses is not None and now.driven > SEARCH_WAY
         return self._beams is not None and (now.stage == "lost" or in_vain)
 
     def search(self) -> Search | None:
@@ -268,13 +281,13 @@ class Localizer:
 
     def _follow(self, odom: Pose2, stamp: float) -> None:
         """Take the robot's pose in odometry's frame; if that was set anew, the robot stands."""
-        last, seconds = self._odom, max(0.0, stamp - self._stamp) + LATE
+        last, seconds = self._odom, max(0.0, stamp - self._stamp) + JUMP_DELAY
         self._odom, self._stamp = odom, stamp
         if last is None:
             return
         motion = last.inverse() @ odom
-        far = hypot(motion.x, motion.y) > JUMP * seconds
-        if not far and abs(motion.theta) <= JUMP_TURN * seconds:
+        far = hypot(motion.x, motion.y) > JUMP_SPEED * seconds
+        if not far and abs(motion.theta) <= JUMP_TURN_RATE * seconds:
             return
         frame = odom @ last.inverse()
         if self._now.at is not None:
@@ -285,7 +298,7 @@ class Localizer:
     def _has_moved(self) -> bool:
         assert self._odom is not None
         motion = (self._now.at or self._odom).inverse() @ self._odom
-        return hypot(motion.x, motion.y) >= STEP or abs(motion.theta) >= STEP_TURN
+        return hypot(motion.x, motion.y) >= UPDATE_WAY or abs(motion.theta) >= UPDATE_TURN
 
     def _whirls(self, beams: Beams) -> bool:
         """Whether the robot has turned fast since the last scan."""
@@ -293,7 +306,7 @@ class Localizer:
         if before is None or beams.stamp <= before.stamp:
             return False
         turned = abs((before.robot_in_odom.inverse() @ beams.robot_in_odom).theta)
-        return turned > WHIRLS * (beams.stamp - before.stamp)
+        return turned > WHIRL_RATE * (beams.stamp - before.stamp)
 
     def _motion(self) -> Pose2:
         """Return the motion since the last reading that counted; the present one does."""
@@ -307,7 +320,7 @@ class Localizer:
         """Look around a pose that somebody told."""
         now = self._now
         guesses = pose + deviations * self._rng.standard_normal((GUESSES, 3))
-        likelihood = ScanLikelihood.of(self._walls, beams, LOOKED_AT)
+        likelihood = ScanLikelihood.of(self._walls, beams, COMPARED_BEAMS)
         hypotheses = Hypotheses.found(np.vstack([pose, guesses]), likelihood)
         hypotheses.near(pose, deviations)
         now.hypotheses, now.start, now.at, now.looked = hypotheses, None, self._odom, beams.stamp
@@ -317,13 +330,13 @@ class Localizer:
         """Become sure of the best hypothesis, give all of them up, or go on."""
         now = self._now
         self._place(Fix(hypotheses.poses[0], hypotheses.covariance(), agreement))
-        certain = hypotheses.share >= CERTAIN or (
-            now.told and deviation_of(now.fix.covariance) < KNOWN_WELL
+        certain = hypotheses.share >= CERTAIN_SHARE or (
+            now.told and deviation_of(now.fix.covariance) < SURE_DEVIATION
         )
         agrees = agreement >= AGREES or (
             now.told and agreement >= TOLD_AGREES and not self._sees_through(hypotheses.poses[0])
         )
-        if certain and agrees and (now.told or now.driven >= DRIVEN):
+        if certain and agrees and (now.told or now.driven >= SURE_WAY):
             poses = hypotheses.drawn(self._count, self._rng)
             now.laser, now.hypotheses = LaserTrack(poses, self._rng, self._errors), None
             now.stage, now.reason, now.low = "sure", "sees what the map shows", 0
@@ -340,7 +353,7 @@ class Localizer:
         """Whether the latest scan sees through walls from a pose: things hide walls, no more."""
         assert self._beams is not None
         verdict = ScanLikelihood.of(self._walls, self._beams).judged(pose[None])
-        return _share_through(verdict) >= SEEN_THROUGH
+        return _share_through(verdict) >= THROUGH_SHARE
 
     def _look_again(self, beams: Beams) -> None:
         """Look whether the map still agrees with a robot that stands."""
@@ -359,7 +372,7 @@ class Localizer:
             self._compare(now.hypotheses, agreement)
         elif now.laser is not None:
             now.fix = replace(now.fix, agreement=agreement)
-            crowded = _share_through(verdict) < SEEN_THROUGH
+            crowded = _share_through(verdict) < THROUGH_SHARE
             if _tells(verdict):
                 self._watch(contradicts=agreement < CONTRADICTS and not crowded)
 
@@ -367,12 +380,12 @@ class Localizer:
         """Give up a place that has contradicted the readings several times in turn."""
         now = self._now
         now.low = now.low + 1 if contradicts else 0
-        if now.low >= TIMES:
+        if now.low >= CONTRADICTIONS:
             self._lose("the map does not show what the laser sees")
 
     def _watch_sonar(self) -> None:
         now = self._now
-        if now.driven < DRIVEN:
+        if now.driven < SURE_WAY:
             return
         if now.fix.agreement < SONAR_CONTRADICTS:
             self._lose("the map does not show what the sonars hear")
@@ -394,7 +407,7 @@ def _share_through(verdict: Verdict) -> float:
 
 def _tells(verdict: Verdict) -> bool:
     """Whether a scan has seen enough of anything to contradict the map."""
-    return _count(verdict) >= ENOUGH
+    return _count(verdict) >= FEWEST_BEAMS
 
 
 def _count(verdict: Verdict) -> float:

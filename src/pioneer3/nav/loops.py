@@ -14,45 +14,68 @@ from pioneer3.nav.matching import Cloud, Match, Prior, Submap, rotation
 
 Float = NDArray[np.float64]
 
-RECENT = 30
-"""Scans are matched live against so many key frames; older ones make loops."""
-POOLED = 4
-"""A place is looked for with the points of so many key frames."""
-AROUND = 10
-"""It is looked for among the points of so many key frames before and after an old one."""
-ASKED = 2
-"""Of so many passes of the same place."""
-EVERY = 0.5
-"""The way from one attempt to the next [m]."""
-DRIFT, START = 0.02, 0.3
-"""A robot may be so far from where it is thought to be: a share of the way since the last loop, and
-from the beginning [m]."""
+RECENT_FRAMES = 30
+"""Key frames that scans are matched against live; older ones make loops."""
+POOLED_FRAMES = 4
+"""Key frames with the points of which a place is looked for."""
+AROUND_FRAMES = 10
+"""Key frames before and after an old one among the points of which a place is looked for."""
+ASKED_PASSES = 2
+"""Passes of the same place that are asked."""
+ATTEMPT_WAY = 0.5
+"""Way from one attempt to the next [m]."""
+DRIFT_SHARE = 0.02
+"""Distance of a robot from where it is thought to be at most, as a share of the way since the last
+loop."""
+DRIFT_START = 0.3
+"""Distance of a robot from where it is thought to be from the beginning [m]."""
 MOST_DRIFT = 6.0
-"""Farther is not searched [m]."""
-TURN_DRIFT, TURN_START, MOST_TURN = 0.002, 0.06, 0.35
-"""The same of its heading [rad/m, rad, rad]."""
-SEEN = 3.0
-"""Places are the same if what is seen from them lies so close together [m]."""
-SEARCHED = 180
+"""Distance beyond which is not searched [m]."""
+TURN_DRIFT = 0.002
+"""Error of the heading at most by the way since the last loop [rad/m]."""
+TURN_DRIFT_START = 0.06
+"""Error of the heading from the beginning [rad]."""
+MOST_TURN_DRIFT = 0.35
+"""Error of the heading beyond which is not searched [rad]."""
+SEEN_APART = 3.0
+"""Distance between what is seen from two places below which they are the same [m]."""
+SEARCHED_POINTS = 180
 """Points of a search, of all that there are."""
-WORTH = 0.4
-"""A search that finds less than this is not worth a match."""
-INLIERS, RATIO = 0.65, 0.05
-"""A match closes a loop from this share of points on walls on, and where the walls fix the position
-in all directions: see `Match.ratio`."""
-ALONE, ALONE_PER_WAY, MOST_ALONE = 0.05, 0.02, 0.3
-"""A loop that moves the robot no farther than this is taken by itself: [m], a share of the way
-since the last loop, and [m] at most. Another one needs a second that agrees with it."""
-AGREE, AGREE_TURN, FORGET = 0.2, 0.05, 20.0
-"""Two agree if they differ by less than this, and than one that is taken by itself moves the robot
-[m, rad], within this way [m]."""
-MOVED, MOVED_TURN, PATIENCE = 0.02, 0.004, 8
-"""Poses are made new when a loop differs from them by more than this [m, rad], or after so many."""
-NOTHING = np.diag([1.0, 1.0, 10.0])
+SEARCH_SCORE = 0.4
+"""Score of a search below which a match is not worth it."""
+LOOP_INLIERS = 0.65
+"""Share of points on walls from which on a match closes a loop."""
+LOOP_RATIO = 0.05
+"""Ratio from which on the walls fix the position in all directions: see `Match.ratio`."""
+ALONE_MOVE = 0.05
+"""Move of the robot up to which a loop is taken by itself [m]; another one needs a second that
+agrees with it."""
+ALONE_PER_WAY = 0.02
+"""Move up to which a loop is taken by itself, as a share of the way since the last loop."""
+MOST_ALONE = 0.3
+"""Move up to which a loop is taken by itself at most [m]."""
+LOOPS_APART = 0.2
+"""Difference below which two loops agree [m], which is less than one that is taken by itself moves
+the robot."""
+LOOPS_TURN = 0.05
+"""Difference of headings below which two loops agree [rad]."""
+LOOPS_WAY = 20.0
+"""Way within which two loops agree [m]."""
+LOOP_MOVE = 0.02
+"""Difference of a loop from the poses above which they are made new [m]."""
+LOOP_TURN = 0.004
+"""Difference of a loop from the headings above which poses are made new [rad]."""
+LOOP_PATIENCE = 8
+"""Loops after which poses are made new in any case."""
+LOOP_PRIOR = np.diag([1.0, 1.0, 10.0])
 """Information of a loop besides its points."""
-PLAIN, ROUNDS, SMALL = 2, 3, 2e-3
-"""Of the graph: the next loops go on where these rounds end."""
-FLOOR = np.diag([0.01, 0.01, 0.003]) ** 2
+LOOP_PLAIN_ROUNDS = 2
+"""Rounds of the graph in which all loops count in full."""
+LOOP_ROUNDS = 3
+"""Rounds of the graph at most: the next loops go on where these end."""
+LOOP_STEP = 2e-3
+"""Step of the graph below which it ends [m, rad]."""
+MATCH_FLOOR = np.diag([0.01, 0.01, 0.003]) ** 2
 """Errors of a match that its points do not show [m, m, rad]: motion in a scan, rough walls."""
 
 
@@ -115,11 +138,11 @@ class _Search:
     def look_for(self, number: int) -> None:
         """Look for the place of a key frame among older ones, and close the loops found."""
         way = self._ways[number]
-        if number < RECENT + AROUND or way - self._tried < EVERY:
+        if number < RECENT_FRAMES + AROUND_FRAMES or way - self._tried < ATTEMPT_WAY:
             return
-        drift = min(MOST_DRIFT, START + DRIFT * (way - self._closed))
+        drift = min(MOST_DRIFT, DRIFT_START + DRIFT_SHARE * (way - self._closed))
         query = self._query(number)
-        for old in self._candidates(number, SEEN + drift):
+        for old in self._candidates(number, SEEN_APART + drift):
             self._tried = way
             edge = self._close(old, number, query, drift)
             if edge is not None:
@@ -137,19 +160,19 @@ class _Search:
 
     def _candidates(self, number: int, near: float) -> Iterator[int]:
         """Yield the key frame of each old pass that saw most of the same."""
-        views = self._views[: number - RECENT]
+        views = self._views[: number - RECENT_FRAMES]
         off = np.hypot(*(views - self._views[number]).T)
         close = np.flatnonzero(off < near)
         if not len(close):
             return
-        passes = np.split(close, np.flatnonzero(np.diff(close) > AROUND) + 1)
+        passes = np.split(close, np.flatnonzero(np.diff(close) > AROUND_FRAMES) + 1)
         best = sorted((float(off[part].min()), int(part[off[part].argmin()])) for part in passes)
-        yield from (old for _, old in best[:ASKED])
+        yield from (old for _, old in best[:ASKED_PASSES])
 
     def _query(self, number: int) -> Cloud:
         """Return the points of the last key frames in the frame of the robot at one."""
         here = self._poses[number].inverse()
-        numbers = range(number - POOLED + 1, number + 1)
+        numbers = range(number - POOLED_FRAMES + 1, number + 1)
         clouds = [self._frames[k].cloud.moved(here @ self._poses[k]) for k in numbers]
         return Cloud(
             np.concatenate([cloud.points for cloud in clouds]),
@@ -159,35 +182,37 @@ class _Search:
     def _close(self, old: int, number: int, query: Cloud, drift: float) -> Edge | None:
         """Return the loop from an old key frame to a new one, if there is one."""
         here = self._poses[old].inverse()
-        numbers = range(max(0, old - AROUND), min(number - RECENT, old + AROUND) + 1)
+        numbers = range(
+            max(0, old - AROUND_FRAMES), min(number - RECENT_FRAMES, old + AROUND_FRAMES) + 1
+        )
         submap = Submap(
             [self._frames[k].cloud for k in numbers], [here @ self._poses[k] for k in numbers]
         )
         guess = here @ self._poses[number]
         since = self._ways[number] - self._closed
-        turn = min(MOST_TURN, TURN_START + TURN_DRIFT * since)
-        sparse = np.ascontiguousarray(query.points[:: max(1, len(query.points) // SEARCHED)])
+        turn = min(MOST_TURN_DRIFT, TURN_DRIFT_START + TURN_DRIFT * since)
+        sparse = np.ascontiguousarray(query.points[:: max(1, len(query.points) // SEARCHED_POINTS)])
         found, worth = submap.search(sparse, guess, drift, turn)
-        if worth < WORTH:
+        if worth < SEARCH_SCORE:
             return None
         match = submap.match(query, found, Prior.around(found, 0.5, 0.2))
-        if match.inliers < INLIERS or match.ratio < RATIO:
+        if match.inliers < LOOP_INLIERS or match.ratio < LOOP_RATIO:
             return None
         moved = guess.inverse() @ match.pose
         if hypot(moved.x, moved.y) > drift + 0.1:
             return None
-        return Edge(old, number, match.pose, certainty(match, NOTHING), loop=True)
+        return Edge(old, number, match.pose, certainty(match, LOOP_PRIOR), loop=True)
 
     def _take(self, edge: Edge) -> None:
         """Close a loop, or wait for another that agrees."""
         moved, way = self._error(edge), self._ways[edge.second]
-        alone = min(MOST_ALONE, ALONE + ALONE_PER_WAY * (way - self._closed))
+        alone = min(MOST_ALONE, ALONE_MOVE + ALONE_PER_WAY * (way - self._closed))
         if hypot(moved.x, moved.y) < alone:
             self._accept(edge, moved)
             return
-        self._waiting = [e for e in self._waiting if way - self._ways[e.second] < FORGET]
+        self._waiting = [e for e in self._waiting if way - self._ways[e.second] < LOOPS_WAY]
         for other in self._waiting:
-            if edge.second - other.second >= POOLED and self._agree(other, edge, alone):
+            if edge.second - other.second >= POOLED_FRAMES and self._agree(other, edge, alone):
                 self._waiting.remove(other)
                 self._edges.append(other)
                 self._accept(edge, moved)
@@ -204,19 +229,19 @@ class _Search:
         olds = self._poses[a.first].inverse() @ self._poses[b.first]
         news = self._poses[a.second].inverse() @ self._poses[b.second]
         off = (a.second_in_first @ news).inverse() @ (olds @ b.second_in_first)
-        return hypot(off.x, off.y) < min(AGREE, near) and abs(off.theta) < AGREE_TURN
+        return hypot(off.x, off.y) < min(LOOPS_APART, near) and abs(off.theta) < LOOPS_TURN
 
     def _accept(self, edge: Edge, moved: Pose2) -> None:
         self._edges.append(edge)
         self._found += 1
         self._fresh += 1
         self._closed = self._ways[edge.second]
-        far = hypot(moved.x, moved.y) > MOVED or abs(moved.theta) > MOVED_TURN
-        if far or self._fresh >= PATIENCE:
+        far = hypot(moved.x, moved.y) > LOOP_MOVE or abs(moved.theta) > LOOP_TURN
+        if far or self._fresh >= LOOP_PATIENCE:
             self._fresh = 0
-            plain = 0 if hypot(moved.x, moved.y) < MOST_ALONE else PLAIN
+            plain = 0 if hypot(moved.x, moved.y) < MOST_ALONE else LOOP_PLAIN_ROUNDS
             self._poses = optimized(
-                self._poses, self._edges, plain=plain, rounds=ROUNDS, small=SMALL
+                self._poses, self._edges, plain=plain, rounds=LOOP_ROUNDS, small=LOOP_STEP
             )
             self._views = self._seen_from_all()
 
@@ -239,5 +264,5 @@ def certainty(match: Match, prior: Float) -> Float:
     turn = np.eye(3)
     turn[:2, :2] = rotation(match.pose.theta)
     covariance = turn.T @ np.linalg.inv(match.information + prior) @ turn
-    result: Float = np.linalg.inv(covariance + FLOOR)
+    result: Float = np.linalg.inv(covariance + MATCH_FLOOR)
     return result

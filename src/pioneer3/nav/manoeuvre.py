@@ -14,7 +14,7 @@ from pioneer3.nav.costs import CostMap
 from pioneer3.nav.gaps import gaps_at
 from pioneer3.nav.kernels import CACHE
 from pioneer3.nav.kernels.manoeuvres import manoeuvre
-from pioneer3.nav.moving import RADIUS
+from pioneer3.nav.moving import PERSON_RADIUS
 from pioneer3.nav.planner import CostToGo
 from pioneer3.nav.raster import Raster
 
@@ -45,7 +45,7 @@ TOUCHES = 0.02
 """Nearer to something it gives up [m]."""
 SLOWEST_TURN = 0.06
 """Wheels stick below this [rad/s]."""
-APART = RADIUS + 0.15
+APART = PERSON_RADIUS + 0.15
 """Kept from the line on which somebody walks [m], unless more is asked for."""
 MOST = 16_000
 """After so many states a search gives up: longer ones would hold up the robot."""

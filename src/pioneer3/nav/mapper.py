@@ -22,34 +22,52 @@ from pioneer3.nav.survey_arrays import arrays_of, survey_of
 
 Float = NDArray[np.float64]
 
-APART, TURNED = 0.25, 0.25
-"""A key frame is made so far from the last one [m, rad]."""
+KEY_FRAME_WAY = 0.25
+"""Way after which a key frame is made [m]."""
+KEY_FRAME_TURN = 0.25
+"""Turn after which a key frame is made [rad]."""
 RECENT = 30
 """Scans are matched against so many key frames."""
-SLIP, TURN_SLIP, BEND = 0.03, 0.1, 0.05
-"""Errors of odometry, sigma: of a way, of a turn, twice that of skid steering, and the turn per
-way, that of wheels one of which is 2 % larger [rad/m]."""
+SLIP = 0.03
+"""Error of a way by odometry, as a share of it."""
+TURN_SLIP = 0.1
+"""Error of a turn by odometry, as a share of it: twice that of skid steering."""
+BEND = 0.05
+"""Turn that odometry does not tell, by the way [rad/m]: that of wheels one of which is 2 % larger.
+"""
 LEVER = 0.03
-"""The place of a laser, and of the middle of a turn, are not known better than this [m]."""
-STILL, STILL_TURN = 0.007, 0.01
-"""Errors of a stretch without a way: of the time of odometry, mostly [m, rad]."""
-SIGMAS = 2.5
-"""The pose is searched for within so many of these."""
-WIDE, WIDE_TURN = 0.12, 0.1
-"""Where a scan may lie farther off than this [m, rad], matching needs a search before it."""
-BEGIN, BEGIN_TURN = 1.0, 0.5
-"""A map is continued from within this of where the robot is said to be [m, rad]."""
-TRACKED, SURE, NEAR = 0.1, 0.4, 16.0
-"""With fewer inliers a scan does not fit. Around a corner little of it was seen before: unless
-there are more, its pose is not to be farther from odometry's than this [squared sigmas]."""
-FOUND = 0.5
-"""Fewer inliers mean that the place to continue from is not found."""
-UNKNOWN = np.diag([1.0, 1.0, 10.0])
+"""Error of the place of a laser, and of the middle of a turn [m]."""
+STILL_ERROR = 0.007
+"""Error of a stretch without a way [m]: of the time of odometry, mostly."""
+STILL_TURN_ERROR = 0.01
+"""Error of the heading of a stretch without a way [rad]."""
+SEARCHED_SIGMAS = 2.5
+"""Standard deviations of odometry within which the pose is searched for."""
+WIDE_WAY = 0.12
+"""Distance of a scan above which matching needs a search before it [m]."""
+WIDE_TURN = 0.1
+"""Turn of a scan above which matching needs a search before it [rad]."""
+BEGIN_WAY = 1.0
+"""Distance from where the robot is said to be within which a map is continued [m]."""
+BEGIN_TURN = 0.5
+"""Difference from the heading that is said within which a map is continued [rad]."""
+TRACKED_INLIERS = 0.1
+"""Share of inliers below which a scan does not fit."""
+SURE_INLIERS = 0.4
+"""Share of inliers from which on a pose may be far from odometry's. Around a corner little of a
+scan was seen before."""
+NEAR_ODOMETRY = 16.0
+"""Squared error up to which a pose is near odometry's [squared sigmas]."""
+FOUND_INLIERS = 0.5
+"""Share of inliers below which the place to continue from is not found."""
+UNKNOWN_WAY = np.diag([1.0, 1.0, 10.0])
 """Information of the way to a place that was not found."""
-STRAIGHT, ASKEW = 0.1, 0.2
-"""Ways with smaller turns tell where a laser looks; it is not farther off than the latter [rad]."""
-HELD = 0.5
-"""Weighs against all ways that a laser looks where it is said to [m^2]: about two metres."""
+STRAIGHT_TURN = 0.1
+"""Turn below which a way tells where a laser looks [rad]."""
+MOST_ASKEW = 0.2
+"""Angle of a laser from where it is said to look at most [rad]."""
+MOUNTING_WEIGHT = 0.5
+"""Weight against all ways that a laser looks where it is said to [m^2]: about two metres."""
 
 
 class _Mounting:
@@ -60,7 +78,7 @@ class _Mounting:
     """
 
     def __init__(self) -> None:
-        self._along, self._aside = HELD, 0.0
+        self._along, self._aside = MOUNTING_WEIGHT, 0.0
 
     @property
     def angle(self) -> float:
@@ -69,14 +87,14 @@ class _Mounting:
 
     def take(self, odometry: Pose2, step: Pose2) -> None:
         """Learn from a way by odometry that is known by scans as `step`."""
-        if max(abs(odometry.theta), abs(step.theta)) > STRAIGHT:
+        if max(abs(odometry.theta), abs(step.theta)) > STRAIGHT_TURN:
             return
         # along the chords, as turns may be told wrong
         half = (step.theta - odometry.theta) / 2
         c, s = cos(half), sin(half)
         x, y = c * odometry.x - s * odometry.y, s * odometry.x + c * odometry.y
         along, aside = step.x * x + step.y * y, step.x * y - step.y * x
-        if abs(aside) < ASKEW * along:
+        if abs(aside) < MOST_ASKEW * along:
             self._along += along
             self._aside += aside
 
@@ -224,16 +242,16 @@ class Mapper:
             prior = prior.joined(_expected(self._here, odometry, way, turn))
         sigma, sigma_theta = _slip(way, turn)
         aside = hypot(odometry.x, odometry.y) * sigma_theta
-        way, turn = SIGMAS * (sigma + aside / 2), SIGMAS * sigma_theta
-        if way > WIDE or turn > WIDE_TURN:
+        way, turn = SEARCHED_SIGMAS * (sigma + aside / 2), SEARCHED_SIGMAS * sigma_theta
+        if way > WIDE_WAY or turn > WIDE_TURN:
             guess, _ = self._submap.search(cloud.points, guess, way, turn)
         match = self._match = self._submap.match(cloud, guess, prior)
-        least = SURE if prior.squared_error(match.pose) > NEAR else TRACKED
+        least = SURE_INLIERS if prior.squared_error(match.pose) > NEAR_ODOMETRY else TRACKED_INLIERS
         if match.inliers < least:
             match = Match(pose=prior.pose, information=np.zeros((3, 3)), inliers=match.inliers)
         self._here = match.pose
         step = self._survey.poses[-1].inverse() @ self._here
-        if hypot(step.x, step.y) >= APART or abs(step.theta) >= TURNED:
+        if hypot(step.x, step.y) >= KEY_FRAME_WAY or abs(step.theta) >= KEY_FRAME_TURN:
             self._mounting.take(since_key, step)
             number = len(self._survey.frames)
             edge = Edge(number - 1, number, step, certainty(match, prior.information))
@@ -242,15 +260,15 @@ class Mapper:
     def _continue(self, beams: Beams, cloud: Cloud) -> None:
         """Find the robot near where it is said to be on a map that was made before."""
         said = self._here
-        guess, _ = self._submap.search(cloud.points, said, BEGIN, BEGIN_TURN)
-        prior = Prior(said, UNKNOWN)
+        guess, _ = self._submap.search(cloud.points, said, BEGIN_WAY, BEGIN_TURN)
+        prior = Prior(said, UNKNOWN_WAY)
         match = self._match = self._submap.match(cloud, guess, prior)
-        if match.inliers < FOUND:
+        if match.inliers < FOUND_INLIERS:
             match = Match(pose=said, information=np.zeros((3, 3)), inliers=match.inliers)
         self._here = match.pose
         old = self._recent[0]
         way = self._survey.poses[old].inverse() @ self._here
-        edge = Edge(old, len(self._survey.frames), way, certainty(match, UNKNOWN))
+        edge = Edge(old, len(self._survey.frames), way, certainty(match, UNKNOWN_WAY))
         self._keep(KeyFrame.of(beams, cloud, self._way, self._turn), (edge,))
 
     def _keep(self, frame: KeyFrame, edges: tuple[Edge, ...]) -> None:
@@ -306,4 +324,4 @@ def _expected(begin: Pose2, odometry: Pose2, way: float, turn: float) -> Prior:
 
 def _slip(way: float, turn: float) -> tuple[float, float]:
     """Return the standard deviations of odometry [m, rad] after a way and a turn."""
-    return STILL + SLIP * way + LEVER * turn, STILL_TURN + TURN_SLIP * turn + BEND * way
+    return STILL_ERROR + SLIP * way + LEVER * turn, STILL_TURN_ERROR + TURN_SLIP * turn + BEND * way

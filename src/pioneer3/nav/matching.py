@@ -20,29 +20,39 @@ Float = NDArray[np.float64]
 Int = NDArray[np.int64]
 Bytes = NDArray[np.uint8]
 
-FARTHEST = 30.0
-"""Points farther away are too sparse to show walls [m]."""
-APART = 0.03
-"""Neighbouring points of a scan that are nearer than this say nothing new [m]."""
+POINT_RANGE = 30.0
+"""Range beyond which points are too sparse to show walls [m]."""
+POINTS_APART = 0.03
+"""Distance below which neighbouring points of a scan say nothing new [m]."""
 MOST_POINTS = 360
-"""Of a scan that are matched."""
-NEIGHBOURS, REACH, ROUGH = 4, 0.3, 0.03
-"""A line is fitted over four neighbours on each side at least, and all within 0.3 m; the points
-of a wall lie 0.03 m from it [RMS]: noise, and the steps of a wall that was drawn in pixels."""
+"""Points of a scan that are matched at most."""
+NEIGHBOURS = 4
+"""Points on each side that a line is fitted over at least."""
+LINE_REACH = 0.3
+"""Distance within which all points are fitted over [m]."""
+LINE_ROUGHNESS = 0.03
+"""Distance of a wall's points from it [m, RMS]: noise, and the steps of a wall that was drawn in
+pixels."""
 WIDTHS = np.array([0.3, 0.15, 0.07])
-"""Of the robust weights [m]: from the error of a search to three times the noise of a laser."""
+"""Widths of the robust weights [m]: from the error of a search to three times the noise of a laser.
+"""
 TARGET_REACH = 0.2
-"""A target is looked for as far away as this [m]: about the distance of points 10 m away."""
-SIGMA = 0.02
-"""Of a point from a wall [m]: the noise of a laser, and the roughness of walls."""
-CELL = 0.15
+"""Distance as far away as which a target is looked for [m]: about that of points 10 m away."""
+POINT_SIGMA = 0.02
+"""Standard deviation of a point from a wall [m]: the noise of a laser, and the roughness of walls.
+"""
+TARGET_CELL = 0.15
 """Side of the cells in which targets are looked for [m]."""
-FINE, TURN, BLOCK = 0.05, 0.0087, 8
-"""Cells [m], turns [rad] and blocks [cells] of a search."""
-BLUR = 0.06
-"""A point counts for a search as far from a wall as this [m, sigma]."""
-COST = 0.15
-"""What the largest shift or turn of a search costs, as a share of a perfect fit."""
+FINE_CELL = 0.05
+"""Side of the cells of a search [m]."""
+FINE_TURN = 0.0087
+"""Turns of a search [rad]."""
+FINE_BLOCK = 8
+"""Side of the blocks of a search [cells]."""
+SEARCH_BLUR = 0.06
+"""Distance to a wall as far as which a point counts for a search [m, sigma]."""
+SHIFT_COST = 0.15
+"""Cost of the largest shift or turn of a search, as a share of a perfect fit."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -61,9 +71,9 @@ class Cloud:
     def of(cls, beams: Beams) -> Self:
         """Return the points of a scan, thinned out."""
         points = np.ascontiguousarray(beams.points)
-        points = points[np.hypot(*(points - beams.origin).T) < FARTHEST]
+        points = points[np.hypot(*(points - beams.origin).T) < POINT_RANGE]
         kept = np.zeros(len(points), dtype=np.bool_)
-        fast(thinned, CACHE)(points, APART, kept)
+        fast(thinned, CACHE)(points, POINTS_APART, kept)
         points = points[kept]
         normals = lines_at(points, beams.origin)[:, :2]
         every = ceil(len(points) / MOST_POINTS) or 1
@@ -152,8 +162,8 @@ class Submap:
         normals = np.concatenate([cloud.normals for cloud in moved] or [np.empty((0, 2))])
         straight = (normals != 0).any(axis=1)
         points = self._points[straight]
-        low, self._shape, cells = _cells(points, CELL)
-        self._grid = np.array([*low, CELL])
+        low, self._shape, cells = _cells(points, TARGET_CELL)
+        self._grid = np.array([*low, TARGET_CELL])
         self._starts = np.zeros(int(self._shape.prod()) + 1, dtype=np.int64)
         order = np.empty(len(points), dtype=np.int64)
         fast(sort_into, CACHE)(cells, self._starts, order)
@@ -178,7 +188,7 @@ class Submap:
             np.ascontiguousarray(prior.information),
             WIDTHS,
             TARGET_REACH,
-            SIGMA,
+            POINT_SIGMA,
             information,
         )
         x, y, theta = pose.tolist()
@@ -187,47 +197,51 @@ class Submap:
     def search(self, points: Float, guess: Pose2, way: float, turn: float) -> tuple[Pose2, float]:
         """Return the best pose within `way` [m] and `turn` [rad] of `guess`, and its worth.
 
-        The worth is 1 where all points lie on walls, less up to `COST` for shift and turn.
+        The worth is 1 where all points lie on walls, less up to `SHIFT_COST` for shift and turn.
         """
         if self._rasters is None:
             self._rasters = self._smeared()
         grid, raster, pooled = self._rasters
-        half = max(1, ceil(turn / TURN))
-        turns: Float = TURN * np.arange(-half, half + 1, dtype=np.float64)
+        half = max(1, ceil(turn / FINE_TURN))
+        turns: Float = FINE_TURN * np.arange(-half, half + 1, dtype=np.float64)
         c, s = np.cos(guess.theta + turns), np.sin(guess.theta + turns)
         x = np.outer(c, points[:, 0]) - np.outer(s, points[:, 1]) + guess.x
         y = np.outer(s, points[:, 0]) + np.outer(c, points[:, 1]) + guess.y
-        cells = np.floor(np.stack([y - grid[1], x - grid[0]], axis=2) / FINE).astype(np.int64)
+        cells = np.floor(np.stack([y - grid[1], x - grid[0]], axis=2) / FINE_CELL).astype(np.int64)
         full = 255.0 * len(points)
-        limits = np.array([float(max(1, ceil(way / FINE))), half * TURN, COST * full])
+        limits = np.array(
+            [float(max(1, ceil(way / FINE_CELL))), half * FINE_TURN, SHIFT_COST * full]
+        )
         best = np.zeros(3, dtype=np.int64)
-        worth = fast(search, CACHE)(raster, pooled, cells, turns, BLOCK, limits, best)
+        worth = fast(search, CACHE)(raster, pooled, cells, turns, FINE_BLOCK, limits, best)
         a, row, column = best.tolist()
         found = Pose2(
-            guess.x + FINE * column, guess.y + FINE * row, wrap(guess.theta + float(turns[a]))
+            guess.x + FINE_CELL * column,
+            guess.y + FINE_CELL * row,
+            wrap(guess.theta + float(turns[a])),
         )
         return found, float(worth) / max(1.0, full)
 
     def _smeared(self) -> tuple[Float, Bytes, Bytes]:
         """Return the grid of the rasters of a search, and the rasters."""
         profile = _profile()
-        margin = FINE * len(profile)
-        low, shape, _ = _cells(self._points, FINE, margin)
-        grid = np.array([*low, FINE])
+        margin = FINE_CELL * len(profile)
+        low, shape, _ = _cells(self._points, FINE_CELL, margin)
+        grid = np.array([*low, FINE_CELL])
         raster = np.zeros((int(shape[0]), int(shape[1])), dtype=np.uint8)
         fast(smear, CACHE)(self._points, grid, profile, raster)
         pooled, step = raster.copy(), 1
-        while step < BLOCK:
+        while step < FINE_BLOCK:
             pooled[:-step] = np.maximum(pooled[:-step], pooled[step:])
             pooled[:, :-step] = np.maximum(pooled[:, :-step], pooled[:, step:])
             step *= 2
         return grid, raster, pooled
 
 
-def lines_at(points: Float, origin: Float, rough: float = ROUGH) -> Float:
+def lines_at(points: Float, origin: Float, rough: float = LINE_ROUGHNESS) -> Float:
     """Return the lines through the points of a scan, see :func:`.kernels.normals.normals_of`."""
     lines = np.empty((len(points), 3))
-    fast(normals_of, CACHE)(points, origin, NEIGHBOURS, REACH, rough, lines)
+    fast(normals_of, CACHE)(points, origin, NEIGHBOURS, LINE_REACH, rough, lines)
     return lines
 
 
@@ -250,8 +264,8 @@ def _cells(points: Float, cell: float, margin: float = 0.0) -> tuple[Float, Int,
 @lru_cache
 def _profile() -> Bytes:
     """Return the likelihood around a point, 255 at most."""
-    half = ceil(2.5 * BLUR / FINE)
-    off = FINE * np.arange(-half, half + 1)
+    half = ceil(2.5 * SEARCH_BLUR / FINE_CELL)
+    off = FINE_CELL * np.arange(-half, half + 1)
     squared = off[:, None] ** 2 + off**2
-    values: Bytes = np.rint(255 * np.exp(-squared / (2 * BLUR**2))).astype(np.uint8)
+    values: Bytes = np.rint(255 * np.exp(-squared / (2 * SEARCH_BLUR**2))).astype(np.uint8)
     return values

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from pioneer3.geometry import Pose2
 from pioneer3.nav.clusters import (
-    AT_EDGE,
-    SHANK,
+    FIELD_EDGE,
+    SHANK_RADIUS,
     STANCE,
     clusters,
     has_company,
@@ -25,34 +25,35 @@ from pioneer3.nav.mover import COASTS, HIDDEN, MISSED, OFTEN, Mover
 Float = NDArray[np.float64]
 Int = NDArray[np.int64]
 
-NEAR = 5.0
-"""Things farther away are not followed [m]."""
+FOLLOWED_RANGE = 5.0
+"""Range beyond which things are not followed [m]."""
 GATE = 0.45
-"""A thing is looked for so far from where it should be [m]."""
-CLOSE = 2.5
-"""From nearer than this legs look like legs [m]."""
-SAME = 0.3
-"""Things nearer to each other are one: the legs of one person [m]."""
-UNSEEN = 0.6
-"""Who is not seen in plain sight for so long is forgotten [s]."""
-KNOWN = 10
-"""Who was seen no more often than this is forgotten at once."""
-BESIDE = 1.0
-"""Who was seen nearer than this is not forgotten so soon [m]."""
-BELIEVED = 15.0
-"""Who looked like a person stays one for so long [s]: two who stand together do not look so."""
-BEYOND = 0.19
-"""A body ends so far before its legs at most [m]."""
-NEW, ABOUT = 100, 60.0
-"""A small thing that was seen less often may be people who stand together, where somebody was seen
-within the latter [s].
-"""
-PARTS = 0.9
-"""Who steps out of a thing of two people begins so near to it at most [m]."""
-RADIUS = 0.28
-"""Of people [m]: lasers see their legs alone."""
-UNSURE = 0.08
-"""Who is out of sight may be so much nearer [m]."""
+"""Distance from where it should be within which a thing is looked for [m]."""
+LEGS_RANGE = 2.5
+"""Range below which legs look like legs [m]."""
+ONE_PERSON = 0.3
+"""Distance below which two things are one [m]: the legs of one person."""
+UNSEEN_TIME = 0.6
+"""Time after which somebody is forgotten who is not seen in plain sight [s]."""
+KNOWN_TIMES = 10
+"""Sightings up to which somebody is forgotten at once."""
+BESIDE_RANGE = 1.0
+"""Range below which somebody who was seen is not forgotten so soon [m]."""
+BELIEF_TIME = 15.0
+"""Time for which somebody who looked like a person stays one [s]: two who stand together do not
+look so."""
+BODY_DEPTH = 0.19
+"""Distance before its legs at which a body ends at most [m]."""
+NEW_TIMES = 100
+"""Sightings below which a small thing may be people who stand together."""
+ABOUT_TIME = 60.0
+"""Time within which somebody was seen there, for that [s]."""
+PARTING = 0.9
+"""Distance to a thing of two people at which somebody who steps out of it begins at most [m]."""
+PERSON_RADIUS = 0.28
+"""Radius of people [m]: lasers see their legs alone."""
+UNSEEN_MARGIN = 0.08
+"""Distance by which somebody out of sight may be nearer [m]."""
 
 
 class Movers:
@@ -83,7 +84,7 @@ class Movers:
             The indices of the points that are of walkers.
         """
         away = np.hypot(*(points - origin).T)
-        near = np.flatnonzero((away < NEAR) & has_company(points))
+        near = np.flatnonzero((away < FOLLOWED_RANGE) & has_company(points))
         owner = self._owners(points[near], now)
         own: list[Int] = []
         for number, thing in enumerate(self.things):
@@ -93,11 +94,11 @@ class Movers:
                 whole = is_whole(points[part], origin, limit, (x, y))
                 fits = bool((np.hypot(*(points[part] - (x, y)).T) < STANCE).all())
                 thing.correct(*middle_of(points[part], origin), now, whole=whole, fits=fits)
-                if away[part].min() < CLOSE:
+                if away[part].min() < LEGS_RANGE:
                     seen = 1 if looks_like_legs(points[part]) else -1
                     thing.legs = min(max(thing.legs + seen, -OFTEN), 2 * OFTEN)
                 if thing.walks or thing.legs >= OFTEN:
-                    thing.believed = now + BELIEVED
+                    thing.believed = now + BELIEF_TIME
             if thing.walks:
                 own.append(part)
         doubted = self._doubted(points[near], owner, now)
@@ -105,7 +106,7 @@ class Movers:
         for part in clusters(points[new]):
             middle = middle_of(points[new[part]], origin)
             self.things.append(self._begin(*middle, now))
-            doubted[np.isin(near, new[part])] |= now - self.met < ABOUT
+            doubted[np.isin(near, new[part])] |= now - self.met < ABOUT_TIME
         self.doubtful = points[near[doubted]]
         self._merge(now)
         self._forget(points, origin, limit, now)
@@ -119,7 +120,7 @@ class Movers:
             return np.full(len(points), -1)
         places = np.array([thing.at(now) for thing in self.things])
         off = np.hypot(*(points[:, None] - places[None]).transpose(2, 0, 1))
-        off[:, [not thing.is_person for thing in self.things]] += SHANK  # people come first
+        off[:, [not thing.is_person for thing in self.things]] += SHANK_RADIUS  # people come first
         owner: Int = off.argmin(axis=1)
         owner[off.min(axis=1) > GATE] = -1
         return owner
@@ -132,22 +133,22 @@ class Movers:
             owner: Numbers of the things that they are of, -1 for none, shape (N,).
             now: [s].
         """
-        self._lost = [each for each in self._lost if each[2] > now - BELIEVED]
+        self._lost = [each for each in self._lost if each[2] > now - BELIEF_TIME]
         places = [thing.at(now) for thing in self.things if thing.is_person]
         places += [(x, y) for x, y, _ in self._lost]
-        about = now - self.met < ABOUT
-        new = np.array([*(about and thing.times < NEW for thing in self.things), False])
+        about = now - self.met < ABOUT_TIME
+        new = np.array([*(about and thing.times < NEW_TIMES for thing in self.things), False])
         doubted: NDArray[np.bool_] = new[owner]  # -1, for none, is the last
         if places and len(points):
             off = np.hypot(*(points[:, None] - np.array(places)[None]).transpose(2, 0, 1))
-            doubted = doubted | (off.min(axis=1) < PARTS)
+            doubted = doubted | (off.min(axis=1) < PARTING)
         return doubted
 
     def _begin(self, x: float, y: float, now: float) -> Mover:
         """Return a new thing; one that steps out of a thing of two people is one of them."""
         new = Mover(x, y, 0.0, 0.0, now, (x, y))
         for thing in self.things:
-            if thing.holds_two(now) and hypot(thing.x - x, thing.y - y) < PARTS:
+            if thing.holds_two(now) and hypot(thing.x - x, thing.y - y) < PARTING:
                 new.walks, new.legs, thing.joined = thing.walks, thing.legs, -inf
                 break
         return new
@@ -156,7 +157,9 @@ class Movers:
         """Let the older one of two things that are too near to each other take in the other."""
         kept: list[Mover] = []
         for thing in sorted(self.things, key=lambda each: -each.times):
-            same = next((k for k in kept if hypot(thing.x - k.x, thing.y - k.y) <= SAME), None)
+            same = next(
+                (k for k in kept if hypot(thing.x - k.x, thing.y - k.y) <= ONE_PERSON), None
+            )
             if same is None:
                 kept.append(thing)
             else:
@@ -177,12 +180,12 @@ class Movers:
         for thing in self.people():
             x, y = thing.at(now)
             moves = thing.stands is None and now - thing.seen < COASTS
-            doubt = UNSURE if now - thing.seen > COASTS else 0.0
+            doubt = UNSEEN_MARGIN if now - thing.seen > COASTS else 0.0
             if thing.holds_two(now):
-                doubt += SAME / 2
+                doubt += ONE_PERSON / 2
             elif thing.legs <= -OFTEN:  # two who came together look like no legs
-                doubt += SAME / 3
-            rows.append((x, y, thing.vx * moves, thing.vy * moves, RADIUS + doubt))
+                doubt += ONE_PERSON / 3
+            rows.append((x, y, thing.vx * moves, thing.vy * moves, PERSON_RADIUS + doubt))
         return np.array(rows).reshape(-1, 5)
 
     def _forget(self, points: Float, origin: Float, limit: Float, now: float) -> None:
@@ -191,18 +194,18 @@ class Movers:
         kept = []
         for thing in self.things:
             age = now - thing.seen
-            patience = UNSEEN
-            if thing.is_person and age > UNSEEN:
+            patience = UNSEEN_TIME
+            if thing.is_person and age > UNSEEN_TIME:
                 x, y = thing.at(now)
                 away = hypot(x - origin[0], y - origin[1])
                 bearing = np.arctan2(y - origin[1], x - origin[0])
                 off = (bearing - limit[0] + np.pi) % (2 * np.pi) - np.pi
-                aside = atan2(GATE, away) + AT_EDGE
+                aside = atan2(GATE, away) + FIELD_EDGE
                 beside = np.abs((bearings - bearing + np.pi) % (2 * np.pi) - np.pi) < 0.1
                 hidden = abs(off) > limit[1] - aside or bool((ranges[beside] < away - 0.2).any())
-                known = thing.times > KNOWN or away < BESIDE
+                known = thing.times > KNOWN_TIMES or away < BESIDE_RANGE
                 known = known and (hidden or away < GATE)
-                patience = HIDDEN if known else UNSEEN
+                patience = HIDDEN if known else UNSEEN_TIME
                 if known and hidden:
                     age = now - max(thing.seen, thing.heard)
             if age <= patience:

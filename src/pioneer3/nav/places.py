@@ -9,8 +9,9 @@ from pioneer3.maps import LineMap
 from pioneer3.maps.line_map import MapObject
 
 ROLES = ("goal", "dock", "home", "place")
+"""Roles of the objects that a robot can be sent to."""
 HOME = "home"
-"""A name of the first home, whatever that is called."""
+"""Name of the first home, whatever that is called."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

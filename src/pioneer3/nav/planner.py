@@ -10,19 +10,19 @@ from numpy.typing import NDArray
 from pioneer3.jit import fast
 from pioneer3.nav.costs import CostMap, inside
 from pioneer3.nav.kernels import CACHE
-from pioneer3.nav.kernels.eikonal import NOWHERE, march
+from pioneer3.nav.kernels.eikonal import NOT_WAITING, march
 from pioneer3.nav.kernels.ways import descend
 from pioneer3.nav.raster import Raster
 
 Float = NDArray[np.float64]
 Float32 = NDArray[np.float32]
 
-GET_OUT = 0.8
-"""So far from its start a way may lead through places where the robot does not fit [m]."""
-FARTHEST = 5000
-"""Most points of a way."""
-BUCKETS = 10_000
-"""Most buckets of cells that wait for the cost of their way."""
+GET_OUT_WAY = 0.8
+"""Way from its start through places where the robot does not fit at most [m]."""
+MOST_WAY_POINTS = 5000
+"""Points of a way at most."""
+MOST_BUCKETS = 10_000
+"""Buckets of cells that wait for the cost of their way at most."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -117,7 +117,7 @@ def plan(costs: CostMap, start: tuple[float, float], goal: tuple[float, float]) 
     way = way_from(cost_to_go, start) if isfinite(cost_to_go.at(*start)) else None
     if way is None:
         return NoWay("no way leads to the goal")
-    beyond = way.length - way.to_go > GET_OUT
+    beyond = way.length - way.to_go > GET_OUT_WAY
     tight = beyond & ~_fits(costs, way.points)
     if tight.any():
         x, y = way.points[int(tight.argmax())]
@@ -128,7 +128,7 @@ def plan(costs: CostMap, start: tuple[float, float], goal: tuple[float, float]) 
 def way_from(cost_to_go: CostToGo, start: tuple[float, float]) -> Way | None:
     """Return the way down from a place, or `None` if it leads nowhere."""
     raster = cost_to_go.raster
-    points = np.empty((FARTHEST, 2))
+    points = np.empty((MOST_WAY_POINTS, 2))
     begin, goal = raster.in_cells(np.array([start, (cost_to_go.x, cost_to_go.y)]))
     count = fast(descend, CACHE)(cost_to_go.values, begin, goal, 0.5, points)
     if count < 2:
@@ -144,7 +144,7 @@ def _cheapest(costs: Float32, row: int, column: int) -> Float32:
     padded = np.pad(costs, 1, constant_values=np.inf)
     width, finite = padded.shape[1], costs[np.isfinite(costs)]
     low, high = (float(finite.min()), float(finite.max())) if finite.size else (1.0, 1.0)
-    depth = max(low, high / BUCKETS)
+    depth = max(low, high / MOST_BUCKETS)
     values = np.full(padded.size, np.inf, dtype=np.float32)
     fast(march, CACHE)(
         padded.ravel(),
@@ -152,7 +152,7 @@ def _cheapest(costs: Float32, row: int, column: int) -> Float32:
         width,
         depth,
         np.full(int(high / depth) + 3, -1, dtype=np.int32),
-        np.full(padded.size, NOWHERE, dtype=np.int32),
+        np.full(padded.size, NOT_WAITING, dtype=np.int32),
         values,
     )
     return np.ascontiguousarray(values.reshape(padded.shape)[1:-1, 1:-1])

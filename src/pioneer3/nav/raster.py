@@ -12,8 +12,8 @@ from pioneer3.maps import Bounds
 
 Float = NDArray[np.float64]
 
-MOST = 64_000_000
-"""Most cells: 400 by 400 m at 5 cm."""
+MOST_CELLS = 64_000_000
+"""Cells at most: 400 by 400 m at 5 cm."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -45,7 +45,7 @@ class Raster:
         """
         left, low = (floor((edge - margin) / cell) for edge in bounds[:2])
         right, high = (ceil((edge + margin) / cell) for edge in bounds[2:])
-        if (high - low + 1) * (right - left + 1) > MOST:
+        if (high - low + 1) * (right - left + 1) > MOST_CELLS:
             size = f"{bounds.x_max - bounds.x_min:.0f} x {bounds.y_max - bounds.y_min:.0f} m"
             raise ConfigError(f"the map is {size}, too large to find ways on")
         return cls(

@@ -22,27 +22,35 @@ from pioneer3.nav.matching import lines_at, rotation
 
 Float = NDArray[np.float64]
 
-CELL = 0.025
-"""[m]: the outlines of walls then lie within 5 cm of them."""
-HITS, SHARE = 2, 0.2
-"""A cell is a wall where so many scans end, and this share of those that pass or end there: people
-who walked by were in a cell for a scan or two, and light passes it before and after."""
-SPILL, SPILL_REACH = 0.2, 0.05
-"""Fewer hits than this share of a cell so near [m] are that cell's: ranges are noisy, and behind a
-wall no light passes that would speak against them."""
-FAR = 30.0
-"""Echoes from farther away are not drawn [m]."""
-BRIDGE = 0.3
-"""Neighbouring points of one wall are joined if they are nearer than this [m]."""
-THICK = 0.05
-"""Rays are not taken to pass nearer than this before their walls [m]."""
-ROUGH = 0.02
-"""Points that lie farther from a line [m, RMS] are drawn where they are: it is no straight wall."""
-MOVED, MOVED_TURN = 0.01, 0.002
-"""A scan is drawn anew where its pose has changed more than this [m, rad]."""
-GAP = 2
-"""What lies between two beams is free up to twice so many cells."""
-SPARE = 5.0
+MAP_CELL = 0.025
+"""Side of a cell [m]: the outlines of walls then lie within 5 cm of them."""
+WALL_HITS = 2
+"""Scans that end in a cell from which on it is a wall: people who walked by were in a cell for a
+scan or two."""
+WALL_SHARE = 0.2
+"""Share of the scans that pass or end in a cell from which on it is a wall: light passes it before
+and after people."""
+SPILL_SHARE = 0.2
+"""Share of the hits of a cell nearby below which hits are that cell's: ranges are noisy, and behind
+a wall no light passes that would speak against them."""
+SPILL_REACH = 0.05
+"""Distance to that cell at most [m]."""
+DRAWN_RANGE = 30.0
+"""Range beyond which echoes are not drawn [m]."""
+BRIDGED_GAP = 0.3
+"""Distance below which neighbouring points of one wall are joined [m]."""
+WALL_THICKNESS = 0.05
+"""Distance before their walls up to which rays are taken to pass [m]."""
+STRAIGHT_ROUGHNESS = 0.02
+"""Distance from a line above which points are drawn where they are [m, RMS]: it is no straight
+wall."""
+REDRAWN_MOVE = 0.01
+"""Change of its pose above which a scan is drawn anew [m]."""
+REDRAWN_TURN = 0.002
+"""Change of its heading above which a scan is drawn anew [rad]."""
+BEAM_GAP = 2
+"""Half of the cells between two beams up to which they are free."""
+SPARE_GROUND = 5.0
 """Space around the map, for it grows [m]."""
 
 
@@ -65,14 +73,16 @@ class _Strokes:
     @classmethod
     def of(cls, beams: Beams) -> "_Strokes":
         points = np.ascontiguousarray(beams.points)
-        points = points[np.hypot(*(points - beams.origin).T) < FAR]
-        lines = lines_at(points, beams.origin, ROUGH)
+        points = points[np.hypot(*(points - beams.origin).T) < DRAWN_RANGE]
+        lines = lines_at(points, beams.origin, STRAIGHT_ROUGHNESS)
         points = points - lines[:, 2:] * lines[:, :2]
         ray = points - beams.origin
         length = np.maximum(np.hypot(*ray.T), 1e-9)
         # along the ray, a wall is THICK over the cosine of the incidence
         steep = np.abs((ray * lines[:, :2]).sum(axis=1)) / length
-        short = np.where(lines[:, :2].any(axis=1), THICK / np.maximum(steep, 0.02), THICK)
+        short = np.where(
+            lines[:, :2].any(axis=1), WALL_THICKNESS / np.maximum(steep, 0.02), WALL_THICKNESS
+        )
         ends = beams.origin + ray * np.maximum(0.0, 1.0 - short / length)[:, None]
         return cls(points, lines, np.concatenate([ends, beams.free]), beams.origin)
 
@@ -84,7 +94,7 @@ class Renderer:
         cell: Side of a cell [m].
     """
 
-    def __init__(self, cell: float = CELL) -> None:
+    def __init__(self, cell: float = MAP_CELL) -> None:
         self._cell = cell
         self._corner = np.zeros(2, dtype=np.int64)
         self._hits, self._misses, self._seen = (np.zeros((0, 0), dtype=np.int32) for _ in range(3))
@@ -111,10 +121,14 @@ class Renderer:
         hits, total = self._hits, self._hits + self._misses
         states = np.full(hits.shape, UNKNOWN, dtype=np.uint8)
         free = self._misses > 0
-        closed = ndimage.binary_closing(np.pad(free, GAP), iterations=GAP)[GAP:-GAP, GAP:-GAP]
+        closed = ndimage.binary_closing(np.pad(free, BEAM_GAP), iterations=BEAM_GAP)[
+            BEAM_GAP:-BEAM_GAP, BEAM_GAP:-BEAM_GAP
+        ]
         states[free | closed] = FREE
         most = ndimage.maximum_filter(hits, size=2 * round(SPILL_REACH / self._cell) + 1)
-        states[(hits >= HITS) & (hits >= SHARE * total) & (hits >= SPILL * most)] = OCCUPIED
+        states[
+            (hits >= WALL_HITS) & (hits >= WALL_SHARE * total) & (hits >= SPILL_SHARE * most)
+        ] = OCCUPIED
         known = np.argwhere(states != UNKNOWN)
         if not len(known):
             nothing = np.full((1, 1), UNKNOWN, dtype=np.uint8)
@@ -135,7 +149,7 @@ class Renderer:
             for part in (strokes.points, strokes.ends, strokes.origin)
         )
         self._make_room(np.concatenate([points, ends, origin[None]]))
-        lines, bridge = strokes.lines.copy(), BRIDGE / self._cell
+        lines, bridge = strokes.lines.copy(), BRIDGED_GAP / self._cell
         lines[:, :2] = lines[:, :2] @ turn
         self._number += 1
         apart = np.hypot(*np.diff(points, axis=0).T)
@@ -155,7 +169,11 @@ class Renderer:
         """Add cells where points [cells] lie outside of those that there are."""
         low = np.floor(points.min(axis=0)).astype(np.int64)[::-1]
         high = np.floor(points.max(axis=0)).astype(np.int64)[::-1] + 1
-        old, shape, spare = self._corner, np.array(self._hits.shape), ceil(SPARE / self._cell)
+        old, shape, spare = (
+            self._corner,
+            np.array(self._hits.shape),
+            ceil(SPARE_GROUND / self._cell),
+        )
         if shape.all():
             if (low >= old).all() and (high <= old + shape).all():
                 return
@@ -172,7 +190,7 @@ class Renderer:
         self._hits, self._misses, self._seen = larger
 
 
-def render(survey: Survey, cell: float = CELL) -> OccupancyGrid:
+def render(survey: Survey, cell: float = MAP_CELL) -> OccupancyGrid:
     """Return the map of a survey as cells."""
     renderer = Renderer(cell)
     renderer.update(survey)
@@ -248,4 +266,4 @@ def line_map_of(grid: OccupancyGrid, name: str, objects: Sequence[MapObject] = (
 
 def _is_near(a: Pose2, b: Pose2) -> bool:
     moved = a.inverse() @ b
-    return abs(moved.x) + abs(moved.y) < MOVED and abs(moved.theta) < MOVED_TURN
+    return abs(moved.x) + abs(moved.y) < REDRAWN_MOVE and abs(moved.theta) < REDRAWN_TURN

@@ -11,38 +11,42 @@ from pioneer3.jit import fast
 from pioneer3.nav.beams import Beams
 from pioneer3.nav.clusters import has_company
 from pioneer3.nav.costs import MARGIN, CostMap
-from pioneer3.nav.echoes import EXPLAINED, SHORT, Echoes, transducers_in_map
+from pioneer3.nav.echoes import UNSURE_END, WALL_ECHO, Echoes, transducers_in_map
 from pioneer3.nav.kernels import CACHE
 from pioneer3.nav.kernels.sightings import clear_beams, mark_echoes
 from pioneer3.nav.mover import COASTS
-from pioneer3.nav.moving import PARTS, RADIUS, Movers
+from pioneer3.nav.moving import PARTING, PERSON_RADIUS, Movers
 
 Float = NDArray[np.float64]
 Int = NDArray[np.int64]
 
-FAR = 6.0
-"""Things farther away are not noted [m]."""
+SEEN_RANGE = 6.0
+"""Range beyond which things are not noted [m]."""
 AGE = 60.0
 """Things not seen for so long may have gone [s]."""
-SOLID, PASSES = 4, 5.0
-"""Where people are, a thing that was seen less often may be of somebody who passed: it is there for
-so long [s].
-"""
-LATE, DOUBT_TURNING = 0.05, 0.08
-"""Odometry may be so late [s]: echoes are off while the robot turns, by so much at most [m/m]."""
-OWN = 0.1
-"""Echoes that are no farther from somebody's side are of them [m]."""
-AGAIN = 0.1
-"""An echo that stands alone counts where the scan before had one so near [m]."""
-LATEST = 0.5
-"""Older scans say nothing of now [s]."""
-DOUBT = 0.05
-"""A wall may be off so much more for each metre from the laser, and is no walker for that."""
-COMING, LONG_AGO = 4.0, 3.0
-"""People are expected to go on for so far [m]; who was not seen for so long may have turned [s]."""
-STOOD = 12.0
-"""Walkers who have stood for so long are in the way of plans [s]."""
-RING = 12
+SOLID_TIMES = 4
+"""Sightings below which a thing may be of somebody who passed, where people are."""
+PASSING_TIME = 5.0
+"""Time for which such a thing is there [s]."""
+ODOMETRY_DELAY = 0.05
+"""Delay of odometry at most [s]: echoes are off while the robot turns."""
+TURNING_DOUBT = 0.08
+"""Error of echoes while the robot turns at most, by their range [m/m]."""
+OWN_ECHO = 0.1
+"""Distance from somebody's side up to which echoes are of them [m]."""
+CONFIRMED_ECHO = 0.1
+"""Distance to an echo of the scan before within which an echo that stands alone counts [m]."""
+LATEST_SCAN = 0.5
+"""Age above which scans say nothing of now [s]."""
+WALL_DOUBT = 0.05
+"""Error of a wall's place for each metre from the laser, which makes it no walker [m/m]."""
+COMING_WAY = 4.0
+"""Way that people are expected to go on for [m]."""
+COMING_TIME = 3.0
+"""Time unseen after which somebody may have turned [s]."""
+STANDING_TIME = 12.0
+"""Time after which walkers who have stood are in the way of plans [s]."""
+RING_POINTS = 12
 """Points around one of these."""
 
 
@@ -81,15 +85,15 @@ class Sightings:
         self._latest = beams.stamp, echoes
         walking = self._follow(beams, robot_in_map, echoes, from_laser)
         origin = raster.in_cells(in_map(robot_in_map, beams.origin[None]))[0]
-        near = from_laser < FAR
+        near = from_laser < SEEN_RANGE
         ends = raster.in_cells(echoes)
         clear = raster.in_cells(in_map(robot_in_map, _shortened(beams)))
-        short = SHORT / raster.cell
+        short = UNSURE_END / raster.cell
         free = np.concatenate([ends[near], clear])
         fast(clear_beams, CACHE)(origin, free, short, self._seen, self._counts)
         self._clear(robot_in_map.x, robot_in_map.y, self._under)
         near[walking] = False
-        doubts = EXPLAINED + self._doubt(beams) * from_laser[near]
+        doubts = WALL_ECHO + self._doubt(beams) * from_laser[near]
         marks = self._seen, self._counts
         fast(mark_echoes, CACHE)(ends[near], self._clearance, doubts, now, *marks)
 
@@ -99,7 +103,7 @@ class Sightings:
         Strays are not among them.
         """
         stamp, echoes = self._latest
-        return echoes if abs(now - stamp) < LATEST else None
+        return echoes if abs(now - stamp) < LATEST_SCAN else None
 
     def _without_strays(self, beams: Beams, robot_in_map: Pose2) -> Beams:
         """Return a scan without the echoes that stand alone where the last scan had none.
@@ -112,7 +116,7 @@ class Sightings:
         if not len(alone):
             return beams
         off = np.hypot(*(echoes[alone, None] - before[None]).transpose(2, 0, 1))
-        strays = alone[off.min(axis=1, initial=np.inf) > AGAIN]
+        strays = alone[off.min(axis=1, initial=np.inf) > CONFIRMED_ECHO]
         return replace(beams, points=np.delete(beams.points, strays, axis=0))
 
     def _doubt(self, beams: Beams) -> float:
@@ -122,7 +126,7 @@ class Sightings:
         if before is None or passed <= 0.0:
             return 0.0
         turned = abs(wrap(beams.robot_in_odom.theta - before.robot_in_odom.theta))
-        return min(LATE * turned / passed, DOUBT_TURNING)
+        return min(ODOMETRY_DELAY * turned / passed, TURNING_DOUBT)
 
     def hear(self, mounts: Float, ranges: Float, robot_in_map: Pose2, now: float) -> None:
         """Take the ranges of sonars.
@@ -138,15 +142,15 @@ class Sightings:
             self.movers.hear(Pose2(x, y, theta), metres, now)
         people = [each for each in self.movers.people() if now - each.seen < COASTS]
         about = self.are_people_about(now)
-        since = now - LATEST if about else 0.0  # who is gone explains nothing
+        since = now - LATEST_SCAN if about else 0.0  # who is gone explains nothing
 
         def is_known(arc: Float) -> bool:
             x, y = arc[len(arc) // 2].tolist()
-            if any(hypot(each.x - x, each.y - y) < RADIUS + OWN for each in people):
+            if any(hypot(each.x - x, each.y - y) < PERSON_RADIUS + OWN_ECHO for each in people):
                 return True
             # the laser sees it, and knows better where it is
             return any(
-                (self._seen[self._around(x, y, SHORT)] > since).any() for x, y in arc.tolist()
+                (self._seen[self._around(x, y, UNSURE_END)] > since).any() for x, y in arc.tolist()
             )
 
         self.echoes.take(transducers, ranges, now, is_known, people=about)
@@ -158,7 +162,7 @@ class Sightings:
         inside = (columns >= 0) & (columns < raster.width) & (rows >= 0) & (rows < raster.height)
         apart = np.zeros(len(echoes))
         apart[inside] = self._clearance[rows[inside], columns[inside]]
-        unknown = np.flatnonzero(apart > EXPLAINED + DOUBT * from_laser)
+        unknown = np.flatnonzero(apart > WALL_ECHO + WALL_DOUBT * from_laser)
         walked = {id(thing) for thing in self.movers.things if thing.walks}
         own = self.movers.take(
             echoes[unknown],
@@ -169,7 +173,7 @@ class Sightings:
         for thing in self.movers.things:
             if thing.walks:
                 for x, y in thing.past[-1:] if id(thing) in walked else thing.past:
-                    self._clear(x, y, RADIUS)
+                    self._clear(x, y, PERSON_RADIUS)
         return unknown[own]
 
     def points(self, now: float, age: float = AGE, *, people: bool = True) -> Float:
@@ -193,7 +197,7 @@ class Sightings:
         """Return the middles of the cells of a part with things that were seen, (N, 2) [m]."""
         seen = self._seen[part]
         if self.are_people_about(now):
-            passing = (self._counts[part] < SOLID) & (seen < now - PASSES)
+            passing = (self._counts[part] < SOLID_TIMES) & (seen < now - PASSING_TIME)
             seen = np.where(passing, 0.0, seen)
         return self._middles(seen, part, now - age)
 
@@ -201,7 +205,7 @@ class Sightings:
         """Return when something was last seen within a distance of a place [m], or `None`."""
         part = self._around(x, y, within)
         seen = [float(self._seen[part].max(initial=0.0)), self.echoes.last_in(part)]
-        reach = within + RADIUS
+        reach = within + PERSON_RADIUS
         standing = (thing for thing in self.movers.walking() if thing.stands is not None)
         seen += [t.seen for t in standing if np.hypot(t.x - x, t.y - y) < reach]
         return max(seen) or None
@@ -231,12 +235,12 @@ class Sightings:
 
     def _standing(self, now: float) -> Float:
         """Return points around walkers who have stood for a while [m], shape (N, 2)."""
-        angles = np.linspace(-pi, pi, RING, endpoint=False)
-        ring = RADIUS * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+        angles = np.linspace(-pi, pi, RING_POINTS, endpoint=False)
+        ring = PERSON_RADIUS * np.stack([np.cos(angles), np.sin(angles)], axis=1)
         standing = [
             ring + np.array((thing.x, thing.y))
             for thing in self.movers.walking()
-            if thing.stands is not None and now - thing.stands > STOOD
+            if thing.stands is not None and now - thing.stands > STANDING_TIME
         ]
         return np.concatenate([np.empty((0, 2)), *standing])
 
@@ -251,16 +255,16 @@ class Sightings:
         for n, (x, y, _, _, radius) in enumerate(people.tolist()):
             others = np.delete(people, n, axis=0)
             # echoes of people beside each other are taken for those of the wrong one
-            if not (np.hypot(others[:, 0] - x, others[:, 1] - y) < PARTS).any():
-                legs = legs[np.hypot(legs[:, 0] - x, legs[:, 1] - y) > min(radius, RADIUS)]
+            if not (np.hypot(others[:, 0] - x, others[:, 1] - y) < PARTING).any():
+                legs = legs[np.hypot(legs[:, 0] - x, legs[:, 1] - y) > min(radius, PERSON_RADIUS)]
         return legs
 
     def lines(self, now: float) -> Float:
         """Return the lines on which people come, or would if they were let [m], shape (L, 4)."""
         rows = [
-            (x, y, x + COMING * thing.heading[0], y + COMING * thing.heading[1])
+            (x, y, x + COMING_WAY * thing.heading[0], y + COMING_WAY * thing.heading[1])
             for thing in self.movers.walking()
-            if now - thing.seen < LONG_AGO and any(thing.heading)
+            if now - thing.seen < COMING_TIME and any(thing.heading)
             for x, y in [thing.at(now)]
         ]
         return np.array(rows).reshape(-1, 4)
@@ -287,8 +291,8 @@ def in_map(robot_in_map: Pose2, points: Float) -> Float:
 
 def _shortened(beams: Beams) -> Float:
     """Return the ends of beams without echo, and of far ones, no farther than is noted."""
-    far = beams.points[np.hypot(*(beams.points - beams.origin).T) >= FAR]
+    far = beams.points[np.hypot(*(beams.points - beams.origin).T) >= SEEN_RANGE]
     ends = np.concatenate([beams.free, far]) - beams.origin
     lengths = np.maximum(np.hypot(*ends.T), 1e-9)
-    shortened: Float = beams.origin + ends * np.minimum(1.0, FAR / lengths)[:, None]
+    shortened: Float = beams.origin + ends * np.minimum(1.0, SEEN_RANGE / lengths)[:, None]
     return shortened

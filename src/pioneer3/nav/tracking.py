@@ -14,18 +14,24 @@ from pioneer3.nav.particles import MotionErrors, Particles, array_of
 
 Float = NDArray[np.float64]
 
-FLOOR, FLOOR_TURN = 0.004, 0.002
-"""Standard deviations that no estimate is below: the errors of maps [m, rad]."""
-FRESH = 10
-"""One in so many particles comes from the scan, not from the particles before."""
-SONAR_PARTICLES, SONAR_BEGIN = 1, 4
-"""So many times as many particles are used with sonars, and until the place is known."""
-SONAR_KNOWN, SONAR_TURN = 0.3, 0.15
-"""Standard deviations at which a place counts as known by sonar [m, rad]."""
-MEMORY = 60.0
+POSITION_FLOOR = 0.004
+"""Standard deviation that no estimate is below [m]: the errors of maps."""
+HEADING_FLOOR = 0.002
+"""Standard deviation that no estimate of a heading is below [rad]."""
+PARTICLES_PER_FRESH = 10
+"""Particles of which one comes from the scan, not from the particles before."""
+SONAR_PARTICLES = 1
+"""Particles with sonars, in times of those with a laser."""
+SONAR_BEGIN_PARTICLES = 4
+"""Particles with sonars until the place is known, in times of those with a laser."""
+SONAR_DEVIATION = 0.3
+"""Standard deviation below which a place counts as known by sonar [m]."""
+SONAR_TURN_DEVIATION = 0.15
+"""Standard deviation below which a heading counts as known by sonar [rad]."""
+ECHO_MEMORY = 60.0
 """Echoes that the share of those that agree is averaged over."""
-UNHEARD = 0.4
-"""This share before any: not enough to be sure, too much to be lost."""
+UNHEARD_AGREEMENT = 0.4
+"""Share before any echo: not enough to be sure, too much to be lost."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -65,11 +71,11 @@ class LaserTrack:
         particles = self._particles
         particles.weigh(likelihood.cost(particles.poses))
         mean, covariance = particles.mean()
-        least = np.diag([FLOOR**2, FLOOR**2, FLOOR_TURN**2])
+        least = np.diag([POSITION_FLOOR**2, POSITION_FLOOR**2, HEADING_FLOOR**2])
         held: Float = np.linalg.inv(covariance + least).astype(np.float64)
         refined, information = likelihood.refined(mean[None], held, LAST_SCALES, all_points=True)
         known = np.linalg.inv(information[0]) + least
-        spread = self._rng.standard_normal((self._count // FRESH, 3))
+        spread = self._rng.standard_normal((self._count // PARTICLES_PER_FRESH, 3))
         particles.resample(self._count, refined[0] + spread @ np.linalg.cholesky(known).T)
         verdict = likelihood.judged(refined)
         return Fix(refined[0], known, float(verdict.agreement[0])), verdict
@@ -95,9 +101,9 @@ class SonarTrack:
         errors: MotionErrors,
     ) -> None:
         self._echoes, self._usual = echoes, SONAR_PARTICLES * count
-        self._particles = Particles.around(*start, SONAR_BEGIN * count, rng, errors)
+        self._particles = Particles.around(*start, SONAR_BEGIN_PARTICLES * count, rng, errors)
         self._pings: list[Float] = []
-        self._agreement = UNHEARD
+        self._agreement = UNHEARD_AGREEMENT
 
     def listen(self, pings: Pings) -> None:
         """Keep pings until the robot has moved."""
@@ -125,7 +131,7 @@ class SonarTrack:
 
     def _remember(self, likelihood: PingLikelihood, pose: Float) -> None:
         agree, heard = likelihood.agreeing(pose)
-        share = min(1.0, heard / MEMORY)
+        share = min(1.0, heard / ECHO_MEMORY)
         if heard:
             self._agreement += share * (agree / heard - self._agreement)
 
@@ -133,7 +139,7 @@ class SonarTrack:
 def is_known(covariance: Float) -> bool:
     """Return whether a place with this covariance (3, 3) counts as known by sonar."""
     turn = float(covariance[2, 2]) ** 0.5
-    return deviation_of(covariance) < SONAR_KNOWN and turn < SONAR_TURN
+    return deviation_of(covariance) < SONAR_DEVIATION and turn < SONAR_TURN_DEVIATION
 
 
 def moved_by(frame: Float, poses: Float) -> Float:

@@ -16,14 +16,14 @@ from pioneer3.nav.planner import CostToGo
 Float = NDArray[np.float64]
 Bool = NDArray[np.bool_]
 
-BESIDE = 0.2
+PASSING_ROOM = 0.2
 """Room between two robots that pass each other [m]."""
-SOON = 5.0
-"""So much of the ways of others counts [m]."""
-NEAR = 3.0
-"""So much of the own way is looked at [m]."""
-EVERY = 4
-"""Of a way's points one of so many counts."""
+OTHERS_WAY = 5.0
+"""Length of the ways of others that counts [m]."""
+OWN_WAY = 3.0
+"""Length of the own way that is looked at [m]."""
+POINT_STRIDE = 4
+"""Points of a way of which one counts."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -56,7 +56,7 @@ class Traveller:
         """Return where it is and will be on the next stretch of its way [m], shape (M, 2)."""
         here = np.array([[self.robot_in_map.x, self.robot_in_map.y]])
         way = _stretch(self.way, length)
-        return np.concatenate([here, way[::EVERY], way[-1:]])
+        return np.concatenate([here, way[::POINT_STRIDE], way[-1:]])
 
 
 def without_robots(beams: Beams, robot_in_map: Pose2, others: Iterable[Traveller]) -> Beams:
@@ -71,7 +71,7 @@ def without_robots(beams: Beams, robot_in_map: Pose2, others: Iterable[Traveller
     for other in others:
         there = robot_in_map.inverse() @ other.robot_in_map
         away = np.hypot(beams.points[:, 0] - there.x, beams.points[:, 1] - there.y)
-        keep &= away > other.corner + BESIDE
+        keep &= away > other.corner + PASSING_ROOM
     return beams if keep.all() else replace(beams, points=beams.points[keep])
 
 
@@ -80,10 +80,10 @@ def meeting(mine: Traveller, other: Traveller) -> float | None:
 
     0 where it is in the way of the other already; `None` if they do not meet soon.
     """
-    apart = mine.corner + other.corner + BESIDE
+    apart = mine.corner + other.corner + PASSING_ROOM
     here = mine.robot_in_map
-    way = np.concatenate([[(here.x, here.y)], _stretch(mine.way, NEAR)])
-    theirs = other.ahead(SOON)
+    way = np.concatenate([[(here.x, here.y)], _stretch(mine.way, OWN_WAY)])
+    theirs = other.ahead(OTHERS_WAY)
     away = np.hypot(way[:, None, 0] - theirs[None, :, 0], way[:, None, 1] - theirs[None, :, 1]).min(
         axis=1
     )
@@ -107,7 +107,7 @@ def passing_place(costs: CostMap, mine: Traveller, others: Sequence[Traveller]) 
     def free(places: Float) -> Bool:
         beside = np.ones(len(places), dtype=np.bool_)
         for other in others:
-            apart = mine.corner + other.corner + BESIDE
+            apart = mine.corner + other.corner + PASSING_ROOM
             for point in other.ahead():
                 beside &= np.hypot(*(places - point).T) >= apart
         return beside

@@ -24,17 +24,17 @@ from pioneer3.nav.planner import Way, plan
 from pioneer3.nav.rendering import Renderer, trodden
 from pioneer3.nav.sightings import Sightings
 
-SIDE = 4.0
-"""Of the room [m]."""
+ROOM_SIDE = 4.0
+"""Side of the room [m]."""
 THING = 0.8, 0.3
-"""Something in it that is not on the map [m]."""
+"""Place of something in it that is not on the map [m]."""
 
 
 @cache
 def warm_up() -> None:
     """Call every kernel, once in the life of this program."""
     model, rng = load_model("p3at-sh"), np.random.default_rng(0)
-    half = SIDE / 2
+    half = ROOM_SIDE / 2
     corners = [(-half, -half), (half, -half), (half, half), (-half, half)]
     walls = [[*a, *b] for a, b in zip(corners, [*corners[1:], corners[0]], strict=True)]
     room = LineMap(name="room", walls=np.array(walls))
@@ -76,7 +76,7 @@ def _beams(robot_in_room: Pose2, stamp: float) -> Beams:
     points = [THING]
     for angle in np.linspace(-pi / 2, pi / 2, 60).tolist():
         c, s = cos(angle), sin(angle)
-        reach = min(SIDE / 2 / max(abs(c), 1e-9), SIDE / 2 / max(abs(s), 1e-9))
+        reach = min(ROOM_SIDE / 2 / max(abs(c), 1e-9), ROOM_SIDE / 2 / max(abs(s), 1e-9))
         points.append((reach * c - robot_in_room.x, reach * s))
     far = max(hypot(*point) for point in points)
     return Beams(

@@ -11,7 +11,7 @@ import numpy as np
 from pioneer3.behaviors.action import Stack
 from pioneer3.geometry import Pose2
 from pioneer3.maps.grid import samples
-from pioneer3.nav.costs import CELL, CostMap
+from pioneer3.nav.costs import COST_CELL, CostMap
 from pioneer3.nav.follower import Follower
 from pioneer3.nav.places import Destination
 from pioneer3.nav.planner import CostToGo, NoWay, Way
@@ -119,7 +119,7 @@ class Drives:
         self._costs, self._localization = costs, localization
         self._sightings, self._traffic, self._name = sightings, traffic, name
         self._in_thread = in_thread
-        self._walls = samples(self.line_map.walls, CELL)
+        self._walls = samples(self.line_map.walls, COST_CELL)
         self._clock = asyncio.get_running_loop().time
         self.ways = Ways(costs, sightings, self._clock, in_thread)
         self._changing = asyncio.Lock()  # planning takes a while: one task changes drives

@@ -13,9 +13,9 @@ from pioneer3.behaviors.actions.limiters import LimiterTableSensor
 from pioneer3.behaviors.actions.recover import StallRecover
 from pioneer3.geometry import Pose2
 from pioneer3.nav.beams import beams_of
-from pioneer3.nav.echoes import BODY
+from pioneer3.nav.echoes import BODY_RADIUS
 from pioneer3.nav.follower import Follower
-from pioneer3.nav.moving import BEYOND
+from pioneer3.nav.moving import BODY_DEPTH
 from pioneer3.nav.planner import CostToGo
 from pioneer3.nav.sightings import Sightings, in_map
 from pioneer3.navigation.going_aside import GoingAside
@@ -241,8 +241,8 @@ class FollowWay(Action):
             [
                 _standing(points, 0.0),
                 walkers,
-                _standing(self.sightings.legs(walkers, now), BEYOND),
-                _standing(self.sightings.echoes.bodies(now), BODY),
+                _standing(self.sightings.legs(walkers, now), BODY_DEPTH),
+                _standing(self.sightings.echoes.bodies(now), BODY_RADIUS),
             ]
         )
 

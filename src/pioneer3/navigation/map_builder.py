@@ -18,7 +18,7 @@ from pioneer3.maps import LineMap, MapObject, OccupancyGrid
 from pioneer3.maps.grid import samples
 from pioneer3.maps.line_map import FREE
 from pioneer3.nav.beams import beams_of
-from pioneer3.nav.costs import CELL, CostMap
+from pioneer3.nav.costs import COST_CELL, CostMap
 from pioneer3.nav.exploring import Exploration, GivenUp, Outlook
 from pioneer3.nav.follower import Follower
 from pioneer3.nav.frames import Survey
@@ -284,7 +284,7 @@ class MapBuilder:
         assert trip.outlook.target is not None
         view, leg = trip.outlook.target.frontier.view, trip.action.leg
         goal = view.x, view.y, view.theta
-        walls = samples(drawing.line_map.walls, CELL)
+        walls = samples(drawing.line_map.walls, COST_CELL)
         if leg is not None and not leg.done and not leg.failed:
             x, y, _ = leg.follower.goal
             if hypot(view.x - x, view.y - y) < SAME_GOAL:

@@ -7,7 +7,7 @@ import numpy as np
 from pioneer3.geometry import Pose2
 from pioneer3.nav.giving_way import BESIDE, refuge
 from pioneer3.nav.mover import Mover
-from pioneer3.nav.moving import RADIUS
+from pioneer3.nav.moving import PERSON_RADIUS
 from tests.unit.nav.offices import AT, costs, room, two_rooms
 
 NOTHING = np.empty((0, 2))
@@ -21,7 +21,7 @@ def test_the_robot_goes_beside_the_way_of_who_comes() -> None:
     here, comes = Pose2(5.0, 3.0, 0.0), walker(6.0, 3.0, (-1.0, 0.0))
     aside = refuge(costs(room()), AT.corner, here, [comes], NOTHING)
     assert aside is not None
-    assert abs(aside.y - 3.0) > AT.corner + RADIUS + BESIDE
+    assert abs(aside.y - 3.0) > AT.corner + PERSON_RADIUS + BESIDE
     assert hypot(aside.x - here.x, aside.y - here.y) < 2.0
     assert np.isfinite(aside.at(here.x, here.y))
 

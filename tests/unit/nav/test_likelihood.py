@@ -19,14 +19,21 @@ from pioneer3.nav.kernels.pings import echo_range, expected_ranges, weigh_ranges
 from pioneer3.nav.kernels.scans import judge_poses, refine_poses, weigh_poses
 from pioneer3.nav.kernels.search import score_places
 from pioneer3.nav.likelihood import (
-    FARTHEST,
-    INDEPENDENT,
-    SIGMA,
+    INDEPENDENT_READINGS,
+    WALL_REACH,
+    WALL_SIGMA,
     ScanLikelihood,
     WallField,
     free_sides,
 )
-from pioneer3.nav.likelihood_sonar import LONGEST, RAYS, STEEP, EchoMap, PingLikelihood, Pings
+from pioneer3.nav.likelihood_sonar import (
+    INCIDENCE,
+    RAYS,
+    SONAR_RANGE,
+    EchoMap,
+    PingLikelihood,
+    Pings,
+)
 from pioneer3.nav.particles import array_of, pose_of
 from tests.combinations import examples
 from tests.unit.nav.rooms import FLAT, beams, echo, room
@@ -52,9 +59,9 @@ def test_the_cost_is_the_square_of_the_distances_of_its_points() -> None:
         column, row = np.floor(WALLS.field.raster.in_cells(points)).astype(int).T
         height, width = WALLS.numbers.shape
         inside = (row >= 0) & (row < height) & (column >= 0) & (column < width)
-        off = np.full(len(points), FARTHEST)
-        off[inside] = WALLS.field.distances[row[inside], column[inside]].clip(max=FARTHEST)
-        wanted = (0.5 * (off / SIGMA) ** 2).sum() * INDEPENDENT / len(points)
+        off = np.full(len(points), WALL_REACH)
+        off[inside] = WALLS.field.distances[row[inside], column[inside]].clip(max=WALL_REACH)
+        wanted = (0.5 * (off / WALL_SIGMA) ** 2).sum() * INDEPENDENT_READINGS / len(points)
         assert cost == pytest.approx(wanted, rel=1e-5)
 
 
@@ -130,12 +137,12 @@ def test_compiled_kernels_of_scans_compute_what_python_does() -> None:
     field = WALLS.field.distances, WALLS.frame
     surface = WALLS.walls, WALLS.facing, WALLS.numbers, WALLS.frame
     map_ = WALLS.walls, WALLS.field.distances, WALLS.numbers, WALLS.frame
-    prior = LOOSE, SIGMA, np.array([0.3, 0.1])
+    prior = LOOSE, WALL_SIGMA, np.array([0.3, 0.1])
     results = []
     for run in (partial(fast, kept=CACHE), plain):
         costs, verdicts, information = np.empty(3), np.empty((3, 4)), np.empty((3, 3, 3))
         moved = poses.copy()
-        run(weigh_poses)(field, scan.weighed, poses, (SIGMA, FARTHEST), costs)
+        run(weigh_poses)(field, scan.weighed, poses, (WALL_SIGMA, WALL_REACH), costs)
         seen = scan.weighed, scan.clear, scan.origin
         run(judge_poses)(map_, seen, poses, (0.1, 0.015, 0.2), verdicts)
         run(refine_poses)(surface, (scan.weighed, scan.origin), moved, prior, information)
@@ -162,9 +169,9 @@ def test_a_transducer_hears_the_nearest_wall_in_its_beam() -> None:
     surface = walls.walls, walls.field.distances, walls.numbers, walls.frame
     for _ in range(400):
         x, y, axis = rng.uniform((0.3, 0.3, -3.1), (7.7, 4.7, 3.1)).tolist()
-        heard = fast(echo_range, CACHE)(surface, (RAYS, LONGEST, STEEP), x, y, axis)
+        heard = fast(echo_range, CACHE)(surface, (RAYS, SONAR_RANGE, INCIDENCE), x, y, axis)
         wanted = echo(FLAT.walls, (x, y), axis)
-        right += abs(heard - wanted) < 0.01 or min(heard, wanted) > LONGEST
+        right += abs(heard - wanted) < 0.01 or min(heard, wanted) > SONAR_RANGE
     assert right >= 360  # rays that nearly touch the end of a wall may go either way
 
 
@@ -173,8 +180,8 @@ def test_a_wall_that_is_met_obliquely_echoes_nothing() -> None:
     pose = np.array([[0.0, 0.0, 0.0]])
     ahead, oblique = np.array([[0.0, 0.0, np.pi / 2]]), np.array([[0.0, 0.0, np.radians(40)]])
     assert wall.expected(ahead, pose)[0, 0] == pytest.approx(1.0, abs=0.02)
-    assert wall.expected(oblique, pose)[0, 0] > LONGEST
-    assert wall.expected(ahead, np.array([[999.0, 0.0, 0.0]]))[0, 0] > LONGEST
+    assert wall.expected(oblique, pose)[0, 0] > SONAR_RANGE
+    assert wall.expected(ahead, np.array([[999.0, 0.0, 0.0]]))[0, 0] > SONAR_RANGE
 
 
 def test_remembered_ranges_are_those_computed_anew() -> None:
@@ -185,7 +192,7 @@ def test_remembered_ranges_are_those_computed_anew() -> None:
     w, out = ECHOES.walls, np.empty((2, 2))
     surface = w.walls, w.field.distances, w.numbers, w.frame
     memory = np.zeros_like(ECHOES.known), 0.1
-    plain(expected_ranges)(surface, (RAYS, LONGEST, STEEP), memory, (mounts, poses), out)
+    plain(expected_ranges)(surface, (RAYS, SONAR_RANGE, INCIDENCE), memory, (mounts, poses), out)
     assert out == pytest.approx(first, abs=1e-9)
 
 

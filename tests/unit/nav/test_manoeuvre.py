@@ -23,7 +23,7 @@ from pioneer3.nav.manoeuvre import (
     find_manoeuvre,
     find_way_aside,
 )
-from pioneer3.nav.moving import RADIUS
+from pioneer3.nav.moving import PERSON_RADIUS
 from pioneer3.nav.planner import CostToGo
 from tests.unit.nav.offices import AT, box, costs, room
 
@@ -47,7 +47,7 @@ def things(points: Float) -> Float:
 
 def person(x: float, y: float) -> Float:
     """Return somebody who stands, as an obstacle."""
-    return np.array([[x, y, 0.0, 0.0, RADIUS]])
+    return np.array([[x, y, 0.0, 0.0, PERSON_RADIUS]])
 
 
 def gap(pose: Float, points: Float) -> float:
@@ -182,7 +182,9 @@ def test_a_way_aside_ends_beside_the_way_of_who_waits(theta: float) -> None:
     assert poses is not None
     assert gap(poses[-1], ways) >= APART - 1e-9
     assert all(gap(each, walls) >= GAP - 1e-9 for each in poses[1:])
-    assert all(gap(each, np.array([[6.0, 3.1]])) >= RADIUS + GAP - 1e-9 for each in poses[1:])
+    assert all(
+        gap(each, np.array([[6.0, 3.1]])) >= PERSON_RADIUS + GAP - 1e-9 for each in poses[1:]
+    )
     assert all(gap(each, ways) < APART for each in poses[:-1])
 
 

@@ -12,7 +12,7 @@ from pioneer3.geometry import ORIGIN, Pose2
 from pioneer3.jit import plain
 from pioneer3.nav.kernels.matching import align, nearest, sort_into
 from pioneer3.nav.matching import (
-    SIGMA,
+    POINT_SIGMA,
     TARGET_REACH,
     WIDTHS,
     Cloud,
@@ -188,7 +188,7 @@ def test_compiled_and_plain_kernels_agree() -> None:
         Prior.around(new, 0.1, 0.1).information,
         WIDTHS,
         TARGET_REACH,
-        SIGMA,
+        POINT_SIGMA,
         information,
     )
     assert inliers == pytest.approx(match.inliers)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from pioneer3.geometry import Pose2
 from pioneer3.nav.mover import HIDDEN, MISSED, OFTEN
-from pioneer3.nav.moving import ABOUT, BELIEVED, NEW, RADIUS, Movers
+from pioneer3.nav.moving import ABOUT_TIME, BELIEF_TIME, NEW_TIMES, PERSON_RADIUS, Movers
 from tests.combinations import examples
 
 Float = NDArray[np.float64]
@@ -48,7 +48,7 @@ def test_who_walks_has_a_place_and_a_velocity(
         (x + 1.5 * velocity[0], y + 1.5 * velocity[1]), abs=0.15
     )
     assert (person.vx, person.vy) == pytest.approx(velocity, abs=0.25)
-    assert movers.discs(1.5)[0, 4] == RADIUS
+    assert movers.discs(1.5)[0, 4] == PERSON_RADIUS
 
 
 def test_the_echoes_of_who_walks_are_told_apart_from_a_box() -> None:
@@ -130,7 +130,7 @@ def test_two_who_stand_in_each_other_stay_people_though_they_look_like_none() ->
         movers.take(crowd(2.0, 0.0), LASER, AHEAD, 3.0 + DT * step)
     [person] = movers.people()
     assert person.holds_two(6.0)
-    assert movers.discs(6.0)[0, 4] > RADIUS
+    assert movers.discs(6.0)[0, 4] > PERSON_RADIUS
 
 
 def test_who_steps_out_of_two_is_a_person_at_once() -> None:
@@ -145,25 +145,25 @@ def test_who_steps_out_of_two_is_a_person_at_once() -> None:
 def test_who_looks_like_no_person_any_more_is_believed_for_a_while() -> None:
     movers = Movers()
     walk(movers, (2.0, 0.0), (0.0, 0.0), OFTEN + 2)
-    for step in range(OFTEN + 2, round(BELIEVED / DT) + 2 * OFTEN):
+    for step in range(OFTEN + 2, round(BELIEF_TIME / DT) + 2 * OFTEN):
         movers.take(crowd(2.0, 0.0), LASER, AHEAD, DT * step)
-        assert bool(movers.people()) or DT * step > BELIEVED
+        assert bool(movers.people()) or DT * step > BELIEF_TIME
     assert not movers.people()
 
 
-@pytest.mark.parametrize("met", [0.0, -2 * ABOUT])
+@pytest.mark.parametrize("met", [0.0, -2 * ABOUT_TIME])
 def test_a_new_thing_may_be_legs_where_people_are_and_an_old_one_is_none(met: float) -> None:
     movers = Movers()
     movers.met = met
-    for step in range(NEW + 2):
+    for step in range(NEW_TIMES + 2):
         movers.take(crowd(2.0, 0.0), LASER, AHEAD, DT * step)
-        assert len(movers.doubtful) == (12 if step < NEW - 1 and met == 0.0 else 0)
+        assert len(movers.doubtful) == (12 if step < NEW_TIMES - 1 and met == 0.0 else 0)
 
 
 def test_what_is_beside_somebody_may_be_legs() -> None:
     movers = Movers()
-    for step in range(NEW + 2 * OFTEN):
-        near = [legs(2.0, 0.7)] if step > NEW else []
+    for step in range(NEW_TIMES + 2 * OFTEN):
+        near = [legs(2.0, 0.7)] if step > NEW_TIMES else []
         movers.take(np.concatenate([box(2.0, 0.0), *near]), LASER, AHEAD, DT * step)
     assert {(2.0, -0.2), (2.0, 0.2)} & {tuple(each) for each in movers.doubtful.round(6).tolist()}
 
@@ -247,18 +247,18 @@ def test_two_who_stand_together_stay_two_for_as_long_as_they_stand() -> None:
         movers.take(crowd(2.0, 0.0), LASER, AHEAD, DT * step)
     [both] = movers.people()
     assert both.holds_two(both.seen)
-    assert movers.discs(both.seen)[0, 4] > RADIUS
+    assert movers.discs(both.seen)[0, 4] > PERSON_RADIUS
 
 
 def test_who_looks_like_no_legs_may_be_two() -> None:
     movers = Movers()
     walk(movers, (3.0, 0.0), (-0.8, 0.0), 10)
     now = 1.0
-    assert movers.discs(0.9)[0, 4] == RADIUS
+    assert movers.discs(0.9)[0, 4] == PERSON_RADIUS
     while now < 4.0:
         movers.take(box(2.25, 0.0), LASER, AHEAD, now)
         now += DT
-    assert movers.discs(now)[0, 4] > RADIUS
+    assert movers.discs(now)[0, 4] > PERSON_RADIUS
 
 
 def test_who_is_not_where_the_laser_looks_has_gone_whatever_sonars_hear_there() -> None:

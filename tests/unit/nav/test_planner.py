@@ -18,7 +18,7 @@ from pioneer3.geometry import Pose2
 from pioneer3.maps import Bounds, LineMap, OccupancyGrid
 from pioneer3.maps.grid import outline
 from pioneer3.maps.line_map import FREE, OCCUPIED, UNKNOWN
-from pioneer3.nav.costs import PASSES, CostMap
+from pioneer3.nav.costs import PASSING_DISTANCE, CostMap
 from pioneer3.nav.planner import CostToGo, NoWay, Way, plan
 from pioneer3.nav.raster import Raster
 from tests.combinations import examples
@@ -256,7 +256,7 @@ def test_a_way_keeps_beside_the_line_on_which_somebody_comes() -> None:
     straight = way(on, (1.0, 3.0), (9.0, 3.0))
     beside = way(on.with_lines(line), (1.0, 3.0), (9.0, 3.0))
     middle = [y for x, y in beside.points.tolist() if 5.0 < x < 7.0]
-    assert all(abs(y - 3.0) > PASSES + AT.width / 2 for y in middle)
+    assert all(abs(y - 3.0) > PASSING_DISTANCE + AT.width / 2 for y in middle)
     assert beside.length < straight.length + 1.0
 
 

@@ -8,14 +8,14 @@ from numpy.typing import NDArray
 
 from pioneer3.geometry import Pose2
 from pioneer3.nav.beams import Beams
-from pioneer3.nav.echoes import BODY, ECHO_AGE, HEARD_AMONG_PEOPLE
+from pioneer3.nav.echoes import BODY_RADIUS, ECHO_AGE, HEARD_AMONG_PEOPLE
 from pioneer3.nav.mover import MISSED
 from pioneer3.nav.sightings import (
     AGE,
-    COMING,
-    LONG_AGO,
-    PASSES,
-    STOOD,
+    COMING_TIME,
+    COMING_WAY,
+    PASSING_TIME,
+    STANDING_TIME,
     Sightings,
 )
 from tests.unit.nav.offices import costs, room
@@ -195,7 +195,7 @@ def test_where_people_are_a_near_echo_may_be_of_a_body(sightings: Sightings, peo
     assert len(bodies) == (3 if people else 0)
     if people:  # the nearest point of each is as far from the sonar as the echo
         away = np.hypot(*(bodies - (HERE.x + AXIS[0, 0], HERE.y)).T)
-        assert away - BODY == pytest.approx(0.4)
+        assert away - BODY_RADIUS == pytest.approx(0.4)
     assert not len(sightings.echoes.bodies(6.5 + 2 * ECHO_AGE))
 
 
@@ -217,10 +217,10 @@ def test_who_walks_leaves_nothing_behind_that_plans_avoid(sightings: Sightings) 
 def test_a_walker_who_stands_is_planned_around_unless_it_is_the_only_way(
     sightings: Sightings,
 ) -> None:
-    come_and_stand(sightings, 2.0 + STOOD)
-    assert not len(sightings.points(7.0 + STOOD - 2.0))
-    assert len(sightings.points(7.0 + STOOD)) > 5
-    assert not len(sightings.points(7.0 + STOOD, people=False))
+    come_and_stand(sightings, 2.0 + STANDING_TIME)
+    assert not len(sightings.points(7.0 + STANDING_TIME - 2.0))
+    assert len(sightings.points(7.0 + STANDING_TIME)) > 5
+    assert not len(sightings.points(7.0 + STANDING_TIME, people=False))
 
 
 def come_and_stand(sightings: Sightings, seconds: float) -> None:
@@ -235,8 +235,8 @@ def test_the_line_on_which_somebody_comes_is_told(sightings: Sightings) -> None:
     come_and_stand(sightings, 1.5)
     [(x, y, to_x, to_y)] = sightings.lines(6.5).tolist()
     assert (x, y) == pytest.approx((4.5, 3.1), abs=0.2)
-    assert (to_x - x, to_y - y) == pytest.approx((0.0, COMING), abs=1.5)
-    assert not len(sightings.lines(6.5 + LONG_AGO))
+    assert (to_x - x, to_y - y) == pytest.approx((0.0, COMING_WAY), abs=1.5)
+    assert not len(sightings.lines(6.5 + COMING_TIME))
 
 
 def test_echoes_outside_of_people_may_be_legs(sightings: Sightings) -> None:
@@ -258,8 +258,8 @@ def test_where_people_are_what_was_seen_once_may_have_passed(
     now = 5.0 + 0.1 * scans
     sightings.movers.met = now if people else -np.inf
     assert len(sightings.points(now)) == 1
-    assert len(sightings.points(now + 2 * PASSES)) == stays
-    assert len(sightings.near(3.0, 3.0, 1.0, now + 2 * PASSES)) == stays
+    assert len(sightings.points(now + 2 * PASSING_TIME)) == stays
+    assert len(sightings.near(3.0, 3.0, 1.0, now + 2 * PASSING_TIME)) == stays
 
 
 def test_nothing_is_where_the_robot_stands(sightings: Sightings) -> None:
@@ -311,4 +311,4 @@ def test_what_passes_once_a_thing_has_gone_is_new(sightings: Sightings) -> None:
     sightings.take(beams(6.0), HERE @ Pose2(1.0, 0.0, 2.0))  # the robot stands there
     sightings.take(beams(7.0, *place), HERE)
     sightings.movers.met = 7.0
-    assert not len(sightings.points(7.0 + 2 * PASSES))
+    assert not len(sightings.points(7.0 + 2 * PASSING_TIME))

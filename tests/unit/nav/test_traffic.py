@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 
 from pioneer3.geometry import Pose2
 from pioneer3.nav.beams import Beams
-from pioneer3.nav.traffic import BESIDE, Traveller, meeting, passing_place, without_robots
+from pioneer3.nav.traffic import PASSING_ROOM, Traveller, meeting, passing_place, without_robots
 from tests.unit.nav.offices import AT, costs, room, two_rooms
 
-APART = 2 * AT.corner + BESIDE
+APART = 2 * AT.corner + PASSING_ROOM
 
 
 def line(x0: float, y0: float, x1: float, y1: float) -> NDArray[np.float64]:

@@ -16,8 +16,8 @@ from pioneer3.jit import kernel
 Float32 = NDArray[np.float32]
 Int32 = NDArray[np.int32]
 
-NOWHERE = -2
-"""Stands in `after` for a cell that does not wait; -1 ends a bucket."""
+NOT_WAITING = -2
+"""Entry of `after` for a cell that does not wait; -1 ends a bucket."""
 
 
 @kernel
@@ -34,7 +34,7 @@ def march(
         depth: Range of the costs in one bucket.
         first: A cell of each bucket, filled with -1, shape (B,); a bucket serves again B later, and
             `depth` times B - 2 is no less than the highest finite cost.
-        after: The next cell in the same bucket, filled with `NOWHERE`, shape (N,).
+        after: The next cell in the same bucket, filled with `NOT_WAITING`, shape (N,).
         out: Shape (N,), filled with `inf`.
     """
     buckets, turn, waiting = len(first), 0, 1
@@ -44,7 +44,7 @@ def march(
         open_ = turn % buckets
         while first[open_] >= 0:
             cell = first[open_]
-            first[open_], after[cell] = after[cell], NOWHERE
+            first[open_], after[cell] = after[cell], NOT_WAITING
             waiting -= 1
             here = out[cell]
             for side in range(4):
@@ -63,7 +63,7 @@ def march(
                 if new >= old:
                     continue
                 out[near] = new
-                if after[near] == NOWHERE:
+                if after[near] == NOT_WAITING:
                     # one that waits keeps its bucket: that is late for few cells, and by little
                     bucket = max(turn, int(new / depth)) % buckets
                     after[near] = first[bucket]

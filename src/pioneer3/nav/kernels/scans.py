@@ -18,7 +18,7 @@ Surface = tuple[Float, Float32, Int32, Frame]
 """Walls, segments [m], shape (W, 4); distances to the nearest one [m], shape (H, W); its number, -1
 where none is near, shape (H, W); the frame of these cells."""
 
-BACK = 5
+BACK_CELLS = 5
 """Cells before the end of a beam where the face that it met is sought."""
 
 
@@ -125,7 +125,7 @@ def facing_wall(numbers: Int32, facing: Float, at: Point, along: Point) -> int:
         along: Direction of the beam, of length 1.
     """
     height, width = numbers.shape
-    for back in range(BACK + 1):
+    for back in range(BACK_CELLS + 1):
         column, row = floor(at[0] - back * along[0]), floor(at[1] - back * along[1])
         if 0 <= row < height and 0 <= column < width:
             wall = int(numbers[row, column])
