@@ -15,6 +15,7 @@ from pioneer3.arcos.reports import Report, Sip
 from pioneer3.bridge import Bridge
 from pioneer3.errors import LinkError
 from pioneer3.links import Link, opener
+from pioneer3.robot.explain import ReasonKind
 from pioneer3.tasks import running
 from tests.support import SimulatedRobot, frame, hold
 
@@ -109,6 +110,19 @@ async def test_a_second_program_watches() -> None:
         watched = second.raw[second.raw.index(SIP_HEADER) :]
         assert len(watched) > 500
         assert watched in first.raw
+
+
+async def test_a_program_that_watches_is_told_so_and_that_is_no_fault() -> None:
+    async with (
+        SimulatedRobot() as robot,
+        bridged(robot) as bridge,
+        connect_async(bridge.opener("first")) as first,
+    ):
+        await first.motors(on=True)
+        async with connect_async(bridge.opener("second")) as second:
+            why = second.why_not_moving()
+            assert why is not None
+            assert (why.kind, why.text[:22]) == (ReasonKind.NORMAL, "Another program drives")
 
 
 async def test_a_stop_of_a_watcher_holds_until_the_motors_are_switched_on_again() -> None:

@@ -159,4 +159,4 @@ async def test_keys_alone_keep_robots_apart_that_know_of_each_other() -> None:
         assert 0.2 < the.here.gap < 0.6
         told = the.drive.look()[0].told
         assert told is not None
-        assert "p3at-2 is 0.1" in (told.stands or "")
+        assert "p3at-2 is 0.1" in str(told.stands)

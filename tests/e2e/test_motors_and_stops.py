@@ -45,7 +45,7 @@ async def test_connecting_leaves_the_motors_off_and_everything_still() -> None:
         assert not robot.powered
         assert is_at(robot.body.robot_in_world, Pose2())
         assert ON not in robot.wires[0].data
-        assert driver.why_not_moving() == "Nothing is asked of it, and the motors are off."
+        assert str(driver.why_not_moving()) == "Nothing is asked of it, and the motors are off."
 
 
 async def test_the_first_command_switches_the_motors_on() -> None:

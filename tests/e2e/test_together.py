@@ -215,7 +215,7 @@ async def test_followers_of_a_leader_that_is_lost_stand_and_end() -> None:
         await the.here.kill(0)
         await asyncio.sleep(2.5)
         assert max(the.here.speeds) < 0.01
-        assert the.here.robots[1].why_not_moving() == (
+        assert str(the.here.robots[1].why_not_moving()) == (
             "It stands because of keep formation, it is not known where robot-1 is."
         )
         await asyncio.sleep(2.0)

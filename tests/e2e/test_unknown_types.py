@@ -115,7 +115,7 @@ async def test_a_program_is_refused(file: Path, way: Callable[[Robot], Awaitable
         with pytest.raises((MotionError, CommandError), match=r"'p2at'.*not known.*--model FILE.p"):
             await way(robot)
         await asyncio.sleep(1.0)
-        assert "--model FILE.p" in (robot.why_not_moving() or "")
+        assert "--model FILE.p" in str(robot.why_not_moving())
     assert nothing_moved(sim)
 
 

@@ -167,7 +167,7 @@ def line(robot: "Driven") -> str:
     if now is None:
         return lost(robot)
     twist = now.odometry.twist
-    words = "; ".join(robot.arbiter.told) or robot.why_not_moving() or ""
+    words = "; ".join(robot.arbiter.told) or str(robot.why_not_moving() or "")
     return f"{twist.v:z5.2f} m/s {degrees(twist.w):z4.0f}°/s  {_place(now)}  {words}"
 
 
@@ -225,13 +225,13 @@ def rewrite(text: str) -> None:
 async def _show(robot: "Driven", words: "Callable[[Driven], str]", *, json: bool) -> None:
     if json:
         async for snapshot in looks(robot):
-            mode = robot.arbiter.mode
+            mode, why = robot.arbiter.mode, robot.why_not_moving()
             write_json(
                 {
                     "snapshot": snapshot,
                     "mode": mode.name if mode else None,
                     "decided": robot.arbiter.told,
-                    "why_not_moving": robot.why_not_moving(),
+                    "why_not_moving": why and why.text,
                 }
             )
     elif sys.stdout.isatty():

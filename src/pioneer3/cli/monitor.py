@@ -64,7 +64,8 @@ async def _print_json(robot: "Robot", seconds: float) -> int:
     from pioneer3.tasks import running
 
     def show(snapshot: "Snapshot | None" = None) -> None:
-        write_json({"snapshot": snapshot, "why_not_moving": robot.why_not_moving()})
+        why = robot.why_not_moving()
+        write_json({"snapshot": snapshot, "why_not_moving": why and why.text})
 
     async def show_scans(laser: "LaserDriver") -> None:
         async for scan in laser.values():
@@ -97,6 +98,7 @@ async def _print_lines(robot: "Robot", seconds: float) -> int:
 
 async def _show_screen(robot: "Robot", seconds: float) -> int:
     from rich.live import Live
+    from rich.text import Text
 
     from pioneer3.cli.live import looks
     from pioneer3.cli.screen import screen
@@ -113,7 +115,7 @@ async def _show_screen(robot: "Robot", seconds: float) -> int:
                 why,
                 status,
                 width=console.width,
-                lasers=[laser.words for laser in lasers],
+                lasers=[Text(o.words, "bold red" if o.lost else "") for o in lasers],
             )
             live.update(view, refresh=True)
             code = 1 if snapshot is None else 0

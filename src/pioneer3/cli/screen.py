@@ -11,6 +11,7 @@ from rich.text import Text
 
 from pioneer3.cli.tables import battery_text
 from pioneer3.models import SonarMount
+from pioneer3.robot.explain import Reason, ReasonKind
 from pioneer3.robot.identity import is_simulator, kind
 from pioneer3.robot.supervisor import Connection, RobotInfo, Status
 from pioneer3.state import LinkQuality, Snapshot, Sonar
@@ -32,11 +33,11 @@ FULL_RATE = 9.0
 def screen(
     info: RobotInfo,
     snapshot: Snapshot | None,
-    why: str | None,
+    why: Reason | None,
     status: Status | None,
     *,
     width: int = 80,
-    lasers: Sequence[str] = (),
+    lasers: Sequence[Text] = (),
 ) -> RenderableType:
     """Return the whole screen.
 
@@ -197,13 +198,13 @@ def _metres(metres: float) -> str:
 
 
 def _bottom(
-    snapshot: Snapshot | None, why: str | None, status: Status | None, lasers: Sequence[str]
+    snapshot: Snapshot | None, why: Reason | None, status: Status | None, lasers: Sequence[Text]
 ) -> Panel:
-    lines = [_link(snapshot.link)] if snapshot else []
-    lines += [Text(laser, "bold red" if "LOST" in laser else "") for laser in lasers]
+    lines = [*([_link(snapshot.link)] if snapshot else []), *lasers]
     if status and status.connection is not Connection.CONNECTED:
         lines.append(Text(f"{status.connection}: {status.message}", "bold red"))
-    lines.append(Text(why or "It moves."))
+    faulty = why is not None and why.kind is ReasonKind.FAULT
+    lines.append(Text(why.text if why else "It moves.", "yellow" if faulty else ""))
     return Panel(Group(*lines), title="link and why it stands still", subtitle="Ctrl-C ends")
 
 

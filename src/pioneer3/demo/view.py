@@ -10,6 +10,7 @@ from textual.renderables.digits import Digits
 from pioneer3.behaviors.explanations import explain
 from pioneer3.demo.mode import DemoMode, Gauge
 from pioneer3.robot.devices import detailed_status
+from pioneer3.robot.explain import ReasonKind
 from pioneer3.robot.identity import is_simulator, kind
 from pioneer3.robot.supervisor import Connection
 from pioneer3.runtime.robot import Robot
@@ -77,7 +78,9 @@ def reasons(robot: Robot) -> Text:
     if words := explain(robot.arbiter.decision):
         text.append("; ".join(words), "cyan").append("\n")
     why = robot.why_not_moving()
-    return text.append(why or "moving", "yellow" if why else "bold green")
+    if why is None:
+        return text.append("moving", "bold green")
+    return text.append(why.text, "yellow" if why.kind is ReasonKind.FAULT else "")
 
 
 def _grouped(names: Iterable[str]) -> list[str]:

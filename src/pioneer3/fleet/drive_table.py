@@ -7,7 +7,7 @@ from typing import Final
 
 from pioneer3.fleet.columns import Cell
 from pioneer3.fleet.members import Member, Reached
-from pioneer3.robot.explain import kind_of
+from pioneer3.robot.explain import Reason, ReasonKind
 from pioneer3.teleop.several import Selection
 from pioneer3.units import degrees
 
@@ -86,19 +86,19 @@ def _battery(look: Look) -> Cell:
 
 
 def _why(look: Look) -> Cell:
-    kind = kind_of(why := why_of(look.member))
-    if kind == "fault":
-        return Cell(ADDRESS.sub("", why), False)
-    return Cell("" if kind == "idle" else why)
+    why = why_of(look.member)
+    if why is None or why.kind is ReasonKind.IDLE:
+        return Cell("")
+    if why.kind is ReasonKind.FAULT:
+        return Cell(ADDRESS.sub("", why.text), False)
+    return Cell(why.text)
 
 
-def why_of(member: Member) -> str:
-    """Return the trouble of a robot, or the reason that it stands; empty while it moves."""
+def why_of(member: Member) -> Reason | None:
+    """Return the trouble of a robot, or the reason that it stands; `None` while it moves."""
     if member.told is None:
-        return member.why
-    if member.told.taken:
-        return TAKEN
-    return member.told.stands or ""
+        return Reason(ReasonKind.FAULT, member.why) if member.why else None
+    return TAKEN if member.told.taken else member.told.stands
 
 
 COLUMNS: Final = (
@@ -113,7 +113,7 @@ COLUMNS: Final = (
     DriveColumn("volt", "of the battery", 8, _battery),
     DriveColumn("why", "its trouble, or the reason that it stands", 0, _why),
 )
-TAKEN: Final = "another program drives it; only stops count"
+TAKEN: Final = Reason(ReasonKind.NORMAL, "another program drives it; only stops count")
 GAP: Final = 1
 ADDRESS: Final = re.compile(r"^\w+://\S+: ")
 """Errors of links begin with it; the file has it, and the row little room."""

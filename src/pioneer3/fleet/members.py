@@ -11,6 +11,7 @@ from typing import Final
 from pioneer3.errors import ConfigError, PioneerError, PortBusyError, PortPermissionError
 from pioneer3.fleet.spec import Robot
 from pioneer3.links.base import HUNG_UP
+from pioneer3.robot.explain import Reason
 from pioneer3.robot.supervisor import Connection
 from pioneer3.runtime.driven import Driven
 from pioneer3.tasks import running
@@ -55,7 +56,7 @@ class Told:
     motors: bool
     voltage: float
     low: bool
-    stands: str | None
+    stands: Reason | None
     taken: bool = False
     age: float = 0.0
 

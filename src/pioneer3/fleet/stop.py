@@ -124,7 +124,7 @@ def _trouble(driven: Driven, *, emergency: bool) -> str:
     """Return the reason, if it is known, that a robot has not confirmed."""
     snapshot = driven.snapshot
     if snapshot is None:
-        return driven.why_not_moving() or ""
+        return str(driven.why_not_moving() or "")
     if not _stands(snapshot):
         return "It moves: does another program drive it?"
     return "" if driven.supervisor.held or not emergency else "Its emergency stop is not latched"

@@ -16,7 +16,7 @@ from pioneer3.limits import Limits
 from pioneer3.links import Opener
 from pioneer3.models import GivenModel, RobotModel, loaded_model
 from pioneer3.robot.assemble import Assembler
-from pioneer3.robot.explain import why_not_moving
+from pioneer3.robot.explain import Reason, ReasonKind, why_not_moving
 from pioneer3.robot.limits import limits_for
 from pioneer3.robot.pilot import Pilot, VelocityCommand
 from pioneer3.robot.poses import Poses
@@ -73,6 +73,8 @@ class Feed(Generic[T]):
 log = logging.getLogger(__name__)
 
 TAKEN = "another program drives this robot, and this one watches: only a stop counts"
+WATCHES = Reason(ReasonKind.NORMAL, f"{TAKEN[0].upper()}{TAKEN[1:]}.")
+"""The reason that a robot stands which another program drives."""
 BACK_OFF = (0.2, 0.5, 1.0, 2.0, 3.0)
 """Pauses before the attempts to reconnect [s]; the last one repeats."""
 
@@ -282,13 +284,13 @@ class Supervisor:
             raise CommandError(f"cannot send {type(command).__name__}: no robot is connected")
         self._session.send(command)
 
-    def why_not_moving(self, decided: str | None = None) -> str | None:
+    def why_not_moving(self, decided: str | None = None) -> Reason | None:
         """Return the reason that the robot stands still, or `None` while it moves.
 
         `decided` is the reason for a command to stand still, if there was one.
         """
         why = why_not_moving(self.pilot, self._snapshot, self._clock(), decided)
-        return f"{TAKEN[0].upper()}{TAKEN[1:]}." if why is not None and self.taken else why
+        return WATCHES if why is not None and self.taken else why
 
     def on_connected(self, session: Session) -> None:
         """Store the description of the robot, and publish the connection."""

@@ -20,6 +20,7 @@ from pioneer3.behaviors.surroundings import NOTHING_SENSED
 from pioneer3.geometry import STILL, Twist2
 from pioneer3.limits import Accelerations, Limits
 from pioneer3.robot.devices.laser import LaserSource
+from pioneer3.robot.explain import Reason
 from pioneer3.robot.pilot import STOPPED, Pilot, VelocityCommand
 from pioneer3.robot.supervisor import Feed, RobotInfo, Status
 from pioneer3.state import Snapshot
@@ -83,7 +84,7 @@ class Drivable(Protocol):
     def set_motors(self, *, on: bool) -> str | None:
         """Switch the motors' power; return the reason for a refusal, or `None`."""
 
-    def why_not_moving(self, decided: str | None = None) -> str | None:
+    def why_not_moving(self, decided: str | None = None) -> Reason | None:
         """Return the reason that the robot stands still, or `None` while it moves."""
 
 
@@ -188,7 +189,8 @@ class Arbiter:
         """Resolve now; return the reason to ignore the result, or `None`."""
         situation, before = self.situation(), self.decision
         if situation is None:
-            return self._supervisor.why_not_moving()
+            why = self._supervisor.why_not_moving()
+            return why and why.text
         self._end_motions()
         try:
             self.decision = decision = resolve(self._stacks(), situation)
@@ -250,8 +252,8 @@ class Arbiter:
     def _stand(self) -> str | None:
         return self._supervisor.drive(VelocityCommand(STILL, after=self.last_stop.number))
 
-    def why_not_moving(self) -> str | None:
-        """Return in one sentence the reason to stand still, or `None` while the robot moves."""
+    def why_not_moving(self) -> Reason | None:
+        """Return the reason that the robot stands still, or `None` while it moves."""
         return self._supervisor.why_not_moving(explain_standstill(self.decision))
 
     def add(self, action: Action, priority: int) -> None:

@@ -6,6 +6,7 @@ from math import inf, isfinite
 from typing import Protocol
 
 from pioneer3.errors import LinkError
+from pioneer3.robot.explain import Reason
 from pioneer3.robot.supervisor import RobotInfo
 from pioneer3.runtime.arbiter import Arbiter, Drivable
 from pioneer3.state import Snapshot
@@ -38,8 +39,8 @@ class Driven(Protocol):
     ) -> AsyncIterator[Snapshot]:
         """Return :func:`snapshots_of` of it."""
 
-    def why_not_moving(self) -> str | None:
-        """Return in one sentence the reason to stand still, or `None` while the robot moves."""
+    def why_not_moving(self) -> Reason | None:
+        """Return the reason that the robot stands still, or `None` while it moves."""
 
     def stop(self) -> None:
         """Stop the robot, also when others drive."""
@@ -73,7 +74,7 @@ async def snapshots_of(
             return
         except TimeoutError:
             if robot.snapshot is None:
-                raise LinkError(robot.why_not_moving()) from None
+                raise LinkError(str(robot.why_not_moving())) from None
             if until == end:
                 return
             values = robot.snapshots.values()  # silent, but not lost: a simulator that is paused

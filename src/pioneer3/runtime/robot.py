@@ -12,6 +12,7 @@ from pioneer3.behaviors.modes import goto
 from pioneer3.errors import CommandError, MotionError
 from pioneer3.robot.devices import Devices, PictureSource
 from pioneer3.robot.devices.laser import LaserSource
+from pioneer3.robot.explain import Reason
 from pioneer3.robot.limits import checked, finite
 from pioneer3.robot.supervisor import RobotInfo, Supervisor
 from pioneer3.runtime.arbiter import PROGRAM, Arbiter
@@ -202,8 +203,8 @@ class Robot:
         until = asyncio.get_running_loop().time() + seconds
         await run_mode(mode, self.arbiter, self.snapshots(seconds), until=until)
 
-    def why_not_moving(self) -> str | None:
-        """Return in one sentence the reason to stand still, or `None` while the robot moves."""
+    def why_not_moving(self) -> Reason | None:
+        """Return the reason that the robot stands still, or `None` while it moves."""
         return self.arbiter.why_not_moving()
 
     def send(self, command: Command) -> None:

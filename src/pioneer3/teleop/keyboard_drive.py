@@ -85,7 +85,8 @@ class KeyboardDriver:
             status = robot.supervisor.status.latest
             return f"{status.connection.value.upper()}: {status.message}" if status else ""
         pose, twist, near = now.odometry.robot_in_odom, now.odometry.twist, now.sonar.nearest
-        state = robot.why_not_moving() or f"{twist.v:z5.2f} m/s {degrees(twist.w):z4.0f}°/s"
+        moves = f"{twist.v:z5.2f} m/s {degrees(twist.w):z4.0f}°/s"
+        state = str(robot.why_not_moving() or moves)
         if keyboard.has_run_out(self._clock()):
             state = f"No key for {keyboard.patience:g} s. {state}"
         return "  ".join(

@@ -15,6 +15,7 @@ from pioneer3.geometry import Pose2, Twist2
 from pioneer3.maps.line_map import Role as ObjectRole
 from pioneer3.models.model import SonarMount
 from pioneer3.robot.config_table import Row
+from pioneer3.robot.explain import ReasonKind
 from pioneer3.robot.supervisor import Connection
 from pioneer3.teleop.gamepad import Scheme
 from pioneer3.web.access.sessions import Role
@@ -200,7 +201,7 @@ class Snapshot(Part, frozen=True):
     link: state.LinkQuality
     faults: tuple[str, ...]
     why: str | None
-    standing: Literal["idle", "normal", "fault"] | None
+    standing: ReasonKind | None
     emergency_stop: bool
     driver: Driver | None
     mode: str | None

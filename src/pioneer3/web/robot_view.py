@@ -7,7 +7,7 @@ from pioneer3.behaviors.action import Goal
 from pioneer3.geometry import Pose2, Twist2
 from pioneer3.limits import Limits
 from pioneer3.models import RobotModel
-from pioneer3.robot.explain import kind_of
+from pioneer3.robot.explain import Reason
 from pioneer3.robot.identity import kind
 from pioneer3.robot.supervisor import RobotInfo
 from pioneer3.runtime.robot import Robot
@@ -171,7 +171,7 @@ def snapshot_part(
     now: Snapshot,
     *,
     robot_in_map: Pose2,
-    why: str | None,
+    why: Reason | None,
     emergency_stop: bool,
     driver: messages.Driver | None,
     mode: messages.ModeState = NO_MODE,
@@ -191,8 +191,8 @@ def snapshot_part(
         motors=messages.Motors.of(now.motors),
         link=now.link,
         faults=now.faults,
-        why=why,
-        standing=kind_of(why),
+        why=why and why.text,
+        standing=why and why.kind,
         emergency_stop=emergency_stop,
         driver=driver,
         mode=mode.mode,

@@ -10,6 +10,7 @@ from rich.console import Console
 from pioneer3.cli.screen import bar, line, screen
 from pioneer3.geometry import Pose2, Twist2
 from pioneer3.models import load_model
+from pioneer3.robot.explain import Reason, ReasonKind
 from pioneer3.robot.limits import limits_for
 from pioneer3.robot.supervisor import Connection, RobotInfo, Status
 from pioneer3.state import (
@@ -50,13 +51,14 @@ WORST = Snapshot(
     link=LinkQuality(reports=100, bad_checksums=3, bytes_skipped=99, rate=10.0, sessions=2),
     faults=("gyro fault",),
 )
+BECAUSE = Reason(ReasonKind.FAULT, "Because.")
 CONNECTED = Status(Connection.CONNECTED, "Bender")
 
 
 def shown(snapshot: Snapshot | None, status: Status = CONNECTED, width: int = 80) -> list[str]:
     """Return the lines of the screen."""
     console = Console(file=StringIO(), width=width, height=24, highlight=False)
-    console.print(screen(ROBOT, snapshot, "Because.", status, width=width))
+    console.print(screen(ROBOT, snapshot, BECAUSE, status, width=width))
     return console.file.getvalue().splitlines()  # type: ignore[attr-defined, no-any-return]
 
 

@@ -7,6 +7,7 @@ import pytest
 
 from pioneer3.fleet.drive_table import COLUMNS, Look, cells, headline, widths
 from pioneer3.fleet.members import Member, Reached, Told
+from pioneer3.robot.explain import Reason, ReasonKind
 from pioneer3.teleop.several import Choice, Selection
 
 ROOT = Path(__file__).parents[3]
@@ -55,19 +56,20 @@ def test_a_robot_that_is_not_there_says_since_when_and_why(reached: Reached) -> 
 
 
 def test_what_is_normal_is_no_fault_and_an_idle_robot_says_nothing() -> None:
-    def why(stands: str) -> tuple[str, bool | None]:
-        told = Told(speed=0, turn_rate=0, motors=False, voltage=11, low=True, stands=stands)
+    def why(kind: ReasonKind, *, taken: bool = False) -> tuple[str, bool | None]:
+        told = replace(MOVES, stands=Reason(kind, "Because."), taken=taken)
         cell = cells(look(told=told))[-1]
         return cell.text, cell.ok
 
-    assert why("Nothing is asked of it, and the motors are off.") == ("", None)
-    assert why("The last command expired after 0.5 s: send it again.")[1] is None
-    assert why("The wheels are stalled: something blocks them.")[1] is False
+    assert why(ReasonKind.IDLE) == ("", None)
+    assert why(ReasonKind.NORMAL) == ("Because.", None)
+    assert why(ReasonKind.FAULT) == ("Because.", False)
+    watches = why(ReasonKind.FAULT, taken=True)
+    assert watches == ("another program drives it; only stops count", None)
 
 
 def test_a_low_battery_is_told_in_words() -> None:
-    told = Told(speed=0, turn_rate=0, motors=False, voltage=11.04, low=True, stands="x")
-    assert texts(look(told=told))[6] == "11.0 LOW"
+    assert texts(look(told=replace(MOVES, voltage=11.04, low=True)))[6] == "11.0 LOW"
 
 
 def test_marks_come_before_what_drives_now() -> None:

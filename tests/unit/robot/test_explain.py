@@ -6,7 +6,7 @@ import pytest
 
 from pioneer3.geometry import ORIGIN, STILL, Twist2
 from pioneer3.limits import Limits
-from pioneer3.robot.explain import kind_of, why_not_moving
+from pioneer3.robot.explain import Reason, ReasonKind, why_not_moving
 from pioneer3.robot.pilot import ENABLE_TRIES, Pilot, VelocityCommand
 from pioneer3.state import Battery, Bumpers, Motors, Odometry, Snapshot
 
@@ -28,10 +28,16 @@ def pilot(snapshot: Snapshot = OFF) -> Pilot:
     return made
 
 
-def why(made: Pilot, snapshot: Snapshot | None, now: float = 0.0) -> str:
-    answer = why_not_moving(made, snapshot, now)
+def reason(
+    made: Pilot, snapshot: Snapshot | None, now: float = 0.0, decided: str | None = None
+) -> Reason:
+    answer = why_not_moving(made, snapshot, now, decided)
     assert answer is not None
     return answer
+
+
+def why(made: Pilot, snapshot: Snapshot | None, now: float = 0.0) -> str:
+    return str(reason(made, snapshot, now))
 
 
 @pytest.mark.parametrize("twist", [Twist2(0.1, 0.0), Twist2(-0.1, 0.0), Twist2(0.0, 0.1)])
@@ -50,7 +56,7 @@ def test_without_a_session() -> None:
 def test_nothing_is_asked() -> None:
     assert why(pilot(), OFF) == "Nothing is asked of it, and the motors are off."
     assert why(pilot(), ON) == "Nothing is asked of it."
-    assert kind_of(why(pilot(), OFF)) == kind_of(why(pilot(), ON)) == "idle"
+    assert reason(pilot(), OFF).kind is reason(pilot(), ON).kind is ReasonKind.IDLE
 
 
 def test_the_command_expired() -> None:
@@ -72,9 +78,9 @@ def test_motors_that_no_command_switches_on_have_to_be_switched_on() -> None:
     made = pilot()
     made.auto_enable = False
     made.drive(VelocityCommand(AHEAD, after=made.last_stop.number), 1.0)
-    off = why(made, replace(OFF, stamp=1.0), 1.0)
-    assert off.endswith("commands do not switch them on: switch them on first.")
-    assert kind_of(off) == "fault"
+    off = reason(made, replace(OFF, stamp=1.0), 1.0)
+    assert off.text.endswith("commands do not switch them on: switch them on first.")
+    assert off.kind is ReasonKind.FAULT
 
 
 def test_the_emergency_stop_comes_before_everything() -> None:
@@ -121,12 +127,14 @@ def test_a_bumper() -> None:
 def test_a_reason_is_a_fault_unless_all_goes_as_it_should() -> None:
     asked, moving = pilot(), replace(ON, odometry=replace(ON.odometry, twist=AHEAD))
     asked.drive(VelocityCommand(AHEAD, after=asked.last_stop.number), 0.0)
-    assert kind_of(why_not_moving(asked, moving, 0.0)) is None
-    assert kind_of(why(asked, OFF)) == "normal"  # motors are switched on
-    assert kind_of(why(asked, ON)) == "normal"  # just sent
-    assert kind_of(why(asked, replace(ON, stamp=2.0), 2.0)) == "normal"  # expired
-    assert kind_of(why_not_moving(pilot(), ON, 0.0, "wander: somebody in front")) == "normal"
+    assert why_not_moving(asked, moving, 0.0) is None
+    assert reason(asked, OFF).kind is ReasonKind.NORMAL  # motors are switched on
+    assert reason(asked, ON).kind is ReasonKind.NORMAL  # just sent
+    assert reason(asked, replace(ON, stamp=2.0), 2.0).kind is ReasonKind.NORMAL  # expired
+    decided = reason(pilot(), ON, decided="wander: somebody in front")
+    assert decided.kind is ReasonKind.NORMAL
     asked.emergency_stop(0.0)
-    assert kind_of(why(asked, ON)) == "fault"
-    assert kind_of(why(pilot(), replace(ON, motors=Motors(stop_button=True)))) == "fault"
-    assert kind_of(why(pilot(), None)) == "fault"
+    assert reason(asked, ON).kind is ReasonKind.FAULT
+    pressed = replace(ON, motors=Motors(stop_button=True))
+    assert reason(pilot(), pressed).kind is ReasonKind.FAULT
+    assert reason(pilot(), None).kind is ReasonKind.FAULT

@@ -5,7 +5,8 @@ import pytest
 
 from pioneer3.arcos.reports import Config, Fault
 from pioneer3.limits import Limits
-from pioneer3.robot.supervisor import RobotInfo
+from pioneer3.robot.explain import Reason, ReasonKind
+from pioneer3.robot.supervisor import WATCHES, RobotInfo
 from pioneer3.ros.messages.diagnostics import (
     DiagnosticLevel,
     DiagnosticStatus,
@@ -137,13 +138,27 @@ def test_without_a_robot_everything_else_is_stale() -> None:
 
 
 def test_why_it_does_not_move_is_told() -> None:
-    why = "The motors are off; they are being switched on."
+    why = Reason(ReasonKind.NORMAL, "The motors are off; they are being switched on.")
     found = told(Health(info=INFO, snapshot=seen(), why_not_moving=why))["Command"]
-    assert (found.level, found.message) == (DiagnosticLevel.OK, why)
+    assert (found.level, found.message) == (DiagnosticLevel.OK, why.text)
+    why = Reason(ReasonKind.FAULT, "Waiting for a fresh command.")
     blocked = Health(info=INFO, snapshot=seen(), why_not_moving=why, refused="the wheels stalled")
     found = told(blocked)["Command"]
     assert (found.level, found.message) == (DiagnosticLevel.WARN, "the wheels stalled")
-    assert ("why_not_moving", why) in found.values
+    assert ("why_not_moving", why.text) in found.values
+
+
+def test_a_command_warns_by_the_kind_of_its_reason() -> None:
+    def command(why: Reason | None, refused: str | None) -> tuple[DiagnosticLevel, str]:
+        health = Health(info=INFO, snapshot=seen(), why_not_moving=why, refused=refused)
+        found = told(health)["Command"]
+        return found.level, found.message
+
+    fault = Reason(ReasonKind.FAULT, "The wheels are stalled.")
+    assert command(fault, None) == (DiagnosticLevel.WARN, fault.text)
+    assert command(WATCHES, "the link was lost") == (DiagnosticLevel.OK, WATCHES.text)
+    assert command(None, "a raw command drives") == (DiagnosticLevel.WARN, "a raw command drives")
+    assert command(None, None) == (DiagnosticLevel.OK, "moving")
 
 
 def test_a_message_has_a_status_of_each_part_with_the_nodes_name() -> None:

@@ -112,7 +112,7 @@ async def test_motors_that_were_switched_off_are_told_with_the_service_that_help
         the.middleware.drive("cmd_vel", 0.3)
         await asyncio.sleep(0.3)
         assert the.sim.body.speeds[0] == 0.0
-        assert "do not switch them on" in (the.robot.why_not_moving() or "")
+        assert "do not switch them on" in str(the.robot.why_not_moving())
         for service in ("self_test", "e_stop_reset"):
             response = await the.call(service)
             assert response.success

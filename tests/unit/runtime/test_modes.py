@@ -122,7 +122,7 @@ async def test_limits_of_a_mode_hold_for_hands_too() -> None:
         assert 0.8 < sim.body.robot_in_world.x < 1.2
         why = robot.why_not_moving()
         assert why is not None
-        assert why.startswith("It stands because of keep away, ")
+        assert why.text.startswith("It stands because of keep away, ")
 
 
 @pytest.mark.parametrize("stop", ["stop", "emergency_stop"])

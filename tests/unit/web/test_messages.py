@@ -13,6 +13,7 @@ from pioneer3.arcos.reports import Config
 from pioneer3.geometry import Pose2, Twist2
 from pioneer3.limits import Limits
 from pioneer3.models import load_model
+from pioneer3.robot.explain import Reason, ReasonKind
 from pioneer3.robot.supervisor import RobotInfo
 from pioneer3.state import Battery, Bumpers, Identity, Motors, Odometry, Snapshot, Sonar
 from pioneer3.teleop.gamepad import SCHEME
@@ -109,7 +110,7 @@ def test_a_robot_that_nobody_has_met_is_told_too() -> None:
 
 def test_a_snapshot_says_what_the_reading_says() -> None:
     pose = Pose2(1.0, 2.0, 3.0)
-    why, driver = "The motors are off.", messages.Driver(2, "ann")
+    why, driver = Reason(ReasonKind.FAULT, "The motors are off."), messages.Driver(2, "ann")
     told = said(
         snapshot_part(
             4, reading(0.5), robot_in_map=pose, why=why, emergency_stop=True, driver=driver
@@ -117,7 +118,8 @@ def test_a_snapshot_says_what_the_reading_says() -> None:
     )
     assert told["robot_in_map"] == {"x": 1.0, "y": 2.0, "theta": 3.0}
     assert told["twist"] == {"v": 0.5, "w": 0.5}
-    assert (told["robot"], told["sequence"], told["why"]) == (4, 7, why)
+    assert (told["robot"], told["sequence"]) == (4, 7)
+    assert (told["why"], told["standing"]) == ("The motors are off.", "fault")
     assert (told["emergency_stop"], told["driver"]) == (True, {"id": 2, "name": "ann"})
     assert told["motors"] == {
         "enabled": True,

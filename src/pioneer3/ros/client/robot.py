@@ -8,7 +8,7 @@ from typing import Final
 
 from pioneer3.behaviors.action import Stack
 from pioneer3.geometry import STILL, Twist2
-from pioneer3.robot.explain import why_not_moving
+from pioneer3.robot.explain import Reason, ReasonKind, why_not_moving
 from pioneer3.robot.pilot import STANDING, Pilot, VelocityCommand
 from pioneer3.robot.supervisor import Connection, Feed, RobotInfo, Status
 from pioneer3.runtime.arbiter import Arbiter
@@ -22,9 +22,10 @@ SILENT: Final = 1.0
 """Without a snapshot for this long [s], nobody drives."""
 STUCK: Final = 1.5
 """A robot that stands for this long [s] though it should move is stalled: no topic says so."""
-HELD: Final = (
+HELD: Final = Reason(
+    ReasonKind.FAULT,
     "Its emergency stop is latched, or its stop button pressed: reset it, or pull the button out,"
-    " then ask again."
+    " then ask again.",
 )
 
 
@@ -153,12 +154,13 @@ class TopicSupervisor:
         self._flush()
         return refused
 
-    def why_not_moving(self, decided: str | None = None) -> str | None:
+    def why_not_moving(self, decided: str | None = None) -> Reason | None:
         """Return the reason why the robot stands still, or `None` while it moves."""
         if self._unclear:
-            return self._unclear
+            return Reason(ReasonKind.FAULT, self._unclear)
         if self._fresh is None and self.pilot.limits is None and self.info is not None:
-            return f"{self.info.url} has not reported: has it lost its robot?"
+            url = self.info.url
+            return Reason(ReasonKind.FAULT, f"{url} has not reported: has it lost its robot?")
         why = why_not_moving(self.pilot, self._fresh, self._clock(), decided)
         held = self._fresh is not None and self._fresh.motors.stop_button
         return HELD if held and why and not self.pilot.emergency else why
@@ -239,8 +241,8 @@ class TopicRobot:
         until = asyncio.get_running_loop().time() + seconds
         await run_mode(mode, self.arbiter, self.snapshots(seconds), until=until)
 
-    def why_not_moving(self) -> str | None:
-        """Return in one sentence why the robot stands still, or `None` while it moves."""
+    def why_not_moving(self) -> Reason | None:
+        """Return the reason that the robot stands still, or `None` while it moves."""
         return self.arbiter.why_not_moving()
 
     def stop(self) -> None:

@@ -10,6 +10,7 @@ from math import isfinite
 from typing import Any, Final
 
 from pioneer3.arcos.reports import Fault
+from pioneer3.robot.explain import Reason, ReasonKind
 from pioneer3.robot.supervisor import RobotInfo
 from pioneer3.state import Motors, Snapshot
 from pioneer3.units import DECIVOLT, MS
@@ -85,7 +86,7 @@ class Health:
         emergency: Whether the emergency stop is latched.
         auto_enable: Whether a command switches the motors on.
         driver: The action that drives, or `None`.
-        why_not_moving: A sentence, or `None` while the robot moves.
+        why_not_moving: The reason that the robot stands still, or `None` while it moves.
         refused: Why commands are ignored, or `None`.
         lasers: State of each laser range finder at the computer.
         navigation: State of localization and of the goal, if there is a map.
@@ -98,7 +99,7 @@ class Health:
     emergency: bool = False
     auto_enable: bool = True
     driver: str | None = None
-    why_not_moving: str | None = None
+    why_not_moving: Reason | None = None
     refused: str | None = None
     lasers: tuple[DiagnosticStatus, ...] = ()
     navigation: tuple[DiagnosticStatus, ...] = ()
@@ -284,13 +285,15 @@ def _odometry(_: Health, now: Snapshot) -> DiagnosticStatus:
 
 def _command(health: Health, _: Snapshot) -> DiagnosticStatus:
     why = health.why_not_moving
+    words = why.text if why else ""
+    warns = why.kind is ReasonKind.FAULT if why else health.refused is not None
     return DiagnosticStatus(
         part="Command",
-        level=WARN if health.refused else OK,
-        message=health.refused or why or "moving",
+        level=WARN if warns else OK,
+        message=(health.refused if warns else None) or words or "moving",
         values=(
             ("driver", health.driver or ""),
-            ("why_not_moving", why or ""),
+            ("why_not_moving", words),
             ("ignored_because", health.refused or ""),
         ),
     )

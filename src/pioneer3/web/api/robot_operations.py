@@ -159,7 +159,8 @@ def _refused(refused: str | None) -> ErrorResponse | None:
 
 
 def _result(request: ApiRequest) -> types.CommandResult:
-    return types.CommandResult(request.view.robot.why_not_moving())
+    why = request.view.robot.why_not_moving()
+    return types.CommandResult(why and why.text)
 
 
 ROBOT = "/api/robots/{robot}"

@@ -22,6 +22,7 @@ def small_snapshot(
     robot = view.robot
     now, latest = robot.supervisor.snapshot, robot.supervisor.snapshots.latest
     pose = view.scene.robot_in_map(latest.odometry.robot_in_odom) if latest else Pose2()
+    why = robot.why_not_moving()
     by, driver = _driver(view, program, is_student)
     return messages.SmallSnapshot(
         robot=view.number,
@@ -33,7 +34,7 @@ def small_snapshot(
         connected=now is not None,
         by=by,
         driver=driver,
-        why=robot.why_not_moving(),
+        why=why and why.text,
     )
 
 

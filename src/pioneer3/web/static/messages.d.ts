@@ -113,7 +113,7 @@ export interface Snapshot {
   link: LinkQuality;
   faults: string[];
   why: string | null;
-  standing: "fault" | "idle" | "normal" | null;
+  standing: ReasonKind | null;
   emergency_stop: boolean;
   driver: Driver | null;
   mode: string | null;
@@ -175,6 +175,9 @@ export interface LinkQuality {
   rate: number;
   sessions: number;
 }
+
+/** Kinds of reasons to stand still. */
+export type ReasonKind = "fault" | "idle" | "normal";
 
 /** A driver; `id` is the number of a client, null for a script or an action. */
 export interface Driver {

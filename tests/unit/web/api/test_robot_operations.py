@@ -61,7 +61,7 @@ async def test_a_snapshot_says_what_the_robot_says() -> None:
         assert the.robot.snapshot is not None
         assert snapshot["sequence"] == the.robot.snapshot.sequence
         assert snapshot["battery"]["voltage"] == the.robot.snapshot.battery.voltage
-        assert snapshot["why"] == the.robot.why_not_moving()
+        assert snapshot["why"] == str(the.robot.why_not_moving())
         assert len(snapshot["sonar"]["ranges"]) == 16
 
 
