@@ -15,7 +15,7 @@ from pioneer3.mjpeg import Parser
 from pioneer3.sim.equipment import EquipmentOptions
 from pioneer3.sim.server import picture_process
 from pioneer3.sim.server.camera import MOST_VIEWERS, SimulatedCamera
-from pioneer3.sim.server.picture_process import PictureProcess, Refusal
+from pioneer3.sim.server.picture_process import PictureProcess, RenderFailure
 from pioneer3.sim.server.running import RunningSimulation
 from pioneer3.sim.server.start import simulator
 from pioneer3.sim.worldfile import Box, Person, RobotSpec, WorldFile
@@ -176,8 +176,8 @@ async def test_without_opengl_all_but_pictures_works(monkeypatch: pytest.MonkeyP
 async def test_what_is_missing_is_told_in_one_line(
     reason: str, advice: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    async def fail(process: PictureProcess, backend: str) -> Refusal:
-        return Refusal(f"{reason}\nand more", told=True)
+    async def fail(process: PictureProcess, backend: str) -> RenderFailure:
+        return RenderFailure(f"{reason}\nand more", told=True)
 
     monkeypatch.setattr(PictureProcess, "_try", fail)
     with pytest.raises(DeviceError) as caught:

@@ -22,7 +22,7 @@ from pioneer3.lasers.client import Event, Lost, Measured, Patience, Remarked, Sc
 from pioneer3.lasers.cola.clock import DeviceClock
 from pioneer3.lasers.cola.readings import geometry, raw_scan
 from pioneer3.lasers.cola.scan import NAME, decode
-from pioneer3.lasers.cola.script import Refusal, Request, Session, set_up
+from pioneer3.lasers.cola.script import ErrorAnswer, Request, Session, set_up
 from pioneer3.lasers.cola.wire import (
     TelegramError,
     TelegramReader,
@@ -75,7 +75,9 @@ class ColaClient:
         self._patience = patience or Patience()
         self._round_trip = round_trip
         self._session = Session(settings or ScanSettings(), now)
-        self._dialogue: Dialogue[Request, Words | Refusal, None] = Dialogue(set_up(self._session))
+        self._dialogue: Dialogue[Request, Words | ErrorAnswer, None] = Dialogue(
+            set_up(self._session)
+        )
         self._answered = self._running = self._closed = False
         self._asked_at = self._repeat = self._scan_due = now
         self._surplus = self._refused_since = 0
@@ -141,7 +143,7 @@ class ColaClient:
         elif self._surplus and words[0] in {"sRA", "sWA", "sAN", "sEA"}:
             self._surplus -= 1
 
-    def _resume(self, reply: Words | Refusal | None, now: float) -> None:
+    def _resume(self, reply: Words | ErrorAnswer | None, now: float) -> None:
         """Go on with the script until it asks or waits again, or is over."""
         self._session.now = now
         self._answered = self._answered or reply is not None
@@ -229,8 +231,8 @@ class ColaClient:
         self.deadline = inf
 
 
-def _refusal(words: list[str]) -> Refusal:
+def _refusal(words: list[str]) -> ErrorAnswer:
     try:
-        return Refusal(parse_number(words[1]))
+        return ErrorAnswer(parse_number(words[1]))
     except (IndexError, TelegramError):
-        return Refusal(0)
+        return ErrorAnswer(0)

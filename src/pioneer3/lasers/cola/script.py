@@ -69,7 +69,7 @@ class Request:
 
 
 @dataclass(frozen=True, slots=True)
-class Refusal:
+class ErrorAnswer:
     """The answer sFA with its number, 0 where there is none."""
 
     number: int
@@ -79,7 +79,7 @@ class Refusal:
         return ERRORS.get(self.number, f"error {self.number:X}")
 
 
-ColaScript = Script[Request, Words | Refusal, T]
+ColaScript = Script[Request, Words | ErrorAnswer, T]
 
 
 @dataclass(slots=True)
@@ -121,7 +121,7 @@ def set_up(session: Session) -> ColaScript[None]:
 
 def _ask(
     text: str, parse: Callable[[Words], T], *, patience: float = 0.0
-) -> ColaScript[T | Refusal]:
+) -> ColaScript[T | ErrorAnswer]:
     """Send `text` and return its answer as `parse` reads it; a refusal where it cannot be read."""
     kind, _, rest = text.partition(" ")
     name = rest.partition(" ")[0]
@@ -130,30 +130,30 @@ def _ask(
     request = Request(text, (ANSWERS[kind], name), patience)
     for _ in range(MOST_MISREAD):
         reply = yield request
-        if isinstance(reply, Refusal):
+        if isinstance(reply, ErrorAnswer):
             return reply
         try:
             return parse(reply)
         except TelegramError as error:
             misread = str(error)
     yield Remarked(f"the laser's answer to `{text}` cannot be read: {misread}")
-    return Refusal(0)
+    return ErrorAnswer(0)
 
 
 def _identify() -> ColaScript[str]:
     """Ask for the laser's names and numbers; return the product."""
     identity = yield from _ask("sRI0", _two_texts)
-    if isinstance(identity, Refusal):
+    if isinstance(identity, ErrorAnswer):
         identity = yield from _ask("sRN DeviceIdent", _two_texts)
     serial = yield from _ask("sRN SerialNumber", _text)
     firmware = yield from _ask("sRN FirmwareVersion", _text)
-    product, version = ("", "") if isinstance(identity, Refusal) else identity
+    product, version = ("", "") if isinstance(identity, ErrorAnswer) else identity
     yield Identified(
         LaserIdentity(
             vendor="SICK",
             product=product,
-            serial="" if isinstance(serial, Refusal) else serial,
-            firmware=version if isinstance(firmware, Refusal) else firmware,
+            serial="" if isinstance(serial, ErrorAnswer) else serial,
+            firmware=version if isinstance(firmware, ErrorAnswer) else firmware,
             protocol="CoLa-A",
         )
     )
@@ -167,15 +167,15 @@ def _configure(session: Session, family: Family) -> ColaScript[None]:
     output = yield from _ask("sRN LMPoutputRange", OutputRange.parse)
     data = yield from _ask("sRN LMDscandatacfg", DataConfig.parse)
     changes: list[str] = []
-    if not isinstance(scan, Refusal):
+    if not isinstance(scan, ErrorAnswer):
         wanted = wished_scan(scan, wishes, family)
         if wanted != scan:
             changes.append(f"sMN mLMPsetscancfg {wanted.request()}")
-        if not isinstance(output, Refusal):
+        if not isinstance(output, ErrorAnswer):
             part = wished_output(wanted, wishes, family)
             if (part.first_tick, part.last_tick) != (output.first_tick, output.last_tick):
                 changes.append(f"sWN LMPoutputRange {part.words()}")
-    if not isinstance(data, Refusal):
+    if not isinstance(data, ErrorAnswer):
         session.interval = max(data.interval, 1)
         content = wished_data(data, wishes, family)
         if content != data:
@@ -186,7 +186,7 @@ def _configure(session: Session, family: Family) -> ColaScript[None]:
             changes.append("sWN FREchoFilter 1")
     if changes:
         yield from _change(changes)
-        if not isinstance(data, Refusal):
+        if not isinstance(data, ErrorAnswer):
             yield from _read_interval(session)
 
 
@@ -200,14 +200,14 @@ def _change(changes: list[str]) -> ColaScript[None]:
         parse = Words.number if by_method else _nothing
         code = yield from _ask(change, parse, patience=SLOW if by_method else 0.0)
         if code != ScanConfigCode.OK:
-            reason = code if isinstance(code, Refusal) else CODES.get(code, f"code {code}")
+            reason = code if isinstance(code, ErrorAnswer) else CODES.get(code, f"code {code}")
             yield Remarked(f"the laser keeps its {name} as it is: {reason}")
     yield from _run()
 
 
 def _read_interval(session: Session) -> ColaScript[None]:
     data = yield from _ask("sRN LMDscandatacfg", DataConfig.parse)
-    if not isinstance(data, Refusal):
+    if not isinstance(data, ErrorAnswer):
         session.interval = max(data.interval, 1)
 
 
@@ -224,7 +224,7 @@ def _log_in() -> ColaScript[bool]:
 def _run() -> ColaScript[None]:
     """Log out and measure; some lasers answer 0, and measure all the same (cola.md 6.3)."""
     answer = yield from _ask("sMN Run", Words.rest, patience=SLOW)
-    if isinstance(answer, Refusal):
+    if isinstance(answer, ErrorAnswer):
         yield Remarked(f"the laser refuses to run: {answer}")
 
 
@@ -256,7 +256,7 @@ def _trouble(family: Family | None) -> ColaScript[str]:
     first = family.state_request if family else "STlms"
     for variable in (first, "SCdevicestate" if first == "STlms" else "STlms"):
         state = yield from _ask(f"sRN {variable}", Words.number)
-        if isinstance(state, Refusal):
+        if isinstance(state, ErrorAnswer):
             continue
         if variable == "STlms":
             if state == Measuring.MEASURING:

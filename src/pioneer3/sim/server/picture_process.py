@@ -41,7 +41,7 @@ LAST_WORDS = 4 << 10
 """Kept of what the process says on its standard error [bytes]."""
 
 
-class Refusal(NamedTuple):
+class RenderFailure(NamedTuple):
     """Why the process does not render with one OpenGL.
 
     Attributes:
@@ -76,14 +76,14 @@ class PictureProcess:
             DeviceError: None works; the message says what to install.
         """
         await self.close()
-        refusals = []
+        failures = []
         for backend in BACKENDS:
-            refusal = await self._try(backend)
-            if refusal is None:
+            failure = await self._try(backend)
+            if failure is None:
                 return
-            reason = f"{backend}: {refusal.reason}" if backend else refusal.reason
-            refusals.append(refusal._replace(reason=reason))
-        raise DeviceError(_advice(refusals))
+            reason = f"{backend}: {failure.reason}" if backend else failure.reason
+            failures.append(failure._replace(reason=reason))
+        raise DeviceError(_advice(failures))
 
     async def picture(self, instant: Instant, asked: TakePicture) -> bytes:
         """Return a picture of the world at `instant`, as JPEG.
@@ -123,7 +123,7 @@ class PictureProcess:
             await process.wait()
         await listening
 
-    async def _try(self, backend: str) -> Refusal | None:
+    async def _try(self, backend: str) -> RenderFailure | None:
         """Start the process; return why it cannot render, or `None`."""
         environment = {name: value for name, value in os.environ.items() if name != PLATFORM}
         environment |= {GL: backend}
@@ -144,7 +144,7 @@ class PictureProcess:
         except (DeviceError, TimeoutError) as error:
             await self.close()
             reason = str(error) or f"nothing within {START_PATIENCE:g} s"
-            return Refusal(self._last_line or reason, told=False)
+            return RenderFailure(self._last_line or reason, told=False)
         except BaseException:
             await self.close()
             raise
@@ -152,8 +152,9 @@ class PictureProcess:
             self.backend = answer.backend
             return None
         await self.close()
-        told = isinstance(answer, Failed)
-        return Refusal(answer.reason if isinstance(answer, Failed) else "it says nothing", told)
+        if isinstance(answer, Failed):
+            return RenderFailure(answer.reason, told=True)
+        return RenderFailure("it says nothing", told=False)
 
     async def _listen(self, errors: asyncio.StreamReader) -> None:
         while said := await errors.read(LAST_WORDS):
@@ -193,12 +194,12 @@ class PictureProcess:
             raise DeviceError("what renders pictures has ended") from None
 
 
-def _advice(refusals: list[Refusal]) -> str:
+def _advice(failures: list[RenderFailure]) -> str:
     """Return one line about what is missing, and what to do."""
-    if any("OpenGL" in reason and "No module" in reason for reason, _ in refusals):
+    if any("OpenGL" in reason and "No module" in reason for reason, _ in failures):
         return f"no camera pictures: {how_to_get('physics')}"
-    why = "; ".join(" ".join(reason.split())[:100] for reason, _ in refusals)
-    if not any(told for _, told in refusals):
+    why = "; ".join(" ".join(reason.split())[:100] for reason, _ in failures)
+    if not any(told for _, told in failures):
         return f"no camera pictures, all else works: what renders them does not start ({why})"
     if sys.platform != "linux":
         return f"no camera pictures: OpenGL does not work here ({why})"
