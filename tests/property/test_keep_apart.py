@@ -13,7 +13,7 @@ from pioneer3.behaviors.actions import keep_apart
 from pioneer3.behaviors.actions.keep_apart import LimiterPeers
 from pioneer3.behaviors.peers import Peer
 from pioneer3.geometry import Pose2, Twist2
-from pioneer3.navigation.traffic import LOOK, NEAR, SLACK, Place, Traffic
+from pioneer3.navigation.traffic import LOOK_UP_EVERY, NEAR_ROBOTS, SLACK, Place, Traffic
 from tests.unit.behaviors.support import seen
 from tests.unit.navigation.test_traffic import Fake, participant
 
@@ -54,7 +54,7 @@ robots = st.lists(
 )
 
 
-@given(robots, st.floats(LOOK / 100, 2 * LOOK))
+@given(robots, st.floats(LOOK_UP_EVERY / 100, 2 * LOOK_UP_EVERY))
 def test_the_robots_that_are_near_are_found(robots: list[tuple[Any, ...]], later: float) -> None:
     """Also if all have moved since, by later snapshots; asking each one is the oracle."""
     the, fakes = Traffic(), dict[str, Fake]()
@@ -62,7 +62,7 @@ def test_the_robots_that_are_near_are_found(robots: list[tuple[Any, ...]], later
         for number, (x, y, _, _, frame, _) in enumerate(robots):
             fake = fakes[f"p3-{number}"] = Fake(Place(frame, Pose2(x, y)))
             stack.enter_context(the.joined(participant(f"p3-{number}", fake)))
-        the.peers_of("p3-0", NEAR)
+        the.peers_of("p3-0", NEAR_ROBOTS)
         here = {}
         for (name, fake), (x, y, dx, dy, frame, leaves) in zip(fakes.items(), robots, strict=True):
             fake.drives(Pose2(dx, dy), 1.0 + later)
@@ -72,11 +72,11 @@ def test_the_robots_that_are_near_are_found(robots: list[tuple[Any, ...]], later
                 fake.snapshot = None  # its last news stay
         for name, fake in fakes.items():
             if fake.snapshot is not None:
-                found = [peer.name for peer in the.peers_of(name, NEAR)]
+                found = [peer.name for peer in the.peers_of(name, NEAR_ROBOTS)]
                 assert found == [other for other in here if _near(here, name, other)]
 
 
 def _near(here: dict[str, tuple[str, float, float]], name: str, other: str) -> bool:
     (frame, x, y), (their_frame, their_x, their_y) = here[name], here[other]
     away = hypot(their_x - x, their_y - y)
-    return other != name and their_frame == frame and away <= NEAR
+    return other != name and their_frame == frame and away <= NEAR_ROBOTS

@@ -7,8 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pioneer3.behaviors.actions.follow import FollowTracking
-from pioneer3.behaviors.leg_tracking import FASTEST, WIDEST_GATE, LegTracks
-from pioneer3.behaviors.legs import REACH, WIDEST_BOTH, find_legs
+from pioneer3.behaviors.leg_tracking import FASTEST_PERSON, WIDEST_GATE, LegTracks
+from pioneer3.behaviors.legs import LEGS_RANGE, WIDEST_BOTH, find_legs
 from pioneer3.behaviors.trackers import LaserOrSonarTracker, LegTracker
 from pioneer3.geometry import Pose2
 from pioneer3.state import Scan
@@ -40,7 +40,7 @@ def scan_of(runs: list[tuple[float, int]], number: int, stamp: float, pose: Pose
 @given(RUNS)
 def test_legs_are_within_reach_and_no_wider_than_people(runs: list[tuple[float, int]]) -> None:
     for leg in find_legs(scan_of(runs, 1, 0.1, Pose2())):
-        assert hypot(leg.x - 0.1, leg.y) <= REACH + 0.1
+        assert hypot(leg.x - 0.1, leg.y) <= LEGS_RANGE + 0.1
         assert 0 < leg.width <= WIDEST_BOTH
 
 
@@ -55,7 +55,7 @@ def test_a_track_never_jumps(
         tracks.look(scan_of(runs, number, stamp, pose))
         for track in tracks.tracks:
             x, y = track.estimate.position
-            assert hypot(*track.estimate.velocity) <= FASTEST * (1 + 1e-9)
+            assert hypot(*track.estimate.velocity) <= FASTEST_PERSON * (1 + 1e-9)
             if track in expected:
                 assert hypot(x - expected[track][0], y - expected[track][1]) <= WIDEST_GATE
 

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from pioneer3.behaviors.actions.follow import FollowLab, FollowTracking
 from pioneer3.behaviors.actions.limiters import BRAKE_DELAY, PLANNED_SHARE, stopping_speed
-from pioneer3.behaviors.kalman import FASTEST, KalmanFilter
+from pioneer3.behaviors.kalman import FASTEST_FOLLOWED, KalmanFilter
 from pioneer3.geometry import Pose2
 from pioneer3.state import Sonar
 from tests.unit.behaviors.support import seen, value
@@ -42,7 +42,7 @@ def test_doubt_is_symmetric_and_never_negative(
     for i in range(4):
         for j in range(4):
             assert abs(estimate.spread[i][j] - estimate.spread[j][i]) < 1e-9
-    assert estimate.state[2] ** 2 + estimate.state[3] ** 2 <= FASTEST**2 * (1 + 1e-9)
+    assert estimate.state[2] ** 2 + estimate.state[3] ** 2 <= FASTEST_FOLLOWED**2 * (1 + 1e-9)
 
 
 @given(MEASURED, ANGLES, st.floats(-1, 1), st.floats(0.01, 1))

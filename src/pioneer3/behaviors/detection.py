@@ -20,8 +20,8 @@ OFTEN = 3
 """At least so many echoes make a place."""
 FORGET = 30.0
 """Places that have not been heard of for this long are forgotten [s]."""
-MOST = 200
-"""Places that are kept."""
+MOST_PLACES = 200
+"""Places that are kept at most."""
 
 
 @dataclass(slots=True)
@@ -72,7 +72,7 @@ class ClutterMap:
         """Remember that echoes come from furniture, though they have not been watched for long."""
         for ping in pings:
             spot = ClutterPoint(*ping.point, ping.stamp - STANDS, ping.stamp, OFTEN)
-            self.spots = [*self.spots, spot][-MOST:]
+            self.spots = [*self.spots, spot][-MOST_PLACES:]
 
     def explains(self, ping: Ping) -> float:
         """Return how much longer a range is than that to the furniture there [m]; `inf`: none."""
@@ -90,7 +90,7 @@ class ClutterMap:
         return found
 
     def _add(self, ping: Ping) -> None:
-        self.spots = [s for s in self.spots if ping.stamp - s.last < FORGET][-(MOST - 1) :]
+        self.spots = [s for s in self.spots if ping.stamp - s.last < FORGET][-(MOST_PLACES - 1) :]
         self.spots.append(ClutterPoint(*ping.point, ping.stamp, ping.stamp))
 
     def _clear(self, ping: Ping) -> None:
@@ -107,22 +107,28 @@ class ClutterMap:
 
 
 RADIUS = 0.25
-"""Of a person who walks, seen from above [m]."""
-REACH = 1.0
-"""People are taken up to this far in front of the robot's front end [m]."""
+"""Radius of a person who walks, seen from above [m]."""
+NEW_REACH = 1.0
+"""Distance in front of the robot's front end up to which people are taken [m]."""
 AHEAD = radians(35)
 """Transducers that look farther aside find no new person [rad]."""
-STRAIGHT, FACING = radians(20), 0.3
-"""A person heard farther aside than this [rad] counts as so much farther away [m]: a person who
-wants to be followed stands straight ahead."""
-RETURN_REACH, RETURN_NEAR, RETURN_AHEAD = 1.6, 0.7, radians(60)
-"""A lost person may come back from this far [m], this near to the expected place [m]."""
+STRAIGHT = radians(20)
+"""Bearing above which a person is not straight ahead [rad]."""
+FACING = 0.3
+"""Distance by which a person counts as farther away who is not straight ahead [m]: who wants to be
+followed stands there."""
+RETURN_REACH = 1.6
+"""Distance from which a lost person may come back at most [m]."""
+RETURN_NEAR = 0.7
+"""Distance to the expected place at which a lost person may come back at most [m]."""
+RETURN_AHEAD = radians(60)
+"""Bearing at which a lost person may come back at most [rad]."""
 FRONT = radians(60)
 """Transducers that look less aside than this are the front [rad]."""
 FRESH = 0.5
 """Older echoes are not looked at [s]: each transducer fires three times a second."""
-STEP = 0.2
-"""Neighbours whose ranges differ less hear the same thing [m]."""
+SAME_THING = 0.2
+"""Difference of the ranges of neighbours below which they hear the same thing [m]."""
 SENDS_BACK = 0.7
 """Share of half of a person's width from which echoes come back: they glance off its sides."""
 
@@ -150,7 +156,7 @@ class PersonDetector:
     def nearest_person(self) -> Ping | None:
         """Return the nearest echo in front that may be a person, or `None`."""
         mounts = self.model.sonars
-        found = self._candidates(AHEAD, REACH)
+        found = self._candidates(AHEAD, NEW_REACH)
         return _nearest(
             [
                 (away + (FACING if abs(mounts[ping.number].theta) > STRAIGHT else 0.0), ping)
@@ -171,7 +177,7 @@ class PersonDetector:
         found: set[int] = set()
         run: list[Ping] = []
         for ping in self._from_left_to_right():
-            if ping is not None and (not run or abs(ping.distance - run[-1].distance) < STEP):
+            if ping is not None and (not run or abs(ping.distance - run[-1].distance) < SAME_THING):
                 run.append(ping)
                 continue
             found.update(_if_wide(run))

@@ -59,7 +59,7 @@ FORMATIONS: Final = {
 }
 
 MOST_TRIED: Final = 7
-"""Of so many robots all orders are tried: 5040."""
+"""Robots of which all orders are tried at most: 5040 of them."""
 
 
 def assigned(robots: Sequence[Place], places: Sequence[Place]) -> list[int]:

@@ -6,7 +6,7 @@ WANDERS = 0.5
 """Change of the velocity of a person who walks, turns and stops, in 1 s [m/s]."""
 UNSURE_SPEED = 0.3
 """Standard deviation of the speed of a person who has just been seen [m/s]."""
-FASTEST = 0.8
+FASTEST_FOLLOWED = 0.8
 """Highest speed of a person who is followed [m/s]."""
 
 
@@ -25,7 +25,7 @@ class KalmanFilter:
     """
 
     def __init__(
-        self, x: float, y: float, stamp: float, sigma: float, fastest: float = FASTEST
+        self, x: float, y: float, stamp: float, sigma: float, fastest: float = FASTEST_FOLLOWED
     ) -> None:
         self.fastest = fastest
         self.state = [x, y, 0.0, 0.0]

@@ -9,41 +9,66 @@ from pioneer3.behaviors.legs import Leg, find_legs, gap_to, range_towards
 from pioneer3.geometry import Pose2
 from pioneer3.state import Scan
 
-FASTEST = 2.0
+FASTEST_PERSON = 2.0
 """Highest speed of a person [m/s]."""
 BORN_SIGMA = 0.1
 """Standard deviation of the place of a person who has just been seen [m]."""
-BOTH_SIGMA, ONE_SIGMA, PART_SIGMA = 0.04, 0.12, 0.15
-"""Of the middle of a person of whom two legs are seen, one, or one in part [m]."""
-GATE, ASIDE, STEP, WIDEST_GATE = 2.5, 0.15, 0.3, 0.6
-"""A leg belongs to a person when its distance from the expected middle is less than so many
-standard deviations, half of the distance of the legs of who stands [m], and the way in half of a
-step [s]; never farther away than the last [m]."""
-CLOSEST, WIDEST, LONGEST_STEP = 0.1, 0.5, 0.7
-"""Distance of the two legs of a person; the last holds for one who walks [m]."""
+BOTH_SIGMA = 0.04
+"""Standard deviation of the middle of a person of whom two legs are seen [m]."""
+ONE_SIGMA = 0.12
+"""Standard deviation of the middle of a person of whom one leg is seen [m]."""
+PART_SIGMA = 0.15
+"""Standard deviation of the middle of a person of whom one leg is seen in part [m]."""
+GATE_SIGMAS = 2.5
+"""Standard deviations from the expected middle within which a leg belongs to a person."""
+LEGS_APART = 0.15
+"""Distance of the legs of somebody who stands, half of which is added to that [m]."""
+STEP_TIME = 0.3
+"""Time of half a step, the way in which is added to that of somebody who walks [s]."""
+WIDEST_GATE = 0.6
+"""Distance from the expected middle at which a leg belongs to a person at most [m]."""
+CLOSEST = 0.1
+"""Distance of the two legs of a person at least [m]."""
+WIDEST_STANCE = 0.5
+"""Distance of the two legs of a person who stands at most [m]."""
+LONGEST_STEP = 0.7
+"""Distance of the two legs of a person who walks at most [m]."""
 PERSONAL = 0.4
-"""So near to a person no other one begins [m]."""
+"""Distance to a person within which no other one begins [m]."""
 SPLIT = 5
-"""So many scans in turn with one leg in each of two tracks side by side: both are of one person."""
-WALKED, STROLL, STROLLS = 0.5, 0.15, 8
-"""A track walks that has come farther than the first [m], faster than the second [m/s] in so many
-scans in turn; what jumps from one leg of a chair to the next does not do so for long."""
-STANDS, STAYS = 2.0, 0.25
-"""A track that has not come farther than the second [m] in the first [s] is furniture."""
-MISSED, HIDDEN, NEVER_WALKED = 1.0, 3.0, 1.5
-"""A person is given up who is not seen for so long [s]: in plain sight; behind something or outside
-the field of view; and any track that has never walked."""
-BEHIND = 0.2
-"""Nearer to the laser than a person by this, something hides them [m]."""
-SAME_PLACE, FOLLOWS = 0.12, 0.5
-"""A leg so near to furniture is furniture [m]; its place is moved by this share of the difference:
-odometry is wrong when the robot turns."""
+"""Scans in turn with one leg in each of two tracks side by side after which both are of one person.
+"""
+WALKED_WAY = 0.5
+"""Way above which a track walks [m]."""
+STROLL_SPEED = 0.15
+"""Speed above which a track walks [m/s]."""
+STROLLS = 8
+"""Scans in turn at that speed after which a track walks: what jumps from one leg of a chair to the
+next does not do so for long."""
+STANDING_TIME = 2.0
+"""Time after which a track that stays is furniture [s]."""
+STAYING_WAY = 0.25
+"""Way below which a track stays [m]."""
+MISSED_TIME = 1.0
+"""Time after which a person is given up who is not seen in plain sight [s]."""
+HIDDEN_TIME = 3.0
+"""Time after which a person is given up who is behind something, or outside the field of view [s].
+"""
+NEVER_WALKED = 1.5
+"""Time after which a track is given up that has never walked [s]."""
+HIDING_GAP = 0.2
+"""Distance from a person to something nearer to the laser that hides them [m]."""
+FURNITURE_RADIUS = 0.12
+"""Distance to furniture within which a leg is furniture [m]."""
+FURNITURE_GAIN = 0.5
+"""Share of the difference by which the place of furniture is moved: odometry is wrong when the
+robot turns."""
 FORGET = 30.0
-"""Furniture that has not been seen for so long is forgotten [s]."""
+"""Time after which furniture that has not been seen is forgotten [s]."""
 SEEN_PAST = 3
-"""Furniture that so many scans in turn see past is gone."""
-MOST = 100
-"""Pieces of furniture that are kept."""
+"""Scans in turn that see past furniture after which it is gone."""
+MOST_FURNITURE = 100
+"""Pieces of furniture that are kept at most."""
 
 
 @dataclass(slots=True)
@@ -76,7 +101,7 @@ class LegTrack:
 
     def __init__(self, legs: list[Leg], stamp: float) -> None:
         x, y = _middle(legs)
-        self.estimate = KalmanFilter(x, y, stamp, BORN_SIGMA, FASTEST)
+        self.estimate = KalmanFilter(x, y, stamp, BORN_SIGMA, FASTEST_PERSON)
         self.seen = self.found = stamp
         self.walked = False
         self.pairs = int(_is_pair(legs))
@@ -94,8 +119,8 @@ class LegTrack:
     def gate(self) -> float:
         """How far from the expected middle a leg may be [m]."""
         doubt = max(self.estimate.spread[0][0], self.estimate.spread[1][1])
-        step = STEP * hypot(*self.estimate.velocity) if self.walked else ASIDE / 2
-        return min(ASIDE + step + GATE * sqrt(doubt), WIDEST_GATE)
+        step = STEP_TIME * hypot(*self.estimate.velocity) if self.walked else LEGS_APART / 2
+        return min(LEGS_APART + step + GATE_SIGMAS * sqrt(doubt), WIDEST_GATE)
 
     def accepts(self, leg: Leg) -> bool:
         """Return whether a leg may be theirs beside those that are already."""
@@ -103,7 +128,7 @@ class LegTrack:
             return True
         one = self.legs[0]
         apart = gap_to(one, leg.x, leg.y)
-        widest = LONGEST_STEP if self.walked else WIDEST
+        widest = LONGEST_STEP if self.walked else WIDEST_STANCE
         return len(self.legs) == 1 and not (one.both or leg.both) and CLOSEST < apart < widest
 
     def correct(self, stamp: float) -> None:
@@ -118,8 +143,8 @@ class LegTrack:
         x, y = _middle(self.legs)
         self.estimate.correct(1.0, 0.0, x - self.estimate.state[0], sigma)
         self.estimate.correct(0.0, 1.0, y - self.estimate.state[1], sigma)
-        self.strolls = self.strolls + 1 if hypot(*self.estimate.velocity) > STROLL else 0
-        self.walked = self.walked or (self.strayed > WALKED and self.strolls >= STROLLS)
+        self.strolls = self.strolls + 1 if hypot(*self.estimate.velocity) > STROLL_SPEED else 0
+        self.walked = self.walked or (self.strayed > WALKED_WAY and self.strolls >= STROLLS)
 
 
 class LegTracks:
@@ -152,20 +177,20 @@ class LegTracks:
         """Take a track for furniture."""
         self.tracks.remove(track)
         new = [Furniture(leg.x, leg.y, track.seen) for leg in track.legs]
-        self.furniture = [*self.furniture, *new][-MOST:]
+        self.furniture = [*self.furniture, *new][-MOST_FURNITURE:]
 
     def _without_furniture(self, legs: list[Leg], stamp: float) -> list[Leg]:
         """Return the legs that are no furniture; note where furniture is now."""
         left = []
         for leg in legs:
             spot = min(self.furniture, key=lambda s: gap_to(leg, s.x, s.y), default=None)
-            if spot is None or gap_to(leg, spot.x, spot.y) > SAME_PLACE:
+            if spot is None or gap_to(leg, spot.x, spot.y) > FURNITURE_RADIUS:
                 left.append(leg)
                 continue
             spot.seen, spot.past = stamp, 0
             if leg.free:
-                spot.x += FOLLOWS * (leg.x - spot.x)
-                spot.y += FOLLOWS * (leg.y - spot.y)
+                spot.x += FURNITURE_GAIN * (leg.x - spot.x)
+                spot.y += FURNITURE_GAIN * (leg.y - spot.y)
         return left
 
     def _assign(self, legs: list[Leg]) -> list[Leg]:
@@ -189,7 +214,7 @@ class LegTracks:
         legs = [leg for leg in legs if all(gap_to(leg, x, y) > PERSONAL for x, y in people)]
         while legs:
             one = legs.pop()
-            alike = [leg for leg in legs if CLOSEST < gap_to(one, leg.x, leg.y) < WIDEST]
+            alike = [leg for leg in legs if CLOSEST < gap_to(one, leg.x, leg.y) < WIDEST_STANCE]
             alike = [] if one.both else [leg for leg in alike if not leg.both]
             pair = [one]
             if alike:
@@ -202,7 +227,7 @@ class LegTracks:
         single = [track for track in self.tracks if track.single >= SPLIT and track.legs]
         for older, younger in combinations(single, 2):
             apart = gap_to(older.legs[0], younger.legs[0].x, younger.legs[0].y)
-            if apart < WIDEST and older in self.tracks and younger in self.tracks:
+            if apart < WIDEST_STANCE and older in self.tracks and younger in self.tracks:
                 self.tracks.remove(older if younger is followed else younger)
 
     def _give_up(self, scan: Scan, followed: LegTrack | None) -> None:
@@ -211,10 +236,14 @@ class LegTracks:
             known = track.walked or track is followed
             patience = NEVER_WALKED
             if known:
-                patience = HIDDEN if _may_be_hidden(scan, track) else MISSED
+                patience = HIDDEN_TIME if _may_be_hidden(scan, track) else MISSED_TIME
             if scan.stamp - track.seen > patience:
                 self.tracks.remove(track)
-            elif not known and scan.stamp - track.found > STANDS and track.strayed < STAYS:
+            elif (
+                not known
+                and scan.stamp - track.found > STANDING_TIME
+                and track.strayed < STAYING_WAY
+            ):
                 self.settle(track)
 
     def _clear(self, scan: Scan) -> None:
@@ -242,13 +271,13 @@ def _may_be_hidden(scan: Scan, track: LegTrack) -> bool:
     away, bearing = _polar(scan, *track.estimate.position)
     beside = asin(min(1.0, track.gate / max(away, track.gate)))
     sides = (bearing - beside, bearing, bearing + beside)
-    return any(range_towards(scan, side) < away - BEHIND for side in sides)
+    return any(range_towards(scan, side) < away - HIDING_GAP for side in sides)
 
 
 def _is_past(scan: Scan, x: float, y: float) -> bool:
     """Return whether a laser sees past a point."""
     away, bearing = _polar(scan, x, y)
-    return range_towards(scan, bearing) > away + BEHIND
+    return range_towards(scan, bearing) > away + HIDING_GAP
 
 
 def _polar(scan: Scan, x: float, y: float) -> tuple[float, float]:

@@ -11,23 +11,27 @@ from typing import NamedTuple
 
 from pioneer3.state import Scan
 
-REACH = 4.0
-"""Legs farther away than this are not looked for [m]."""
-JUMP, SLOPE = 0.04, 1.5
-"""Ranges of one cluster differ by less than the first [m] and the second times the distance from
-beam to beam: so much noise, and surfaces seen as flat as 34 degrees."""
+LEGS_RANGE = 4.0
+"""Range beyond which legs are not looked for [m]."""
+NOISE = 0.04
+"""Difference of the ranges of one cluster that is noise at most [m]."""
+SLOPE = 1.5
+"""Difference of the ranges of one cluster besides noise at most, by the distance from beam to beam:
+surfaces are seen as flat as 34 degrees."""
 BLANKS = 3
 """So many beams without a valid reading do not end a cluster: dark cloth sends little back."""
-NARROWEST, WIDEST = 0.05, 0.25
-"""Width of a leg [m]."""
+NARROWEST = 0.05
+"""Width of a leg at least [m]."""
+WIDEST_LEG = 0.25
+"""Width of a leg at most [m]."""
 WIDEST_BOTH = 0.6
 """Two legs that are not apart, as of a person in a skirt, are narrower than this [m]."""
 ROUND = 0.08
 """The middle of a leg is nearer than its edges by this share of its width, or more."""
 ROUND_BEAMS = 5
 """With fewer beams nothing is known of the roundness."""
-FREE = 0.1
-"""What is beside a leg is farther away than its edge by this [m]."""
+FREE_BESIDE = 0.1
+"""Distance by which things beside a leg are farther away than its edge [m]."""
 DEEPEST = 0.1
 """Largest radius of one leg [m]."""
 DEPTH = pi / 4
@@ -52,7 +56,7 @@ class Leg(NamedTuple):
     @property
     def both(self) -> bool:
         """Whether it is too wide for one leg."""
-        return self.width > WIDEST
+        return self.width > WIDEST_LEG
 
 
 def find_legs(scan: Scan) -> list[Leg]:
@@ -70,10 +74,14 @@ def find_legs(scan: Scan) -> list[Leg]:
         if first == last or not NARROWEST <= width <= WIDEST_BOTH:
             continue
         free = _free(ranges, first, last)
-        if width > WIDEST and not free:
+        if width > WIDEST_LEG and not free:
             continue
         valid = [k for k in range(first, last + 1) if isfinite(ranges[k])]
-        if width <= WIDEST and len(valid) >= ROUND_BEAMS and not _is_round(ranges, valid, width):
+        if (
+            width <= WIDEST_LEG
+            and len(valid) >= ROUND_BEAMS
+            and not _is_round(ranges, valid, width)
+        ):
             continue
         away = sum(ranges[k] for k in valid) / len(valid) + DEPTH * min(width / 2, DEEPEST)
         bearing = sensor.theta + sum(angles[k] for k in valid) / len(valid)
@@ -86,11 +94,11 @@ def _clusters(ranges: tuple[float, ...], step: float) -> Iterator[tuple[int, int
     """Yield the first and the last beam of each cluster within reach."""
     slope, first, last, before = SLOPE * step, -1, -1, 0.0
     for k, metres in enumerate(ranges):
-        if 0.0 < metres <= REACH:
+        if 0.0 < metres <= LEGS_RANGE:
             if first >= 0 and k - last <= BLANKS + 1:
                 # a jump is seen from its nearer side
                 near = min(before, metres)
-                if abs(metres - before) <= JUMP + slope * (k - last) * near:
+                if abs(metres - before) <= NOISE + slope * (k - last) * near:
                     last, before = k, metres
                     continue
             if first >= 0:
@@ -117,7 +125,7 @@ def _beside(ranges: tuple[float, ...], edge: int, way: int) -> bool:
         if not 0 <= k < len(ranges):
             break
         if ranges[k] == ranges[k]:
-            return ranges[k] > ranges[edge] + FREE
+            return ranges[k] > ranges[edge] + FREE_BESIDE
     return True
 
 

@@ -23,18 +23,25 @@ class StampedPoint(NamedTuple):
 
 STALE_SCAN = 1.0
 """A scan older than this [s] says nothing of now."""
-AGE, DISTANCE = 30.0, 6.0
-"""How long [s] and how far from the robot [m] points are cumulative."""
-NEAR, SPACING = 3.0, 0.2
-"""Points within the first [m] are cumulative, no two closer than the second [m]."""
-MOST = 500
-CLEAN_EVERY, CLEAR = 1.0, 0.075
-"""Every so often [s], points that all beams near them pass by more than this [m] are forgotten."""
+AGE = 30.0
+"""Age up to which points are cumulative [s]."""
+DISTANCE = 6.0
+"""Distance from the robot up to which points are cumulative [m]."""
+NEAR = 3.0
+"""Range up to which points become cumulative [m]."""
+SPACING = 0.2
+"""Distance between two cumulative points at least [m]."""
+MOST_POINTS = 500
+"""Cumulative points that are kept at most."""
+CLEAN_EVERY = 1.0
+"""Time between two looks whether cumulative points are still there [s]."""
+CLEAR = 0.075
+"""Distance by which all beams near a point pass it before it is forgotten [m]."""
 PASSED = 0.05
 """Beams are near a point within this [m]: between beams of a degree a table's leg is easily lost,
 and a pose by odometry is off by as much."""
 SECTOR = radians(1)
-"""Of finer scans only the nearest reading of each sector counts."""
+"""Angle of a sector [rad]; only the nearest reading in each counts."""
 POST = radians(10)
 """A laser sees around a mask no wider than this [rad]."""
 OWN = 0.03
@@ -105,7 +112,7 @@ class LaserMemory:
         beside = (self._cells.get((i + di, j + dj)) for di in (-1, 0, 1) for dj in (-1, 0, 1))
         if not any(p is not None and self._near(p, new) for p in beside):
             self._cells[i, j] = new
-            if len(self._cells) > MOST:
+            if len(self._cells) > MOST_POINTS:
                 del self._cells[next(iter(self._cells))]
 
     @staticmethod

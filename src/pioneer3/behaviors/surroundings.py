@@ -69,9 +69,10 @@ class Field(NamedTuple):
 
 
 EVERYWHERE = (Field(-pi, pi),)
-BEHIND = (radians(155), radians(165))
-"""Behind is seen where one of these is, and one on the right: no sonar of an AmigoBot looks nearer
-to straight back, and no laser of 270 degrees that looks ahead sees as far round."""
+BEARINGS_BEHIND = (radians(155), radians(165))
+"""Bearings of which one is seen, and one on the right, where behind is seen: no sonar of an
+AmigoBot looks nearer to straight back, and no laser of 270 degrees that looks ahead sees as far
+round."""
 
 
 class Surroundings:
@@ -115,7 +116,9 @@ class Surroundings:
     @property
     def sees_behind(self) -> bool:
         """Whether range sensors look behind the robot, on both sides of straight back."""
-        return self._sees_any(BEHIND) and self._sees_any([-bearing for bearing in BEHIND])
+        return self._sees_any(BEARINGS_BEHIND) and self._sees_any(
+            [-bearing for bearing in BEARINGS_BEHIND]
+        )
 
     def points(self, buffer: Buffer = Buffer.CURRENT) -> tuple[Point, ...]:
         """Return all points."""
@@ -165,4 +168,4 @@ def _seen_from(
 
 
 NOTHING_SENSED = Surroundings(Pose2(), fields=())
-"""Of a robot without range sensors, or before the first snapshot."""
+"""Surroundings of a robot without range sensors, or before the first snapshot."""

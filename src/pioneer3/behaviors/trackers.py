@@ -29,8 +29,8 @@ RETURN = 4.0
 """For this long, a lost person is looked for around the expected place [s]."""
 STANDS_STILL = 10.0
 """A track that has never walked is furniture after this time [s]."""
-ALIKE = 0.15
-"""Echoes from nearly as far away [m] may come from the same person."""
+ALIKE_ECHOES = 0.15
+"""Difference of the distances of echoes that may come from the same person [m]."""
 LEGS_REACH = 1.5
 """People are taken up to this far in front of the robot's front end by their legs [m]."""
 ONE_LEG = 0.5
@@ -38,7 +38,7 @@ ONE_LEG = 0.5
 SURE = 0.3
 """Legs that have been seen for so long may be somebody's [s]: noise does not last."""
 WALKS_ON = 15
-"""Who walks in so many scans in turn comes before what has never walked, though it is nearer."""
+"""Scans in turn in which somebody walks who comes before nearer things that have never walked."""
 
 
 class Target(Protocol):
@@ -140,7 +140,7 @@ class SonarTracker:
         """Return a track from an echo; other echoes of this time are clutter."""
         target, alike = Track.from_ping(first), []
         for ping in hearing.echoes():
-            if ping is not first and abs(ping.distance - first.distance) < ALIKE:
+            if ping is not first and abs(ping.distance - first.distance) < ALIKE_ECHOES:
                 alike.append(ping)
             elif ping is not first:
                 self._clutter.learn([ping])

@@ -9,23 +9,23 @@ from pioneer3.behaviors.kalman import KalmanFilter
 from pioneer3.behaviors.pings import HALF_BEAM, RING, Ping
 
 RANGE_SIGMA = 0.06
-"""Of the distance to the middle of a person, whose outline is no circle [m]."""
+"""Standard deviation of the distance to the middle of a person, whose outline is no circle [m]."""
 BLUR = radians(5)
 """A person so far beside the beam is measured half as well [rad]."""
 MISS_SIGMA = radians(28)
-"""Of the bearing of a person who is not heard [rad]."""
+"""Standard deviation of the bearing of a person who is not heard [rad]."""
 FACE_SIGMA = radians(8)
-"""Of the bearing of a person whom several transducers hear [rad]."""
+"""Standard deviation of the bearing of a person whom several transducers hear [rad]."""
 GATE = 2.5
 """Echoes that differ from the expectation by more standard deviations are another's."""
-ALIKE = 0.18
-"""Side by side, transducers whose ranges differ less hear the same person [m]."""
+ALIKE_RANGES = 0.18
+"""Difference of the ranges of transducers side by side that hear the same person [m]."""
 CORE = radians(12)
 """A person this near to the axis of a transducer is heard [rad]."""
 OUT = radians(20)
 """A person who is not heard is so far from the axis [rad]."""
-WALKED = 0.6
-"""A track that has come this far walks [m]; noise does not get that far."""
+WALKS_FROM = 0.6
+"""Way from which on a track walks [m]; noise does not get that far."""
 
 
 class Track:
@@ -73,7 +73,7 @@ class Track:
         if len(others) < len(pings):
             self._face()
         x, y = self.estimate.position
-        if hypot(x - self._first[0], y - self._first[1]) > WALKED:
+        if hypot(x - self._first[0], y - self._first[1]) > WALKS_FROM:
             self.walked = True
         return others
 
@@ -98,7 +98,7 @@ class Track:
         """Return whether a transducer hears them beside one that does, hardly farther away."""
         recent = self._recent(ping.stamp)
         beside = any(abs(echo.number - ping.number) == 1 for echo in recent)
-        return beside and abs(ping.distance - min(e.distance for e in recent)) < ALIKE
+        return beside and abs(ping.distance - min(e.distance for e in recent)) < ALIKE_RANGES
 
     def _recent(self, stamp: float) -> list[Ping]:
         return [echo for echo in self.echoes.values() if stamp - echo.stamp <= RING]

@@ -20,18 +20,22 @@ from pioneer3.nav.traffic import Traveller, meeting, passing_place
 from pioneer3.navigation.follow_way import FollowWay, follow_way
 from pioneer3.navigation.localization import InThread, Localizable, Localization
 from pioneer3.navigation.traffic import Traffic
-from pioneer3.navigation.ways import HELD_UP, NOWHERE, Ways
+from pioneer3.navigation.ways import HELD_UP_TIME, NOWHERE, Ways
 
 log = logging.getLogger(__name__)
 
 REPLAN_EVERY = 1.0
-"""[s]."""
-BLOCKED_FOR, BY_PEOPLE = 15.0, 90.0
-"""A way that has been closed for so long is given up, the latter while people are about [s]."""
+"""Time between two plans [s]."""
+BLOCKED_FOR = 15.0
+"""Time after which a way that is closed is given up [s]."""
+BLOCKED_BY_PEOPLE = 90.0
+"""Time after which a way that is closed is given up while people are about [s]."""
 PAUSE = 3.0
 """A robot on patrol stands so long at each place [s]."""
-APART_EVERY, BEFORE = 0.3, 0.4
-"""Whether others come near is looked at so often [s]; a robot waits so far before them [m]."""
+APART_EVERY = 0.3
+"""Time between two looks whether others come near [s]."""
+WAITING_GAP = 0.4
+"""Distance before the ways of others at which a robot waits [m]."""
 PATROL = "patrol", "drives from place to place of the map"
 """Name of the mode, and what it does."""
 
@@ -189,7 +193,7 @@ class Drives:
         here = mine.robot_in_map
         onward = replace(mine, way=drive.way.rest_from(here.x, here.y).points)
         met = {other: meeting(onward, other) for other in self._traffic.ahead_of(self)}
-        stop = BEFORE + self._braking_distance()
+        stop = WAITING_GAP + self._braking_distance()
         near = [other for other, way in met.items() if way is not None and way < stop]
         drive.action.waits = f"lets {near[0].name} pass" if near and not drive.aside else ""
         if not near:
@@ -219,7 +223,7 @@ class Drives:
         now = self._clock()
         people = self._sightings.are_people_about(now)
         here = self._localization.estimate.robot_in_map
-        if drive.action.held_up(now) > HELD_UP and not people and here is not None:
+        if drive.action.held_up(now) > HELD_UP_TIME and not people and here is not None:
             self.ways.avoid(drive.way, here)
         way = await self.plan(drive.goal)
         if isinstance(way, Way):
@@ -229,7 +233,7 @@ class Drives:
         drive.closed = way.why
         if drive.closed_since is None:
             drive.closed_since = now
-        elif now - drive.closed_since > (BY_PEOPLE if people else BLOCKED_FOR):
+        elif now - drive.closed_since > (BLOCKED_BY_PEOPLE if people else BLOCKED_FOR):
             if drive.is_last:
                 drive.action.failed = way.why
             else:

@@ -24,8 +24,10 @@ from pioneer3.state import Snapshot
 InThread = Callable[..., Awaitable[Any]]
 """Calls a function elsewhere, so that the event loop goes on."""
 
-SPREAD, TURN_SPREAD = 0.3, 0.15
-"""Standard deviations of a place that somebody told [m, rad]."""
+SPREAD = 0.3
+"""Standard deviation of a place that somebody told [m]."""
+TURN_SPREAD = 0.15
+"""Standard deviation of its heading [rad]."""
 SILENT = 2.0
 """A sensor that has told nothing for so long leaves odometry alone, which drifts [s]."""
 

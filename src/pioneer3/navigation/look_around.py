@@ -8,10 +8,10 @@ from pioneer3.behaviors.modes import wander
 from pioneer3.limits import Limits
 from pioneer3.nav.estimate import Estimate
 
-SPEED = 0.2
+LOOK_SPEED = 0.2
 """Speed of a robot that does not know where it is [m/s]."""
-PATIENCE = 120.0
-"""A robot that has looked around for so long in vain gives up [s]."""
+LOOK_PATIENCE = 120.0
+"""Time after which a robot that has looked around in vain gives up [s]."""
 
 
 @dataclass(slots=True)
@@ -36,13 +36,13 @@ class UntilSure(Action):
         self.done = estimate.sure
         if self._began is None:
             self._began = situation.now
-        elif situation.now - self._began > PATIENCE:
+        elif situation.now - self._began > LOOK_PATIENCE:
             self.failed = f"not sure where the robot is: {estimate.reason}"
         return None
 
 
 def look_around(estimate: Callable[[], Estimate], limits: Limits) -> Stack:
     """Return the mode that wanders slowly until it is sure where the robot is."""
-    stack = wander(preset="explore", speed=min(SPEED, limits.max_speed))
+    stack = wander(preset="explore", speed=min(LOOK_SPEED, limits.max_speed))
     actions = [Ranked(1000, UntilSure(estimate)), *stack.actions]
     return Stack.of("look around", MODE, actions, "drives about until it knows where it is")

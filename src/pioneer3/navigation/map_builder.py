@@ -43,8 +43,8 @@ DRAW_EVERY = 1.0
 """Pause between two drawings of the map [s]."""
 SHARE = 2.0
 """A drawing that took long is followed by a pause so many times as long."""
-MOVED = 0.1
-"""A robot whose map was bent by more than this [m] waits until that is drawn."""
+BENT_BY = 0.1
+"""Distance by which a map was bent above which the robot waits until that is drawn [m]."""
 SAME_GOAL = 0.3
 """A place to look from that has moved by less than this is driven to without a break [m]."""
 
@@ -243,7 +243,7 @@ class MapBuilder:
         self.mapper.apply(await self._in_thread(self.mapper.snapshot.improve))
         here = self.mapper.robot_in_map
         was = before @ (self.mapper.odom_in_map.inverse() @ here)
-        if self._trip is not None and hypot(was.x - here.x, was.y - here.y) > MOVED:
+        if self._trip is not None and hypot(was.x - here.x, was.y - here.y) > BENT_BY:
             self._trip.action.leg = None
 
     def _draw(self, survey: Survey) -> _Drawing:

@@ -42,7 +42,7 @@ from pioneer3.tasks import running
 
 log = logging.getLogger(__name__)
 
-PATIENCE = 3.0
+FIND_PATIENCE = 3.0
 """Longest wait for a robot that knows where it is [s]."""
 CHARGER = 5.0
 """A charger answers within this [s]."""
@@ -227,7 +227,7 @@ class Navigator:
         """
         return self._drives.begin((goal, *after), way, speed, rounds)
 
-    async def find(self, patience: float = PATIENCE) -> bool:
+    async def find(self, patience: float = FIND_PATIENCE) -> bool:
         """Wait for up to `patience` [s] until it is sure where the robot is; return whether."""
         return await self._localization.find(patience)
 

@@ -15,8 +15,8 @@ from pioneer3.sim.worldfile import WorldFile, file_in, load_world, shipped_world
 OF_SIMULATOR = "simulator"
 """In place of a map: the one that the simulator names."""
 ENDINGS = (".map", ".toml", ".yaml")
-PATIENCE = 2.0
-"""A simulator that names its map does so within this [s]."""
+MAP_PATIENCE = 2.0
+"""Time within which a simulator names its map [s]."""
 REMEDY = "give the map with --map (in Python: line_map=)"
 
 
@@ -32,7 +32,7 @@ async def map_of_simulator(robot: Robot) -> LineMap:
     with robot.supervisor.reports.subscribe(MapChanged) as told:
         robot.send(SimCtrl(SimOperation.REQUEST_INFO))
         try:
-            async with asyncio.timeout(PATIENCE):
+            async with asyncio.timeout(MAP_PATIENCE):
                 name = (await anext(aiter(told))).file_name
         except (TimeoutError, StopAsyncIteration):
             raise ConfigError(f"{url}: this simulator names no map: {REMEDY}") from None

@@ -17,13 +17,15 @@ if TYPE_CHECKING:
     from pioneer3.maps import LineMap
     from pioneer3.nav.traffic import Traveller
 
-NEAR = 4.5
-"""Robots farther away than this do not hold each other up [m]."""
+NEAR_ROBOTS = 4.5
+"""Distance beyond which robots do not hold each other up [m]."""
 OVERLAP = 0.15
 """No two robots are so near [m]."""
-LOOK, SLACK = 0.25, 1.0
-"""Robots that are near are looked up so often [s], and may come so much nearer meanwhile [m]."""
-SIDE = NEAR + SLACK
+LOOK_UP_EVERY = 0.25
+"""Time between two look-ups of the robots that are near [s]."""
+SLACK = 1.0
+"""Distance by which they may come nearer meanwhile [m]."""
+GRID_SIDE = NEAR_ROBOTS + SLACK
 """Side of a cell of the grid in which they are looked up [m]."""
 
 
@@ -118,7 +120,7 @@ class Traffic:
     def joined(self, participant: Participant) -> Iterator[None]:
         """Let `participant` know the others during the block, and keep it apart from them."""
         self._participants[participant.name] = participant
-        participant.robot.arbiter.keep_apart(lambda: self.peers_of(participant.name, NEAR))
+        participant.robot.arbiter.keep_apart(lambda: self.peers_of(participant.name, NEAR_ROBOTS))
         try:
             yield
         finally:
@@ -173,17 +175,21 @@ class Traffic:
 
     def _around(self, mine: _News, within: float) -> list[_News]:
         """Return the news of the others that are near, also of those that are lost or have left."""
-        names = self._looked_up(mine) if within <= NEAR else self._names()
+        names = self._looked_up(mine) if within <= NEAR_ROBOTS else self._names()
         return [news for other in names if (news := self._is_near(mine, other, within))]
 
     def _looked_up(self, mine: _News) -> list[str]:
         """Return the robots that may be near one.
 
-        Among many robots, which of them are near is looked up again after :data:`LOOK` only, and
-        for all of them at once.
+        Among many robots, which of them are near is looked up again after :data:`LOOK_UP_EVERY`
+        only, and for all of them at once.
         """
         name, known = mine.peer.name, self._near
-        if known is None or mine.peer.stamp - known.stamp >= LOOK or name not in known.names:
+        if (
+            known is None
+            or mine.peer.stamp - known.stamp >= LOOK_UP_EVERY
+            or name not in known.names
+        ):
             for participant in self._participants.values():
                 self._note(participant)
             all_news = [self._news[other] for other in self._names() if other in self._news]
@@ -292,7 +298,7 @@ class Traffic:
 
 
 def _neighbours(all_news: Sequence[_News]) -> dict[str, list[str]]:
-    """Return for each robot those that are within :data:`SIDE`, in the order of `all_news`."""
+    """Return for each robot those that are within :data:`GRID_SIDE`, in the order of `all_news`."""
     near: dict[str, list[str]] = {}
     cells = defaultdict[tuple[Hashable, int, int], list[_News]](list)
     for news in all_news:
@@ -302,14 +308,14 @@ def _neighbours(all_news: Sequence[_News]) -> dict[str, list[str]]:
         frame, i, j = _cell(news)
         for di, dj in product((-1, 0, 1), repeat=2):
             for other in cells.get((frame, i + di, j + dj), ()):
-                if other is not news and _distance(news, other) <= SIDE:
+                if other is not news and _distance(news, other) <= GRID_SIDE:
                     near[other.peer.name].append(news.peer.name)
     return near
 
 
 def _cell(news: _News) -> tuple[Hashable, int, int]:
     pose = news.peer.pose
-    return news.place.frame, floor(pose.x / SIDE), floor(pose.y / SIDE)
+    return news.place.frame, floor(pose.x / GRID_SIDE), floor(pose.y / GRID_SIDE)
 
 
 def _distance(one: _News, other: _News) -> float:

@@ -17,10 +17,10 @@ from pioneer3.navigation.localization import InThread
 
 log = logging.getLogger(__name__)
 
-HELD_UP = 6.0
-"""A robot that has come no nearer for so long takes another way, if there is one [s]."""
-AHEAD = 1.0
-"""The place that holds a robot up is so near on its way [m]."""
+HELD_UP_TIME = 6.0
+"""Time without coming nearer after which a robot takes another way, if there is one [s]."""
+HELD_UP_WAY = 1.0
+"""Way within which the place is that holds a robot up [m]."""
 AVOIDED = 120.0
 """Time for which ways keep out of that place [s]."""
 
@@ -73,10 +73,10 @@ class Ways:
         A way for a disk may bend too sharply for a robot that is longer than it is wide.
         """
         now = self._clock()
-        if any(now - when < HELD_UP for *_, when in self._avoided):
+        if any(now - when < HELD_UP_TIME for *_, when in self._avoided):
             return
         rest = way.rest_from(here.x, here.y)
-        near = rest.points[rest.to_go[0] - rest.to_go < AHEAD]
+        near = rest.points[rest.to_go[0] - rest.to_go < HELD_UP_WAY]
         x, y = near[int(self._costs.clearance_at(near).argmin())].tolist()
         log.info("keeps out of (%.1f, %.1f): it does not get through there", x, y)
         self._avoided.append((x, y, now))

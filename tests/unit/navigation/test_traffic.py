@@ -10,7 +10,14 @@ import pytest
 
 from pioneer3.behaviors.peers import Peers
 from pioneer3.geometry import ORIGIN, Pose2, Twist2
-from pioneer3.navigation.traffic import LOOK, NEAR, SLACK, Participant, Place, Traffic
+from pioneer3.navigation.traffic import (
+    LOOK_UP_EVERY,
+    NEAR_ROBOTS,
+    SLACK,
+    Participant,
+    Place,
+    Traffic,
+)
 from pioneer3.runtime.driven import Driven
 from pioneer3.state import Snapshot
 from tests.unit.behaviors.support import P3AT, seen
@@ -76,29 +83,29 @@ def test_each_knows_the_others_in_its_own_odometry() -> None:
 
 
 def test_robots_of_other_frames_and_those_far_away_are_none() -> None:
-    with traffic(ann=at(0.0), bob=at(1.0, frame="yard"), carol=at(NEAR + 1.0)) as the:
+    with traffic(ann=at(0.0), bob=at(1.0, frame="yard"), carol=at(NEAR_ROBOTS + 1.0)) as the:
         assert [peer.name for peer in the.peers_of("ann")] == ["carol"]
-        assert the.peers_of("ann", NEAR) == []
+        assert the.peers_of("ann", NEAR_ROBOTS) == []
         assert not the.share_frame(["ann", "bob"])
         assert the.share_frame(["ann", "carol"])
 
 
 def test_one_that_comes_near_is_noticed_soon() -> None:
-    ann, bob = at(0.0), at(NEAR + 3.0)
+    ann, bob = at(0.0), at(NEAR_ROBOTS + 3.0)
     with traffic(ann=ann, bob=bob) as the:
-        assert the.peers_of("ann", NEAR) == []
+        assert the.peers_of("ann", NEAR_ROBOTS) == []
         bob.drives(Pose2(-5.0), 1.5)
         ann.drives(ORIGIN, 1.5)
-        assert [peer.name for peer in the.peers_of("ann", NEAR)] == ["bob"]
+        assert [peer.name for peer in the.peers_of("ann", NEAR_ROBOTS)] == ["bob"]
 
 
 def test_one_that_comes_near_between_two_looks_is_noticed_at_once() -> None:
-    ann, bob = at(0.0), at(NEAR + SLACK - 0.1)
+    ann, bob = at(0.0), at(NEAR_ROBOTS + SLACK - 0.1)
     with traffic(ann=ann, bob=bob) as the:
-        assert the.peers_of("ann", NEAR) == []
-        bob.drives(Pose2(-SLACK), 1.0 + LOOK / 2)
-        ann.drives(ORIGIN, 1.0 + LOOK / 2)
-        assert [peer.name for peer in the.peers_of("ann", NEAR)] == ["bob"]
+        assert the.peers_of("ann", NEAR_ROBOTS) == []
+        bob.drives(Pose2(-SLACK), 1.0 + LOOK_UP_EVERY / 2)
+        ann.drives(ORIGIN, 1.0 + LOOK_UP_EVERY / 2)
+        assert [peer.name for peer in the.peers_of("ann", NEAR_ROBOTS)] == ["bob"]
 
 
 def test_who_does_not_know_its_own_place_knows_nobody() -> None:

@@ -8,7 +8,10 @@ from pioneer3.behaviors.actions.sensing import ahead, beside
 from pioneer3.behaviors.surroundings import Buffer
 from pioneer3.geometry import wrap
 
-FROM, TO = radians(60), radians(120)
+SIDE_BEGIN = radians(60)
+"""Bearing from which on obstacles are beside the robot [rad]."""
+SIDE_END = radians(120)
+"""Bearing up to which obstacles are beside the robot [rad]."""
 
 
 @dataclass(slots=True)
@@ -31,7 +34,10 @@ class AvoidSide(Action):
     def decide(self, situation: Situation) -> Desire | None:
         """Return the turn; the left side is looked at first."""
         radius = situation.model.radius
-        for side, start, end, sign in (("left", FROM, TO, -1), ("right", -TO, -FROM, 1)):
+        for side, start, end, sign in (
+            ("left", SIDE_BEGIN, SIDE_END, -1),
+            ("right", -SIDE_END, -SIDE_BEGIN, 1),
+        ):
             distance = situation.around.nearest(start, end, Buffer.WINDOW).distance - radius
             if distance < self.obstacle_distance:
                 self._turning = True
@@ -43,8 +49,9 @@ class AvoidSide(Action):
 
 
 SIDE = radians(90)
-LOOK = 3.0
-"""Farther away [m] nothing decides the side."""
+"""Bearing up to which obstacles decide the side [rad]."""
+SIDE_LOOK = 3.0
+"""Distance beyond which nothing decides the side [m]."""
 
 
 @dataclass(slots=True)
@@ -76,7 +83,7 @@ class TurnAway(Action):
         if v >= self.speed_full:
             amount *= (self.speed_start - v) / (self.speed_start - self.speed_full)
         echo = situation.around.nearest(-SIDE, SIDE)
-        near = echo.distance < LOOK
+        near = echo.distance < SIDE_LOOK
         self._side = self._side or (-1 if near and echo.bearing > 0 else 1)
         reason = ahead(echo.distance - situation.model.radius, echo) if near else "slow"
         return Desire(turn=self._side * amount, reason=reason)

@@ -11,6 +11,7 @@ from pioneer3.behaviors.surroundings import Buffer, Echo
 from pioneer3.geometry import wrap
 
 FRONT = radians(70)
+"""Bearing up to which obstacles are in front [rad]."""
 
 
 @dataclass(slots=True)
@@ -86,11 +87,12 @@ def _quadrant(theta: float) -> int:
     return int((wrap(theta) + pi) // (pi / 2)) % 4
 
 
-MOVING = 0.025
-"""Slower [m/s] is standing."""
+STANDING_SPEED = 0.025
+"""Speed below which a robot stands [m/s]."""
 JUST_NOW = 1.0
 """A robot that moved so recently [s] was moving at the hit: driver and wall stop it at once."""
 ARRIVED = radians(3)
+"""Angle to its heading within which a turn is done [rad]."""
 
 
 @dataclass(slots=True)
@@ -132,7 +134,7 @@ class Bumpers(Action):
 
     def _notice_motion(self, situation: Situation) -> None:
         v = situation.twist.v
-        if abs(v) > MOVING:
+        if abs(v) > STANDING_SPEED:
             self._moved = (1 if v > 0 else -1, situation.now)
 
     def _hit(self, situation: Situation) -> Desire | None:

@@ -11,21 +11,25 @@ from pioneer3.geometry import TURN, Pose2, wrap
 CELL = 0.5
 """Side of the squares in which it notes where it has been [m]."""
 HEADINGS = 36
-LOOK = 2.5
-"""How far it looks for ways [m]."""
+"""Headings that it looks at."""
+EXPLORE_LOOK = 2.5
+"""Distance up to which it looks for ways [m]."""
 AGAIN = 2.0
-"""It thinks again after this long [s]."""
-STEEP = radians(30)
-"""Farther off its heading it turns where it stands."""
+"""Time between two choices of a heading [s]."""
+STEEP_HEADING = radians(30)
+"""Angle off its heading above which it turns where it stands [rad]."""
 HELD = 0.3
 """A robot that may turn no faster has a corner near an obstacle [rad/s]: 20 degrees from it, for
 :class:`LimiterSweep`."""
 ARC = 1.0
 """Radius to turn on in place of a turn where it stands [m]. The rear corner of a P3-AT that leaves
 a wall so swings out by 4 cm, hypot(0.31, 1.25) - 1.25; where it stands by 15 cm."""
-KEEP, TURNING, ROOM = 0.5, 1.0, 0.3
-"""Worth of going on, cost of turning around, worth of each metre of room; a new square is worth
-1."""
+GOING_ON_WORTH = 0.5
+"""Worth of going on; a new square is worth 1."""
+TURN_COST = 1.0
+"""Cost of turning around."""
+ROOM_WORTH = 0.3
+"""Worth of each metre of room."""
 
 
 @dataclass(slots=True)
@@ -71,8 +75,8 @@ class Explore(Action):
             heading = self._heading = self._choose(pose, points, half, front)
             free = room(points, wrap(heading - pose.theta), half) - front
             self._chosen = situation.now
-        off, reason = wrap(heading - pose.theta), f"{min(free, LOOK):.1f} m of room"
-        v = self.speed * max(0.0, 1 - abs(off) / STEEP)
+        off, reason = wrap(heading - pose.theta), f"{min(free, EXPLORE_LOOK):.1f} m of room"
+        v = self.speed * max(0.0, 1 - abs(off) / STEEP_HEADING)
         rate = situation.higher.limits.get("left_max" if off > 0 else "right_max", inf)
         slow = min(self.speed, ARC * rate)
         if rate < HELD and v < slow and room(points, 0.0, half) - front > self.front_clearance:
@@ -89,15 +93,18 @@ class Explore(Action):
         best, found = -inf, pose.theta
         for n in range(HEADINGS):
             bearing = wrap(n * TURN / HEADINGS)
-            free = min(LOOK, room(points, bearing, half) - front)
+            free = min(EXPLORE_LOOK, room(points, bearing, half) - front)
             heading = wrap(pose.theta + bearing)
-            worth = ROOM * free - TURNING * abs(bearing) / pi
+            worth = ROOM_WORTH * free - TURN_COST * abs(bearing) / pi
             if free > self.front_clearance:
                 worth += self._news(pose, heading, free + front)
-                if self._heading is not None and abs(wrap(heading - self._heading)) < STEEP / 2:
-                    worth += KEEP
+                if (
+                    self._heading is not None
+                    and abs(wrap(heading - self._heading)) < STEEP_HEADING / 2
+                ):
+                    worth += GOING_ON_WORTH
             else:
-                worth -= LOOK / CELL
+                worth -= EXPLORE_LOOK / CELL
             if worth > best:
                 best, found = worth, heading
         return found

@@ -24,10 +24,12 @@ LAB_REACH = 1.0
 """Farther echoes are no person [m]."""
 SECONDS = 1.2
 """In which a difference shall be gone: three of the lab's cycles of 0.4 s [s]."""
-FASTEST, FASTEST_BACK = 0.5, 0.3
-"""[m/s]"""
+FASTEST = 0.5
+"""Highest speed forwards [m/s]."""
+FASTEST_BACK = 0.3
+"""Highest speed backwards [m/s]."""
 FASTEST_TURN = radians(45)
-"""[rad/s]"""
+"""Highest turn rate [rad/s]."""
 
 
 @dataclass(slots=True, kw_only=True)
@@ -92,8 +94,8 @@ TURN_GAIN = 2.0
 """Turn rate per bearing [1/s]."""
 FACING = radians(4)
 """The robot need not turn to a person this straight ahead [rad]."""
-ASIDE = radians(60)
-"""The robot turns to a person this far aside before it drives on [rad]."""
+FAR_ASIDE = radians(60)
+"""Bearing of a person from which on the robot turns before it drives on [rad]."""
 
 
 @dataclass(slots=True, kw_only=True)
@@ -152,7 +154,7 @@ class FollowTracking(Action):
         silent = situation.now - target.seen
         vx, vy = target.estimate.velocity
         leaves = (vx * dx + vy * dy) / max(away, RADIUS)
-        ahead = cos(bearing * (pi / 2) / ASIDE) if abs(bearing) < ASIDE else 0.0
+        ahead = cos(bearing * (pi / 2) / FAR_ASIDE) if abs(bearing) < FAR_ASIDE else 0.0
         v = (leaves + (gap - self.keep) / SETTLE) * ahead
         v = max(-self.back if silent < BLINK else 0.0, min(self.speed, v))
         turn = max(0.0, abs(bearing) - FACING)

@@ -10,15 +10,22 @@ from pioneer3.behaviors.formations import Place
 from pioneer3.behaviors.peers import Peer, Peers, named
 from pioneer3.geometry import Pose2, Twist2, wrap
 
-ALONG, ASIDE, TURN = 0.8, 2.0, 1.6
-"""Gains of the way off a moving place: along it and to its side [1/s, 1/m^2], and in heading
-[1/m]; Kanayama's tracking law for robots with two wheels (ICRA 1990)."""
-MOVING = 0.05
-"""A slower leader stands [m/s]; its followers drive to their places and turn as it does."""
-NEAR, ALIGNED = 0.08, 0.1
-"""Near enough to the place beside a leader that stands [m, rad]."""
-STEEP = 0.6
-"""Farther off the place it turns where it stands [rad]."""
+ALONG_GAIN = 0.8
+"""Gain of the way off a moving place along it [1/s]: Kanayama's tracking law for robots with two
+wheels (ICRA 1990)."""
+ASIDE_GAIN = 2.0
+"""Gain of the way off a moving place to its side [1/m^2]."""
+HEADING_GAIN = 1.6
+"""Gain of the heading off that of a moving place [1/m]."""
+LEADER_STANDS = 0.05
+"""Speed below which a leader stands [m/s]; its followers drive to their places and turn as it does.
+"""
+PLACE_REACHED = 0.08
+"""Distance to the place beside a leader that stands within which it is reached [m]."""
+HEADING_REACHED = 0.1
+"""Angle to the heading of a leader that stands within which it is reached [rad]."""
+STEEP_PLACE = 0.6
+"""Bearing of the place from which on it turns where it stands [rad]."""
 APPROACH = 0.6
 """Speed per way that is left [1/s]."""
 
@@ -52,14 +59,14 @@ class KeepFormation(Action):
         if leader is None:
             return replace(_stand(f"it is not known where {self.leader} is"), lacks=True)
         there, twist = _beside(leader, self.place, situation.now)
-        moves = abs(twist.v) > MOVING
+        moves = abs(twist.v) > LEADER_STANDS
         v, w = _track(situation.pose, there, twist) if moves else _settle(situation.pose, there)
         off = hypot(there.x - situation.pose.x, there.y - situation.pose.y)
         return _bounded(situation, v, w, self.top_speed, f"{off:.2f} m off its place")
 
 
 SPACING = 0.1
-"""Of the points of a track that are remembered [m]."""
+"""Distance between the points of a track that are remembered [m]."""
 LONGEST = 400
 """Points of a track."""
 LOOK_AHEAD = 0.4
@@ -97,12 +104,12 @@ class FollowLeader(Action):
         gap = self._way_to(here, ahead)
         behind = gap - self.distance
         v = leader.twist.v + APPROACH * behind
-        if behind < 0 and leader.twist.v < MOVING:
+        if behind < 0 and leader.twist.v < LEADER_STANDS:
             v = 0.0
         x, y = self._headed_for(here, ahead)
         off = wrap(atan2(y - here.y, x - here.x) - here.theta)
-        v = max(0.0, v) * max(0.0, cos(off)) if abs(off) < STEEP else 0.0
-        w = 2.0 * off if v > 0 or (abs(off) > STEEP and behind > 0) else 0.0
+        v = max(0.0, v) * max(0.0, cos(off)) if abs(off) < STEEP_PLACE else 0.0
+        w = 2.0 * off if v > 0 or (abs(off) > STEEP_PLACE and behind > 0) else 0.0
         return _bounded(situation, v, w, self.top_speed, f"{gap:.2f} m behind {self.leader}")
 
     def _note(self, here: Pose2, leader: Pose2) -> None:
@@ -162,7 +169,7 @@ class SpreadOut(Action):
         if self.done or hypot(push_x, push_y) < 1e-6:
             return _stand("far enough from the others")
         off = wrap(atan2(push_y, push_x) - here.theta)
-        v = min(self.speed, APPROACH * missing + MOVING) if abs(off) < STEEP else 0.0
+        v = min(self.speed, APPROACH * missing + LEADER_STANDS) if abs(off) < STEEP_PLACE else 0.0
         return _bounded(situation, v, 2.0 * off, self.speed, f"{nearest:.2f} m from the next")
 
 
@@ -173,7 +180,7 @@ def _beside(leader: Peer, place: Place, now: float) -> tuple[Pose2, Twist2]:
     forward, aside = twist.v - twist.w * y, twist.w * x
     there = pose @ Pose2(x, y)
     speed = hypot(forward, aside)
-    if speed < MOVING or forward <= 0:
+    if speed < LEADER_STANDS or forward <= 0:
         return there, Twist2(forward, twist.w)
     return Pose2(there.x, there.y, there.theta + atan2(aside, forward)), Twist2(speed, twist.w)
 
@@ -182,8 +189,8 @@ def _track(here: Pose2, there: Pose2, twist: Twist2) -> tuple[float, float]:
     """Return the velocity that follows a moving place [m/s, rad/s]."""
     off = here.inverse() @ there
     theta = wrap(off.theta)
-    v = twist.v * cos(theta) + ALONG * off.x
-    w = twist.w + abs(twist.v) * (ASIDE * off.y + TURN * sin(theta))
+    v = twist.v * cos(theta) + ALONG_GAIN * off.x
+    w = twist.w + abs(twist.v) * (ASIDE_GAIN * off.y + HEADING_GAIN * sin(theta))
     return v, w
 
 
@@ -191,12 +198,12 @@ def _settle(here: Pose2, there: Pose2) -> tuple[float, float]:
     """Return the velocity to a place that stands, and then to its heading [m/s, rad/s]."""
     off = here.inverse() @ there
     distance, bearing = hypot(off.x, off.y), atan2(off.y, off.x)
-    if distance < NEAR:
+    if distance < PLACE_REACHED:
         turn = wrap(off.theta)
-        return 0.0, 0.0 if abs(turn) < ALIGNED else 1.5 * turn
-    if abs(bearing) > pi - STEEP and distance < 4 * NEAR:  # a little too far: back
+        return 0.0, 0.0 if abs(turn) < HEADING_REACHED else 1.5 * turn
+    if abs(bearing) > pi - STEEP_PLACE and distance < 4 * PLACE_REACHED:  # a little too far: back
         return -APPROACH * distance, 0.0
-    if abs(bearing) > STEEP:
+    if abs(bearing) > STEEP_PLACE:
         return 0.0, 1.5 * bearing
     return APPROACH * distance, 2.0 * bearing
 

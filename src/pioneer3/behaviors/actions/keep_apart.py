@@ -24,10 +24,10 @@ REACTION = 0.3
 """From where the others are heard of until the robot brakes [s]."""
 GOES_ON = 0.5
 """A robot that drives away needs way to stop; so much of it counts as room."""
-SLOWEST = 0.02
-"""Nearer than this speed allows, a robot stands [m/s]."""
-FRESH = 0.35
-"""News that is older says nothing about room [s]."""
+SLOWEST_APPROACH = 0.02
+"""Speed below which a robot stands that may come no faster [m/s]."""
+FRESH_NEWS = 0.35
+"""Age above which news say nothing about room [s]."""
 ROUNDING = 1e-6
 """No two ways to compute a distance differ by more [m]."""
 
@@ -132,7 +132,7 @@ def _room(situation: Situation, peer: Peer) -> _Room:
     gap = apart - MARGIN
     if leaves < 0:
         gap += leaves * REACTION - to_stop
-    elif now - peer.stamp < FRESH:
+    elif now - peer.stamp < FRESH_NEWS:
         gap += GOES_ON * to_stop
     return _Room(peer, at, gap, apart)
 
@@ -153,7 +153,7 @@ def _speed(situation: Situation, room: _Room, way: float) -> float:
     delay = deceleration * REACTION
     room_left = 2 * deceleration * max(0.0, room.gap)
     speed = sqrt(delay * delay + room_left) - delay
-    return speed / towards if speed > SLOWEST else 0.0
+    return speed / towards if speed > SLOWEST_APPROACH else 0.0
 
 
 def _turn_rate(situation: Situation) -> float:

@@ -128,10 +128,11 @@ class LimiterBySonar(Action):
 
 UNSURE = radians(20)
 """How far off its axis a sonar's echo may come from, and what wheels that slip make of a turn."""
-SLOWEST = 0.01
-"""Corners of a robot that drives may turn at least so fast [m/s]."""
-AWAY = 0.035
-"""Of a corner that turns away from an echo, as long as that may come from the other side [m/s]."""
+SLOWEST_CORNER = 0.01
+"""Speed of its corners up to which a robot that drives may always turn [m/s]."""
+AWAY_SPEED = 0.035
+"""Speed of a corner that turns away from an echo, as long as that may come from the other side
+[m/s]."""
 
 
 @dataclass(slots=True)
@@ -205,7 +206,7 @@ class LimiterSweep(Action):
         """
         if angle == inf:
             return None
-        least = max(min(SLOWEST, self.creep), self.creep - abs(v)) / corner
+        least = max(min(SLOWEST_CORNER, self.creep), self.creep - abs(v)) / corner
         return max(least, angle / self.turn_time)
 
     def _turns_to(self, point: Point, model: RobotModel) -> tuple[float, float]:
@@ -216,7 +217,7 @@ class LimiterSweep(Action):
                 corner = hypot(x, y)
                 if point.distance < corner + self.margin:
                     between = wrap(point.bearing - atan2(y, x))
-                    away = self.turn_time * AWAY / corner
+                    away = self.turn_time * AWAY_SPEED / corner
                     left = min(left, _turn_to(between, away))
                     right = min(right, _turn_to(-between, away))
         return left, right
@@ -232,12 +233,12 @@ def _turn_to(between: float, away: float) -> float:
     return max(0.0, between % TURN - UNSURE)
 
 
-FRESH = 0.7
-"""Older echoes do not count [s]: two turns of a ring."""
+FRESH_ECHO = 0.7
+"""Age above which echoes do not count [s]: two turns of a ring."""
 BRAKE_DELAY = 0.25
 """Until the robot begins to brake: the turn of a ring, in the mean, and a report [s]."""
 PLANNED_SHARE = 0.7
-"""Of the deceleration that is planned with."""
+"""Share of the deceleration that is planned with."""
 
 
 @dataclass(slots=True, kw_only=True)
@@ -275,7 +276,7 @@ class Brake(Action):
         return Desire(v_max=top, reason=f"{gap:.2f} m ahead")
 
     def _recent(self, situation: Situation) -> list[Ping]:
-        return [p for p in self._listener.latest.values() if situation.now - p.stamp <= FRESH]
+        return [p for p in self._listener.latest.values() if situation.now - p.stamp <= FRESH_ECHO]
 
 
 def stopping_speed(distance: float, deceleration: float) -> float:
@@ -298,9 +299,13 @@ FAR = 16.0
 OTHER_WAY = 0.1
 """Faster than this [m/s] the other way it is not asked."""
 INSIDE = 0.001
-ROLLING, FAST = 0.005, 0.1
-TOP = 2.0
-"""Harder brakes no Pioneer (protocol.md 5.1) [m/s^2]."""
+"""Room below which an obstacle is within the padding [m]."""
+ROLLING_SPEED = 0.005
+"""Speed up to which a robot does not roll [m/s]."""
+FAST_SPEED = 0.1
+"""Speed above which a robot brakes harder for what is too near [m/s]."""
+TOP_DECELERATION = 2.0
+"""Deceleration that no Pioneer brakes harder with [m/s^2] (protocol.md 5.1)."""
 
 
 @dataclass(slots=True, kw_only=True)
@@ -384,20 +389,23 @@ class DeceleratingLimiter(Action):
         return echo.distance - taken, behind(edge) if self.backwards else ahead(edge, echo)
 
     def _too_near(self, v: float, own: float, reason: str) -> Desire:
-        if abs(v) <= ROLLING:
+        if abs(v) <= ROLLING_SPEED:
             return self._limit(0.0, reason)
-        brake = (self.emergency_decel or own) if abs(v) > FAST else None
+        brake = (self.emergency_decel or own) if abs(v) > FAST_SPEED else None
         return self._limit(0.0, reason, brake, v=0.0)
 
     def _braking(self, v: float, room: float, inside: float, situation: Situation) -> float | None:
         """Return the deceleration needed beyond the robot's own [m/s^2], or `None`."""
         needed = v**2 / (2 * room) if room > 0 else inf
-        if v <= ROLLING or needed <= situation.limits.deceleration:
+        if v <= ROLLING_SPEED or needed <= situation.limits.deceleration:
             return None
         if self.emergency_decel:
             return self.emergency_decel
         hard = v**2 / (2 * inside)
-        return min(hard if hard > self.preferred_decel else min(needed, self.preferred_decel), TOP)
+        return min(
+            hard if hard > self.preferred_decel else min(needed, self.preferred_decel),
+            TOP_DECELERATION,
+        )
 
     def _limit(
         self, top: float, reason: str, brake: float | None = None, v: float | None = None

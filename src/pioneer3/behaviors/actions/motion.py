@@ -59,8 +59,8 @@ class Move(Action):
         )
 
 
-SLOWEST = radians(2)
-"""Wheels of a standing robot stick below this [rad/s]; commands are whole degrees."""
+SLOWEST_TURN = radians(2)
+"""Turn rate below which wheels of a standing robot stick [rad/s]; commands are whole degrees."""
 
 
 @dataclass(slots=True, kw_only=True)
@@ -90,24 +90,30 @@ class Turn(Action):
         self._last = theta
         remaining = self.angle - self._turned
         if abs(remaining) <= self.tolerance:
-            self.done = abs(situation.twist.w) < SLOWEST
+            self.done = abs(situation.twist.w) < SLOWEST_TURN
             return Desire(v=0.0, w=0.0, reason="there")
         self.done = False
         rate = approach(remaining, self.rate, self.deceleration)
-        if abs(rate) < SLOWEST:
-            rate = SLOWEST if rate > 0 else -SLOWEST
+        if abs(rate) < SLOWEST_TURN:
+            rate = SLOWEST_TURN if rate > 0 else -SLOWEST_TURN
         return Desire(v=0.0, w=rate, reason=f"{degrees(remaining):z.0f} deg to go")
 
 
 SLOWING = 0.2
 """Deceleration towards the goal [m/s^2]: ARIA's speed is the root of 400 mm/s^2 times the way."""
-BEHIND = radians(120)
-STEEP = radians(30)
-"""Farther off the goal it turns where it stands: limiters see what is ahead, not along a curve."""
+GOAL_BEHIND = radians(120)
+"""Bearing of a goal from which on it is behind the robot [rad]."""
+STEEP_GOAL = radians(30)
+"""Bearing of a goal from which on it turns where it stands [rad]: limiters see what is ahead, not
+along a curve."""
 MOVED = 0.005
 """A goal that moved farther [m] is a new one."""
-STANDING, ALIGNED, TURNING = 0.005, radians(3), radians(2)
-"""[m/s], [rad], [rad/s]."""
+STOPPED = 0.005
+"""Speed below which a robot has stopped [m/s]."""
+ALIGNED = radians(3)
+"""Angle to the heading within which a turn is done [rad]."""
+STOPPED_TURN = radians(2)
+"""Turn rate below which a robot has stopped turning [rad/s]."""
 
 
 @dataclass(slots=True)
@@ -162,7 +168,7 @@ class Goto(Action):
         here = situation.pose
         dx, dy = self.x - here.x, self.y - here.y
         distance = hypot(dx, dy)
-        if distance < self.close_distance and abs(situation.twist.v) < STANDING:
+        if distance < self.close_distance and abs(situation.twist.v) < STOPPED:
             self._there = True
         if self._there:
             return self._arrive(situation)
@@ -173,14 +179,14 @@ class Goto(Action):
 
     def _steer(self, speed: float, goal: float, situation: Situation, reason: str) -> Desire:
         theta, amount = situation.pose.theta, self.turn_amount
-        behind = abs(wrap(goal - theta)) > BEHIND
+        behind = abs(wrap(goal - theta)) > GOAL_BEHIND
         if behind and not self._behind:
             self._side = -self._side
         self._behind = behind
         if situation.higher.limits.get("v_max", inf) < self.speed_to_turn_at:
             return Desire(v=speed, turn=amount * self._side, reason=f"{reason}, blocked")
         if abs(wrap(goal - (theta - amount * self._side))) > amount / 2:
-            facing = max(0.0, 1 - abs(wrap(goal - theta)) / STEEP)
+            facing = max(0.0, 1 - abs(wrap(goal - theta)) / STEEP_GOAL)
             return Desire(v=speed * facing, heading=goal, reason=reason)
         return Desire(v=speed, turn=-amount * self._side, reason=f"{reason}, passing by")
 
@@ -190,5 +196,5 @@ class Goto(Action):
             left = wrap(self.heading - situation.pose.theta)
         if abs(left) > ALIGNED:
             return Desire(v=0.0, turn=left, reason=f"{round(degrees(left))} deg to turn")
-        self.done = abs(situation.twist.w) < TURNING
+        self.done = abs(situation.twist.w) < STOPPED_TURN
         return Desire(v=0.0, turn=0.0, reason="there")

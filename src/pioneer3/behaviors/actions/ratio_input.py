@@ -5,8 +5,10 @@ from math import inf, radians
 
 from pioneer3.behaviors.action import Action, Desire, Situation
 
-DEAD_DRIVE, DEAD_TURN = 0.1, 0.05
-"""Less is nothing."""
+DEAD_DRIVE = 0.1
+"""Drive ratio below which there is none."""
+DEAD_TURN = 0.05
+"""Turn ratio below which there is none."""
 AGAINST = 0.5
 """More than this against the motion means: brake."""
 HARD = 3

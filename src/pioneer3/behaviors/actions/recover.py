@@ -13,7 +13,13 @@ from pioneer3.geometry import ORIGIN, Pose2, wrap
 SAME_TROUBLE = 5.0
 """A stall so soon after the last attempt [s] calls for the next one on the list."""
 ARRIVED = radians(3)
-AHEAD, SIDE_FROM, SIDE_TO = radians(120), radians(60), radians(120)
+"""Angle to its heading within which a turn is done [rad]."""
+AHEAD = radians(120)
+"""Bearing up to which obstacles are ahead of a stalled robot [rad]."""
+SIDE_FROM = radians(60)
+"""Bearing from which on obstacles are beside it [rad]."""
+SIDE_TO = radians(120)
+"""Bearing up to which obstacles are beside it [rad]."""
 
 
 class Way(NamedTuple):
@@ -24,11 +30,11 @@ class Way(NamedTuple):
     turn: int | None = 0
 
 
-AWAY = None
+SUGGESTED = None
 """Turn to the side that a stalled wheel or an obstacle suggests."""
 WAYS = (
-    Way("back and turn", -1, AWAY),
-    Way("forward and turn", 1, AWAY),
+    Way("back and turn", -1, SUGGESTED),
+    Way("forward and turn", 1, SUGGESTED),
     Way("back", -1),
     Way("forward", 1),
     Way("turn left", 0, 1),
@@ -96,7 +102,7 @@ class StallRecover(Action):
         self._way = way = WAYS[self._next]
         self._end = now + self.seconds
         self._stalled_at = situation.pose
-        turn = _away(situation) if way.turn is AWAY else way.turn
+        turn = _away(situation) if way.turn is SUGGESTED else way.turn
         theta = situation.pose.theta
         self._target = wrap(theta + turn * self.turn_amount) if turn else None
 

@@ -6,8 +6,11 @@ from math import degrees
 from pioneer3.behaviors.action import Situation
 from pioneer3.behaviors.surroundings import Echo
 
-LEFT, RIGHT = 1 << 0, 1 << 1
-"""Of the digital inputs, low when triggered (protocol.md 4.7, old wiring)."""
+LEFT_BEAM = 1 << 0
+"""Bit of the left table sensor in the digital inputs, low when triggered (protocol.md 4.7, old
+wiring)."""
+RIGHT_BEAM = 1 << 1
+"""Bit of the right table sensor in the digital inputs, low when triggered."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,7 +34,7 @@ def table_seen(situation: Situation) -> Table:
     if not situation.model.table_irs:
         return Table()
     bits = situation.snapshot.inputs.digital_in
-    return Table(not bits & LEFT, not bits & RIGHT)
+    return Table(not bits & LEFT_BEAM, not bits & RIGHT_BEAM)
 
 
 BLIND = "no range sensor works"

@@ -4,7 +4,7 @@ from math import hypot, pi
 
 import pytest
 
-from pioneer3.behaviors.leg_tracking import HIDDEN, STANDS, LegTrack, LegTracks
+from pioneer3.behaviors.leg_tracking import HIDDEN_TIME, STANDING_TIME, LegTrack, LegTracks
 from pioneer3.geometry import Pose2
 from tests.unit.behaviors.legs.scans import LEG, Room
 
@@ -59,7 +59,7 @@ def test_what_stands_still_is_furniture_unless_it_is_followed() -> None:
     tracks, room = LegTracks(), Room(people=[Pose2(1.2)], posts=[(1.5, 1.0, LEG)])
     look(tracks, room)
     followed = nearest(tracks, 1.2, 0.0)
-    look(tracks, room, round(STANDS * 10) + 1, followed)
+    look(tracks, room, round(STANDING_TIME * 10) + 1, followed)
     assert tracks.tracks == [followed]
     (spot,) = tracks.furniture
     assert (spot.x, spot.y) == pytest.approx((1.5, 1.0), abs=0.03)
@@ -114,7 +114,7 @@ def test_who_walks_behind_a_pillar_comes_out_as_the_same() -> None:
         if tick == 10:
             before = nearest(tracks, 2.0, -0.8)
         hidden += not any(track.legs for track in tracks.tracks)
-    assert 3 <= hidden < 10 * HIDDEN
+    assert 3 <= hidden < 10 * HIDDEN_TIME
     assert nearest(tracks, 2.0, 1.2) is before
 
 

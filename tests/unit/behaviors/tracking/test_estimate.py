@@ -4,7 +4,7 @@ from math import hypot, sqrt
 
 import pytest
 
-from pioneer3.behaviors.kalman import FASTEST, UNSURE_SPEED, WANDERS, KalmanFilter
+from pioneer3.behaviors.kalman import FASTEST_FOLLOWED, UNSURE_SPEED, WANDERS, KalmanFilter
 
 
 def test_expected_is_where_the_velocity_leads() -> None:
@@ -64,4 +64,4 @@ def test_nobody_is_believed_to_run() -> None:
     estimate = KalmanFilter(0.0, 0.0, stamp=0.0, sigma=0.1)
     estimate.advance(0.5)
     estimate.correct(0.6, 0.8, error=5.0, sigma=0.01)
-    assert hypot(*estimate.velocity) == pytest.approx(FASTEST)
+    assert hypot(*estimate.velocity) == pytest.approx(FASTEST_FOLLOWED)
