@@ -102,7 +102,7 @@ def say(product: Product, target: Target, mode: str | None = None) -> None:
         bumpers=Bumpers(front=(True, True, False, False, False), rear=()),
     )
     told = structs.replace(view.snapshot(moment, product.web.clients), target=target, mode=mode)
-    product.call(lambda: product.web.audiences[0].snapshots.put(view.number, encode(told)))
+    product.call(lambda: product.web.audiences.first.snapshots.put(view.number, encode(told)))
 
 
 def freeze_with_everything(page: Page, product: Product) -> None:

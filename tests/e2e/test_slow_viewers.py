@@ -102,7 +102,7 @@ async def test_viewers_that_read_nothing_delay_nobody_and_cost_no_more_than_a_me
         assert page.robots[1].robot.snapshot is not None
         assert page.robots[1].robot.snapshot.sequence - seen[-1] <= 1
         assert sim.speed > 0.25
-        longest = max(len(text) for text in page.audiences[0].retained.since(0))
+        longest = max(len(text) for text in page.audiences.first.retained.since(0))
         assert 50_000 < piled_up <= longest + 100
         for one in stalled:
             one.close()

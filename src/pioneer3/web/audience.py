@@ -1,8 +1,9 @@
 """Clients that are sent the same texts: about all robots, or about one."""
 
-from collections.abc import Iterable
+from collections.abc import Iterator
 
 from pioneer3.web import messages
+from pioneer3.web.access.sessions import Role, Session
 from pioneer3.web.broadcast import Channel, FrameChannel, RetainedChannel, ScanChannel, Subscriber
 
 SMALL_PERIOD = 0.18
@@ -71,15 +72,42 @@ class Audience:
             client.wake()
 
 
-def find_audience(
-    audiences: Iterable[Audience],
-    *,
-    robot: int | None = None,
-    student: bool = False,
-    small: bool = False,
-) -> Audience | None:
-    """Return the audience of this kind, or `None`."""
-    kind = (robot, student, small)
-    return next(
-        (each for each in audiences if (each.robot, each.student, each.small) == kind), None
-    )
+class Audiences:
+    """The audiences of a page.
+
+    Attributes:
+        first: Sees all robots.
+    """
+
+    def __init__(self) -> None:
+        self.first = Audience()
+        self._all = [self.first]
+
+    def __iter__(self) -> Iterator[Audience]:
+        return iter(self._all)
+
+    def add(self, audience: Audience) -> None:
+        """Let clients belong to `audience`."""
+        self._all.append(audience)
+
+    def find(self, session: Session, *, robot: int | None = None, small: bool = False) -> Audience:
+        """Return the audience of a client that asks for one robot, or for small snapshots.
+
+        A student's is always that of the own robot.
+        """
+        student = session.role is Role.STUDENT
+        kind = (session.robot, True, False) if student else (robot, False, small)
+        found = (each for each in self._all if (each.robot, each.student, each.small) == kind)
+        chosen = next(found, None if student else self.first)
+        assert chosen is not None
+        return chosen
+
+    def publish(self, robot: int, kind: str, message: messages.Message | None) -> None:
+        """Tell a state of a robot to all that see it whole; `None` drops the last one."""
+        key = f"{kind} {robot}"
+        text = "" if message is None else messages.encode(message)
+        for audience in self._all:
+            if message is None:
+                audience.retained.forget(key)
+            elif audience.sees(robot) and not audience.small:
+                audience.put(key, text)

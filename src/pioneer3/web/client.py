@@ -112,12 +112,13 @@ class Client:
         self._socket = socket
         self.session = session
         asked = socket.query_params
-        self._audience = page.audience_for(
+        self._audience = page.audiences.find(
             session,
             robot=_number(asked.get("robot")),
             small=asked.get("view") == CLASS_VIEW,
         )
-        self._name = page.name_for(session, socket.headers.get("user-agent", ""))
+        device = socket.headers.get("user-agent", "")
+        self._name = page.access.name_for(session, device, page.clients.names)
         self._queue: SendQueue | None = None
         self._number = 0
 
@@ -154,7 +155,7 @@ class Client:
         try:
             await asyncio.wait(talk, return_when=asyncio.FIRST_COMPLETED)
         finally:
-            self._page.leave(number)
+            self._page.leave(number, self._audience)
             for task in talk:
                 task.cancel()
             for result in await asyncio.gather(*talk, return_exceptions=True):
@@ -175,7 +176,7 @@ class Client:
     async def _await_revocation(self) -> None:
         """Close when the session is revoked."""
         await self.session.ended.wait()
-        self._page.release_control(self)
+        self._page.clients.release_control(self)
         why = "this session was revoked"
         try:
             async with asyncio.timeout(1.0):
@@ -218,7 +219,7 @@ class Client:
 
     def _keep_alive(self) -> None:
         self.session.seen = asyncio.get_running_loop().time()
-        self._page.keep_alive(self)
+        self._page.clients.keep_alive(self)
 
     def _fill_in_robot(self, request: requests.AnyRequest) -> None:
         """Let a request without a number be about the only robot that this client sees."""

@@ -1,4 +1,4 @@
-"""The clients that are connected to a page, and who of them has control."""
+"""The clients that are connected to a page, and their control of its robots."""
 
 from collections.abc import Mapping
 from itertools import count
@@ -71,6 +71,49 @@ class Clients:
         self._holders, self._clients = holders, clients
         self.version += 1
         return True
+
+    @property
+    def names(self) -> set[str]:
+        """The names of all clients."""
+        return {client.name for client in self.connected.values()}
+
+    def tell(self, robot: int, operator: Operator, news: str) -> None:
+        """Show news about a robot to an operator that is a client, with the name where several are.
+
+        A student sees one robot only.
+        """
+        client = self.find(operator)
+        if client is not None:
+            named = len(self._robots) > 1 and client.role is not Role.STUDENT
+            client.tell(f"{self._robots[robot].label}: {news}" if named else news)
+
+    def show(self, operator: Operator, message: messages.Message) -> None:
+        """Send `message` to an operator that is a client."""
+        client = self.find(operator)
+        if client is not None:
+            client.show(message)
+
+    def take_control(self, client: object, robot: int | None) -> bool:
+        """Give `client` control of a robot, or of all without a number; return whether it has it.
+
+        It gets control of all of them or of none.
+        """
+        operator = self.find(client)
+        wanted = self._robots.values() if robot is None else [self._robots[robot]]
+        controls = [view.control for view in wanted]
+        if operator is None or any(each.holder not in (None, operator) for each in controls):
+            return False
+        return all(each.take(operator) is None for each in controls)
+
+    def release_control(self, operator: Operator) -> None:
+        """End the control of `operator` over all robots; those that the operator drives stop."""
+        for view in self._robots.values():
+            view.control.release(operator)
+
+    def keep_alive(self, operator: Operator) -> None:
+        """Note that the client of `operator` is alive."""
+        for view in self._robots.values():
+            view.control.keep_alive(operator)
 
     def message_for(self, number: int) -> str:
         """Return the message about all clients, for the client of this number.

@@ -14,9 +14,9 @@ from typing import Any
 
 from pioneer3.errors import CommandError, PioneerError
 from pioneer3.maps import Bounds, LineMap, edit
-from pioneer3.runtime.robot import Robot
-from pioneer3.sim.relief import FLAT, Relief
+from pioneer3.sim.relief import Relief
 from pioneer3.web import messages, requests
+from pioneer3.web.page_map import PageMap
 from pioneer3.web.world import map_message
 
 log = logging.getLogger(__name__)
@@ -32,10 +32,7 @@ class MapEditor:
     """Carries out edits of a map.
 
     Args:
-        map_in_use: Returns the map that robots drive on, or `None`.
-        relief_in_use: Returns the heights of this map.
-        robots_on: Returns the robots that use a map.
-        adopt: Called with the map in use and the one to use from now on.
+        page_map: The map that robots drive on.
         publish: Called with the text of each new draft.
 
     Attributes:
@@ -43,20 +40,10 @@ class MapEditor:
         in_thread: Runs what takes long.
     """
 
-    def __init__(
-        self,
-        map_in_use: Callable[[], LineMap | None],
-        relief_in_use: Callable[[], Relief] = lambda: FLAT,
-        *,
-        robots_on: Callable[[LineMap], list[Robot]],
-        adopt: Callable[[LineMap, LineMap], None],
-        publish: Callable[[str], None],
-    ) -> None:
+    def __init__(self, page_map: PageMap, publish: Callable[[str], None]) -> None:
         self.folder = Path()
         self.in_thread: Callable[..., Awaitable[Any]] = asyncio.to_thread
-        self._map_in_use, self._robots_on = map_in_use, robots_on
-        self._relief_in_use = relief_in_use
-        self._adopt, self._publish = adopt, publish
+        self._page_map, self._publish = page_map, publish
         self._base: LineMap | None = None
         self._steps: deque[LineMap] = deque(maxlen=MOST_STEPS)
         self._draft: LineMap | None = None
@@ -74,7 +61,7 @@ class MapEditor:
 
     def follow(self) -> None:
         """Drop the draft if robots use another map now."""
-        if self._draft is not None and self._map_in_use() is not self._base:
+        if self._draft is not None and self._page_map.in_use is not self._base:
             self._forget()
 
     async def run(self) -> None:
@@ -93,7 +80,7 @@ class MapEditor:
                     answer(messages.EditRefused("editing failed; the log has the details"))
 
     async def _carry_out(self, request: requests.MapEdit, answer: Answer) -> None:
-        used = self._map_in_use()
+        used = self._page_map.in_use
         if used is None:
             raise CommandError("there is no map to edit, or one is being made")
         self.follow()
@@ -115,10 +102,9 @@ class MapEditor:
             raise CommandError("the map has changed meanwhile; try again")
         after = await self.in_thread(changed, before, request)
         steps = len(self._steps) + 1
-        text = await self.in_thread(
-            _text_of, after, self._relief_of(after), self._version + 1, steps
-        )
-        if self._map_in_use() is not used:
+        relief, version = self._relief_of(after), self._version + 1
+        text = await self.in_thread(_text_of, after, relief, version, steps)
+        if self._page_map.in_use is not used:
             raise CommandError("the map has been replaced meanwhile")
         self._base = used
         self._steps.append(before)
@@ -140,7 +126,7 @@ class MapEditor:
         draft = self._draft
         if draft is None:
             raise CommandError("nothing was edited")
-        for robot in self._robots_on(used):
+        for robot in self._page_map.robots_on(used):
             if mode := robot.arbiter.mode:
                 raise CommandError(f"a robot drives on the map before: end {mode.name} first")
         path = free_path(self.folder / f"{request.name}{request.format}")
@@ -150,17 +136,17 @@ class MapEditor:
         if lost := left_out(draft, path, relief):
             news += f" Not in it: {lost}."
         answer(messages.Told(news))
-        if self._map_in_use() is not used:
+        if self._page_map.in_use is not used:
             raise CommandError(f"{path.name} is saved, but robots use another map meanwhile")
-        for robot in self._robots_on(used):
+        for robot in self._page_map.robots_on(used):
             robot.arbiter.end_mode("the map has changed")
-        self._adopt(used, draft)
+        self._page_map.replace(used, draft)
         self._forget()
 
     def _relief_of(self, line_map: LineMap) -> Relief:
         """Return the heights of a draft."""
-        used = self._map_in_use()
-        return self._relief_in_use().carried(used or line_map, line_map)
+        used = self._page_map.in_use
+        return self._page_map.relief.carried(used or line_map, line_map)
 
     @property
     def _count(self) -> int:

@@ -8,32 +8,29 @@ from itertools import count
 
 from pioneer3 import __version__
 from pioneer3.errors import CommandError
-from pioneer3.maps import LineMap
 from pioneer3.names import free_name
 from pioneer3.navigation.traffic import Participant, Traffic
 from pioneer3.runtime.robot import Robot
-from pioneer3.sim.relief import FLAT, Relief
 from pioneer3.tasks import running
 from pioneer3.teleop.gamepad import SCHEME
 from pioneer3.web import messages, requests
-from pioneer3.web.access.access import Access, device
-from pioneer3.web.access.sessions import Role, Session
-from pioneer3.web.audience import Audience, find_audience
+from pioneer3.web.access.access import Access
+from pioneer3.web.access.sessions import Session
+from pioneer3.web.audience import Audience, Audiences
 from pioneer3.web.classroom.classroom import Classroom
 from pioneer3.web.clients import Clients, PageClient
-from pioneer3.web.control import Control, Operator, Rule
+from pioneer3.web.control import Control, Operator
 from pioneer3.web.editor import Editor
 from pioneer3.web.map_editor import MapEditor
 from pioneer3.web.mapping import RobotMapping
 from pioneer3.web.navigation import RobotNavigation
+from pioneer3.web.page_map import PageMap
 from pioneer3.web.robot_view import RobotView
 from pioneer3.web.scene import Scene
-from pioneer3.web.world import WorldChannel, WorldView, map_message
+from pioneer3.web.world import WorldView
 
 UPDATE_PERIOD = 0.1
 """Time between two updates about the simulated world and the clients [s]."""
-SLOW_UPDATES = 5
-"""Audiences of one robot are sent every fifth update about the world."""
 
 
 class Page:
@@ -42,11 +39,11 @@ class Page:
     Attributes:
         robots: The robots by number.
         clients: The connected clients.
+        audiences: Sets of clients that are sent the same.
         access: Decides who is let in.
-        map_editor: Edits the map.
+        map: The map that is shown and driven on.
+        map_editor: Edits it.
         world: The world of simulated robots, which can be changed; `None` without.
-        audiences: Sets of clients that are sent the same; the first sees all robots.
-        world_changes: The changes of the world; `None` without one.
         traffic: The places of the robots, by which they keep apart.
         classroom: The class that the robots belong to; `None` without one.
         closed: Set when clients are to go.
@@ -55,28 +52,18 @@ class Page:
     def __init__(self, access: Access | None = None) -> None:
         self.robots: dict[int, RobotView] = {}
         self.clients = Clients(self.robots)
+        self.audiences = Audiences()
         self.access = access or Access(asyncio.get_running_loop().time)
         self.access.sessions.on_end = self._session_ended
+        self.map = PageMap(self.robots, self.update)
+        self.map_editor = MapEditor(self.map, self._publish_draft)
         self.world: WorldView | None = None
+        self.traffic = Traffic()
+        self.classroom: Classroom | None = None
         self.closed = asyncio.Event()
         self._count = count(1)
-        self._map: LineMap | None = None
-        self._drawn: LineMap | None = None
-        self.traffic = Traffic()
-        self.audiences = [Audience()]
-        self.world_changes: WorldChannel | None = None
-        self._slow_changes: WorldChannel | None = None
-        self._updates = 0
-        self.classroom: Classroom | None = None
         self._labels: dict[int, str] = {}
         self._editor: Editor | None = None
-        self.map_editor = MapEditor(
-            self._map_in_use,
-            self._known_relief,
-            robots_on=self._robots_on,
-            adopt=self._adopt_map,
-            publish=self._publish_draft,
-        )
 
     @asynccontextmanager
     async def hosting(
@@ -141,9 +128,11 @@ class Page:
         if not self.clients.connected:
             return
         if self.clients.update():
-            self._wake()
-        self._update_world()
-        if self._map_now() is not self._map:  # clients of a simulator may load another
+            for audience in self.audiences:
+                audience.wake()
+        if self.world is not None:
+            self.world.tell(self.audiences)
+        if self.map.is_new:
             self._publish_robots()
 
     def robot(self, number: int | None) -> RobotView:
@@ -170,60 +159,24 @@ class Page:
 
     def add_audience(self, audience: Audience) -> None:
         """Let clients belong to `audience`; to be called before the first robot is hosted."""
-        self.audiences.append(audience)
+        self.audiences.add(audience)
         self._publish_robots()
-
-    def audience_for(self, session: Session, *, robot: int | None, small: bool) -> Audience:
-        """Return the audience of a client that asks for one robot, or for small snapshots.
-
-        A student's is always that of the own robot.
-        """
-        if session.role is Role.STUDENT:
-            found = find_audience(self.audiences, robot=session.robot, student=True)
-            assert found is not None
-            return found
-        return find_audience(self.audiences, robot=robot, small=small) or self.audiences[0]
 
     def join(self, client: PageClient, audience: Audience | None = None) -> int:
         """Add a client to an audience, without one to that of all robots; return its number."""
-        (audience or self.audiences[0]).clients.add(client)
+        (audience or self.audiences.first).clients.add(client)
         number = self.clients.add(client)
         self.update()
         return number
 
-    def leave(self, number: int) -> None:
-        """Remove a client: robots that it drives stop at once."""
+    def leave(self, number: int, audience: Audience) -> None:
+        """Remove a client of `audience`: robots that it drives stop at once."""
         client = self.clients.remove(number)
-        for audience in self.audiences:
-            audience.clients.discard(client)
-            audience.scans.subscribe(number, on=False)
-        self.release_control(client)
+        self.clients.release_control(client)
+        audience.clients.discard(client)
+        audience.scans.subscribe(number, on=False)
         for view in self.robots.values():
             view.details.unsubscribe(client)
-
-    def release_control(self, operator: Operator) -> None:
-        """End the control of `operator` over all robots; those that the operator drives stop."""
-        for view in self.robots.values():
-            view.control.release(operator)
-
-    def _session_ended(self, session: Session) -> None:
-        self.release_control(session)
-        if self.classroom is not None:
-            self.classroom.session_ended(session)
-
-    def keep_alive(self, operator: Operator) -> None:
-        """Note that the client of `operator` is alive."""
-        for view in self.robots.values():
-            view.control.keep_alive(operator)
-
-    def name_for(self, session: Session, user_agent: str) -> str:
-        """Return a name for a client, from its session or its device, that no other client has."""
-        if session.role is Role.STUDENT:
-            return session.name
-        names = {client.name for client in self.clients.connected.values()}
-        if session is not self.access.here:
-            return free_name(session.name, names)
-        return free_name(device(user_agent), names | self.access.sessions.names)
 
     async def edit(
         self, client: PageClient, edit: requests.Edit | requests.MapEdit
@@ -242,39 +195,26 @@ class Page:
         return answer
 
     def _view(self, number: int, name: str, robot: Robot, scene: Scene) -> RobotView:
-        def tell(operator: Operator, news: str) -> None:
-            client = self.clients.find(operator)
-            if client is not None:
-                client.tell(self._prefixed(client, number, news))
-
-        def show(operator: Operator, message: messages.Message) -> None:
-            client = self.clients.find(operator)
-            if client is not None:
-                client.show(message)
-
-        def publish(kind: str, state: messages.Navigation | messages.Mapping | None) -> None:
-            key = f"{kind} {number}"
-            text = "" if state is None else messages.encode(state)
-            for audience in self.audiences:
-                if state is None:
-                    audience.retained.forget(key)
-                elif audience.sees(number) and not audience.small:
-                    audience.put(key, text)
-
-        control = Control(robot, scene, tell, self._rule_for(number))
+        tell = partial(self.clients.tell, number)
+        control = Control(robot, scene, tell, partial(self._refusal, number))
         navigation = RobotNavigation(
             number,
             robot,
             scene,
             control,
             tell=tell,
-            show=show,
-            publish=partial(publish, "navigation"),
+            show=self.clients.show,
+            publish=partial(self.audiences.publish, number, "navigation"),
             traffic=self.traffic,
             name=name,
         )
         mapping = RobotMapping(
-            number, robot, scene, control, tell=tell, publish=partial(publish, "mapping")
+            number,
+            robot,
+            scene,
+            control,
+            tell=tell,
+            publish=partial(self.audiences.publish, number, "mapping"),
         )
         return RobotView(
             number,
@@ -286,20 +226,16 @@ class Page:
             mapping=mapping,
         )
 
-    def _prefixed(self, client: PageClient, number: int, news: str) -> str:
-        """Return `news` about a robot with its name, for a client that sees several."""
-        several = len(self.robots) > 1 and client.role is not Role.STUDENT
-        return f"{self.robots[number].label}: {news}" if several else news
+    def _refusal(self, number: int, operator: Operator, *, take_over: bool) -> str | None:
+        """Return the reason of the class to let an operator not drive, or `None`."""
+        if self.classroom is None:
+            return None
+        return self.classroom.refusal(number, operator, take_over=take_over)
 
-    def _rule_for(self, number: int) -> Rule:
-        """Return the rule for driving a robot; a class has its own."""
-
-        def refusal(operator: Operator, *, take_over: bool) -> str | None:
-            if self.classroom is None:
-                return None
-            return self.classroom.refusal(number, operator, take_over=take_over)
-
-        return refusal
+    def _session_ended(self, session: Session) -> None:
+        self.clients.release_control(session)
+        if self.classroom is not None:
+            self.classroom.session_ended(session)
 
     def _add(self, view: RobotView, scene: Scene) -> None:
         """Add a robot, with its world if it is the first."""
@@ -310,34 +246,10 @@ class Page:
             simulation, robot = scene.simulated
             if self.world is None:
                 self.world = WorldView(simulation)
-                self.world_changes = WorldChannel(self.world)
-                self._slow_changes = WorldChannel(self.world)
-                for audience in self.audiences:
-                    slow = audience.is_limited
-                    audience.world = self._slow_changes if slow else self.world_changes
-                self._editor = Editor(self.world, self._take_control, self._stop)
+                self.world.show_to(self.audiences)
+                self.map.simulated = scene
+                self._editor = Editor(self.world, self.clients.take_control, self._stop)
             self.world.driven[robot] = view.number
-
-    def _update_world(self) -> None:
-        """Tell the changes of the world; audiences of one robot less often."""
-        self._updates += 1
-        for channel, every in ((self.world_changes, 1), (self._slow_changes, SLOW_UPDATES)):
-            readers = [each for each in self.audiences if each.world is channel and each.clients]
-            if channel is not None and readers and not self._updates % every and channel.update():
-                for audience in readers:
-                    audience.wake()
-
-    def _take_control(self, client: object, robot: int | None) -> bool:
-        """Give `client` control of a robot, or of all without a number; return whether it has it.
-
-        It gets control of all of them or of none.
-        """
-        operator = self.clients.find(client)
-        wanted = self.robots.values() if robot is None else [self.robots[robot]]
-        controls = [view.control for view in wanted]
-        if operator is None or any(each.holder not in (None, operator) for each in controls):
-            return False
-        return all(each.take(operator) is None for each in controls)
 
     def _stop(self, robot: int) -> None:
         self.robots[robot].robot.arbiter.stop()
@@ -351,15 +263,12 @@ class Page:
 
     def _publish_robots(self) -> None:
         """Tell the robots and the map, if they have changed."""
-        self._map = self._map_now()
+        news = self.map.take_news()
         robots = tuple(view.describe() for view in self.robots.values())
         for audience in self.audiences:
             audience.put("hello", messages.encode(self._hello(robots, audience)))
-        if self._drawn is not self._map:  # a map may be large
-            self._drawn = self._map
-            text = self._map_text()
-            for audience in self.audiences:
-                audience.put("map", text)
+            if news is not None:
+                audience.put("map", news)
 
     def _hello(self, robots: tuple[messages.Robot, ...], audience: Audience) -> messages.Hello:
         member = None
@@ -374,67 +283,18 @@ class Page:
             class_=member,
         )
 
-    def _map_text(self) -> str:
-        """Return the message for the map."""
-        for view in self.robots.values():
-            if view.mapping.drawing is not None and view.mapping.drawing is self._map:
-                return view.mapping.drawing_text
-        relief = self._known_relief() if self._map is self._known_map() else FLAT
-        return messages.encode(map_message(self._map, relief))
-
-    def _map_now(self) -> LineMap | None:
-        """Return the map that is made, that of the simulated world, or the first of a scene."""
-        made = (view.mapping.drawing for view in self.robots.values())
-        if (drawing := next((each for each in made if each is not None), None)) is not None:
-            return drawing
-        return self._known_map() or self._map
-
-    def _known_map(self) -> LineMap | None:
-        """Return the map of the simulated world, or the first of a scene."""
-        if self.world is not None:
-            return self.world.simulation.world.map
-        maps = (view.scene.map_now for view in self.robots.values())
-        return next((known for known in maps if known is not None), None)
-
-    def _known_relief(self) -> Relief:
-        """Return the heights of the known map."""
-        if self.world is not None:
-            return self.world.simulation.world.relief
-        scenes = (view.scene for view in self.robots.values() if view.scene.map_now is not None)
-        return next((scene.relief_now for scene in scenes), FLAT)
-
-    def _map_in_use(self) -> LineMap | None:
-        """Return the map that robots drive on; `None` while one is made, or without walls."""
-        known = self._known_map()
-        made = any(view.mapping.making for view in self.robots.values())
-        return known if known is not None and len(known.walls) and not made else None
-
-    def _robots_on(self, line_map: LineMap) -> list[Robot]:
-        return [view.robot for view in self.robots.values() if view.scene.map_now is line_map]
-
-    def _adopt_map(self, used: LineMap, line_map: LineMap) -> None:
-        """Have all robots that use a map use another one from now on."""
-        views = [view for view in self.robots.values() if view.scene.map_now is used]
-        for view in views:
-            view.scene.adopt(line_map)
-        self.update()
-
-    def _publish_draft(self, text: str) -> None:
-        for audience in self.audiences:
-            if not audience.is_limited:
-                audience.put("map draft", text)
-
     def _publish_status(self, view: RobotView) -> None:
         text = messages.encode(view.status())
         for audience in self.audiences:
             if audience.sees(view.number):
                 audience.put(f"status {view.number}", text)
 
+    def _publish_draft(self, text: str) -> None:
+        for audience in self.audiences:
+            if not audience.is_limited:
+                audience.put("map draft", text)
+
     async def _watch_status(self, view: RobotView) -> None:
         async for _ in view.robot.supervisor.status.values():
             self._publish_robots()
             self._publish_status(view)
-
-    def _wake(self) -> None:
-        for client in self.clients.connected.values():
-            client.wake()

@@ -1,6 +1,6 @@
 """One robot of the page: its control, and the messages that describe it."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from typing import Protocol
 
 from pioneer3.behaviors.action import Goal
@@ -92,7 +92,7 @@ class RobotView:
         return messages.Status(self.number, status.connection, status.message)
 
     async def publish_snapshots(
-        self, audiences: Sequence[Audience], clients: ConnectedClients
+        self, audiences: Iterable[Audience], clients: ConnectedClients
     ) -> None:
         """Send each snapshot, encoded once for all, to the `audiences` that want it."""
         async for snapshot in self.robot.supervisor.snapshots.values():

@@ -1,6 +1,7 @@
 """The simulated world as pages see it: its map, its things by number, and their changes."""
 
 from base64 import b64encode
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import count
@@ -18,6 +19,7 @@ from pioneer3.sim.relief import FLAT, Relief
 from pioneer3.sim.server.running import RunningSimulation
 from pioneer3.sim.server.running import SimulatedRobot as RobotItem
 from pioneer3.sim.worldfile import Box as BoxItem
+from pioneer3.web.audience import Audience
 from pioneer3.web.messages import (
     Box,
     Clock,
@@ -39,6 +41,8 @@ MOST_GONE = 1000
 """So many removed things are remembered; a client that missed more is sent everything anew."""
 MOST_CELLS = 4_000_000
 """Most cells of a grid: a phone keeps four bytes for each."""
+SLOW_UPDATES = 5
+"""Limited audiences are sent every fifth update about the world."""
 SHADE = 85
 """Between the greys of two states of cells: three of them make white."""
 
@@ -58,6 +62,22 @@ class WorldView:
         self.urls: dict[RobotItem, str] = {}
         self._numbers: dict[Item, int] = {}
         self._count = count(1)
+        self._updates = 0
+        self._changes, self._slow_changes = WorldChannel(self), WorldChannel(self)
+
+    def show_to(self, audiences: Iterable[Audience]) -> None:
+        """Let audiences hear of changes from now on; limited ones less often."""
+        for audience in audiences:
+            audience.world = self._slow_changes if audience.is_limited else self._changes
+
+    def tell(self, audiences: Iterable[Audience]) -> None:
+        """Tell audiences what has changed since the last call."""
+        self._updates += 1
+        for channel, every in ((self._changes, 1), (self._slow_changes, SLOW_UPDATES)):
+            readers = [each for each in audiences if each.world is channel and each.clients]
+            if readers and not self._updates % every and channel.update():
+                for audience in readers:
+                    audience.wake()
 
     @cached_property
     def models(self) -> tuple[Model, ...]:

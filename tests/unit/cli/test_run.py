@@ -243,7 +243,7 @@ async def test_the_map_of_a_simulator_in_another_program_is_shown_and_the_robot_
             assert (drawn.x, drawn.y) == pytest.approx((home.x, home.y), abs=0.002)
             assert drawn.theta == pytest.approx(home.theta, abs=0.01)
             page.join(Onlooker())
-            assert '"name":"lab"' in "".join(page.audiences[0].retained.since(0))
+            assert '"name":"lab"' in "".join(page.audiences.first.retained.since(0))
     assert "SIMULATOR" in told[0]
 
 

@@ -71,7 +71,7 @@ async def test_a_page_that_takes_nothing_for_ten_seconds_is_sent_away_and_told_w
 async def test_answers_that_nobody_takes_are_not_piled_up() -> None:
     async with product() as the, Browser(the.app) as ann:
         number = ann.latest("people")["id"]
-        queue = SendQueue(the.page, the.page.audiences[0], number)
+        queue = SendQueue(the.page, the.page.audiences.first, number)
         for count in range(10 * MOST_ANSWERS):
             queue.answer(Pong(count))
         texts = list(await queue.news())

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from math import inf
 from pathlib import Path
 
+from pioneer3.names import free_name
 from pioneer3.web.access.hosts import is_from_here
 from pioneer3.web.access.invitations import Invitations
 from pioneer3.web.access.sessions import Kind, Role, Session, Sessions
@@ -104,6 +105,14 @@ class Access:
             return None
         granted = role if role is not None and allowed.covers(role) else allowed
         return self.sessions.open(name, granted, Kind.BROWSER, others=others)
+
+    def name_for(self, session: Session, user_agent: str, others: set[str]) -> str:
+        """Return a name for a client, from its session or its device, that no other client has."""
+        if session.role is Role.STUDENT:
+            return session.name
+        if session is not self.here:
+            return free_name(session.name, others)
+        return free_name(device(user_agent), others | self.sessions.names)
 
     def session(self, peer: str, headers: Mapping[str, str], cookie: str | None) -> Session | None:
         """Return the session of a request, or `None`.

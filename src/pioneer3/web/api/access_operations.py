@@ -23,8 +23,7 @@ def pair(request: ApiRequest, body: types.PairingRequest) -> types.Me | ErrorRes
         return ErrorResponse(429, f"too many attempts; try again in {wait:.0f} s")
     name = body.name or device(Headers(raw=request.scope["headers"]).get("user-agent", ""))
     try:
-        others = [client.name for client in request.page.clients.connected.values()]
-        paired = access.pair(body.token, name, body.role, others)
+        paired = access.pair(body.token, name, body.role, request.page.clients.names)
     except OverflowError as error:
         return ErrorResponse(409, str(error))
     if paired is None:

@@ -46,7 +46,7 @@ def get_class(request: ApiRequest) -> messages.Class | ErrorResponse:
     classroom = request.page.classroom
     if classroom is None:
         return NO_CLASS
-    return classroom.message(request.page.audience_for(request.caller, robot=None, small=False))
+    return classroom.message(request.page.audiences.find(request.caller))
 
 
 def get_link(request: ApiRequest) -> types.ClassLink | ErrorResponse:

@@ -23,7 +23,7 @@ from pioneer3.errors import CommandError, ConfigError
 from pioneer3.web import messages, requests
 from pioneer3.web.access.access import Access, Rate, RateLimiter
 from pioneer3.web.access.sessions import Kind, Role, Session, fingerprint
-from pioneer3.web.audience import Audience
+from pioneer3.web.audience import Audience, Audiences
 from pioneer3.web.classroom.robot import PAGE, ClassRobot
 from pioneer3.web.classroom.small import small_snapshot
 from pioneer3.web.clients import Clients
@@ -58,7 +58,7 @@ class ClassPage(Protocol):
     robots: dict[int, RobotView]
     clients: Clients
     access: Access
-    audiences: list[Audience]
+    audiences: Audiences
 
     def relabel(self, number: int, label: str) -> None:
         """Show a robot under another name from now on."""
