@@ -20,7 +20,9 @@
 Corrupt bytes *received* are counted, not raised: noise on a serial cable is normal.
 """
 
+from dataclasses import dataclass
 from pathlib import Path
+from typing import final
 
 SETUP = Path(__file__).parents[2] / "scripts/setup"
 """Exists where the package runs from a clone."""
@@ -32,6 +34,21 @@ def how_to_get(extra: str) -> str:
         return f"the extra `{extra}` is missing; run: {SETUP}"
     command = f"python -m pip install '.[{extra}]'"
     return f"the extra `{extra}` is missing; in the folder of the package's clone run: {command}"
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Refusal:
+    """The answer to a request that is not carried out, where `None` says that it is.
+
+    Attributes:
+        text: The reason, for people.
+    """
+
+    text: str
+
+    def __str__(self) -> str:
+        return self.text
 
 
 class PioneerError(Exception):

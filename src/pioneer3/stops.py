@@ -13,6 +13,7 @@ Rules:
 
 from dataclasses import dataclass
 
+from pioneer3.errors import Refusal
 from pioneer3.geometry import Twist2
 
 LET_GO = "let go, then ask again"
@@ -34,9 +35,9 @@ class Stop:
     stalled: Twist2 | None = None
 
     @property
-    def told(self) -> str:
-        """The reason to ignore a command, and advice for the next one."""
-        return f"{self.why}; {LET_GO if self.stalled is None else LEAVE}"
+    def told(self) -> Refusal:
+        """The refusal of a command that began before, with advice for the next one."""
+        return Refusal(f"{self.why}; {LET_GO if self.stalled is None else LEAVE}")
 
 
 NO_STOP = Stop()

@@ -7,6 +7,7 @@ from typing import Any
 
 from pioneer3.behaviors.action import Stack
 from pioneer3.demo.columns import Row
+from pioneer3.errors import Refusal
 from pioneer3.geometry import ORIGIN, Pose2
 from pioneer3.robot.devices import Acts, Presence
 from pioneer3.runtime.robot import Robot
@@ -78,10 +79,10 @@ class Context:
         """Stop, then let `stack` drive; tell why it does not."""
         self.tell(self.robot.arbiter.start(stack))
 
-    def tell(self, refused: str | None) -> None:
-        """Tell the reason that the robot ignores a command, if there is one."""
+    def tell(self, refused: Refusal | None) -> None:
+        """Tell that the robot ignores a command, if it does."""
         if refused:
-            self.say(refused)
+            self.say(refused.text)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -16,6 +16,7 @@ Rules:
 from dataclasses import KW_ONLY, dataclass, replace
 from math import inf
 
+from pioneer3.errors import Refusal
 from pioneer3.geometry import STILL, Twist2
 from pioneer3.limits import Accelerations, Limits
 from pioneer3.robot.limits import limit
@@ -44,7 +45,8 @@ HELD = 2.0
 STOPPED = "somebody stopped the robot"
 STALLED = "the wheels stalled"
 BUMPED = "a bumper was pressed"
-LATCHED = "the emergency stop is latched"
+LATCHED = Refusal("the emergency stop is latched")
+NO_ROBOT = Refusal("no robot is connected")
 LONGEST_PAUSE = 2.0
 """After a longer pause of this program [s] the robot's watchdog has stopped the robot."""
 
@@ -146,14 +148,14 @@ class Pilot:
         self.deadline = inf
         self._block(f"the link was lost ({why})", now)
 
-    def drive(self, command: VelocityCommand, now: float) -> str | None:
-        """Obey `command` from `now` [s] on; return the reason for a refusal, or `None`."""
+    def drive(self, command: VelocityCommand, now: float) -> Refusal | None:
+        """Obey `command` from `now` [s] on."""
         if self.limits is None:
-            return "no robot is connected"
+            return NO_ROBOT
         if self.forbidden:
             return self.forbidden
         if self._snapshot is None:
-            return self.last_stop.told if self._blocked else "no robot is connected"
+            return self.last_stop.told if self._blocked else NO_ROBOT
         twist, stalled = command.twist, self.last_stop.stalled
         is_answer = command.answers_stall and stalled is not None
         if command.after < self.last_stop.number and not is_answer:
@@ -209,8 +211,8 @@ class Pilot:
         self._left_to_raw_commands, self._sent = True, None
         self.drove = True
 
-    def set_motors(self, *, on: bool, now: float) -> str | None:
-        """Switch the motors on, or off once the robot stands; return a refusal, or `None`."""
+    def set_motors(self, *, on: bool, now: float) -> Refusal | None:
+        """Switch the motors on, or off once the robot stands."""
         if on and self.forbidden:
             return self.forbidden
         stood = self.stands
@@ -255,9 +257,11 @@ class Pilot:
         return request
 
     @property
-    def forbidden(self) -> str | None:
-        """The reason that nothing may drive until somebody sees to it, or `None`."""
-        return LATCHED if self.emergency else self.refusal
+    def forbidden(self) -> Refusal | None:
+        """The refusal of all commands until somebody sees to it, or `None`."""
+        if self.emergency:
+            return LATCHED
+        return Refusal(self.refusal) if self.refusal else None
 
     @property
     def blocked(self) -> str | None:

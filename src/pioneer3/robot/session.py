@@ -22,7 +22,7 @@ from pioneer3.arcos.host_events import (
     Timing,
 )
 from pioneer3.arcos.reports import Config, Report, Sip
-from pioneer3.errors import CommandError, LinkError, NoRobotError
+from pioneer3.errors import CommandError, LinkError, NoRobotError, Refusal
 from pioneer3.limits import Accelerations, Limits
 from pioneer3.links import Link
 from pioneer3.links.base import HUNG_UP
@@ -226,10 +226,10 @@ class Session:
         settings, self._settings = self._settings, ()
         return commands_for(request, settings)
 
-    def _refusal(self, command: Command) -> str | None:
-        """Return the reason that the present robot must not be sent a command, or `None`."""
+    def _refusal(self, command: Command) -> Refusal | None:
+        """Return the refusal of a command that the present robot must not be sent, or `None`."""
         if commands.moves(command) and self._pilot.refusal:
-            return f"nothing drives this robot: {self._pilot.refusal}"
+            return Refusal(f"nothing drives this robot: {self._pilot.refusal}")
         return None
 
     def _is_allowed(self, command: Command) -> bool:

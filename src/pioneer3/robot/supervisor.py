@@ -11,7 +11,7 @@ from typing import Generic, TypeVar
 from pioneer3.arcos.commands import Command, moves
 from pioneer3.arcos.host_events import Timing
 from pioneer3.arcos.reports import Config, Report
-from pioneer3.errors import CommandError, LinkError, NoRobotError, RecordingOverError
+from pioneer3.errors import CommandError, LinkError, NoRobotError, RecordingOverError, Refusal
 from pioneer3.limits import Limits
 from pioneer3.links import Opener
 from pioneer3.models import GivenModel, RobotModel, loaded_model
@@ -195,10 +195,10 @@ class Supervisor:
                 feed.close()
             self.reports.close()
 
-    def drive(self, command: VelocityCommand) -> str | None:
+    def drive(self, command: VelocityCommand) -> Refusal | None:
         """See :meth:`Pilot.drive`; a robot that is :attr:`taken` is not driven."""
         if self.taken:
-            return TAKEN
+            return Refusal(TAKEN)
         return self._wake_writer(self.pilot.drive(command, self._clock()))
 
     def stop(self) -> None:
@@ -215,8 +215,8 @@ class Supervisor:
         """Release the latch; the motors stay off."""
         self.pilot.reset_emergency_stop()
 
-    def set_motors(self, *, on: bool) -> str | None:
-        """Switch the motors' power; return the reason for a refusal, or `None`."""
+    def set_motors(self, *, on: bool) -> Refusal | None:
+        """Switch the motors' power."""
         return self._wake_writer(self.pilot.set_motors(on=on, now=self._clock()))
 
     def change_limits(self, change: Callable[[Limits], Limits]) -> None:
@@ -353,7 +353,7 @@ class Supervisor:
             self._requests.session_lost()
         return 1
 
-    def _wake_writer(self, answer: str | None = None) -> str | None:
+    def _wake_writer(self, answer: Refusal | None = None) -> Refusal | None:
         """Wake the writer, and return `answer`."""
         if self._session is not None:
             self._session.wake()

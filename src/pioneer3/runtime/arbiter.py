@@ -17,6 +17,7 @@ from pioneer3.behaviors.explanations import explain, explain_standstill
 from pioneer3.behaviors.memory import RangeMemory
 from pioneer3.behaviors.peers import Peers
 from pioneer3.behaviors.surroundings import NOTHING_SENSED
+from pioneer3.errors import Refusal
 from pioneer3.geometry import STILL, Twist2
 from pioneer3.limits import Accelerations, Limits
 from pioneer3.robot.devices.laser import LaserSource
@@ -69,8 +70,8 @@ class Drivable(Protocol):
     def taken(self) -> bool:
         """Whether another program drives the robot, and this one watches."""
 
-    def drive(self, command: VelocityCommand) -> str | None:
-        """Drive as :meth:`Pilot.drive` does; return the reason to ignore it, or `None`."""
+    def drive(self, command: VelocityCommand) -> Refusal | None:
+        """Drive as :meth:`Pilot.drive` does."""
 
     def stop(self) -> None:
         """Stand still."""
@@ -81,8 +82,8 @@ class Drivable(Protocol):
     def reset_emergency_stop(self) -> None:
         """Release the latch; the motors stay off."""
 
-    def set_motors(self, *, on: bool) -> str | None:
-        """Switch the motors' power; return the reason for a refusal, or `None`."""
+    def set_motors(self, *, on: bool) -> Refusal | None:
+        """Switch the motors' power."""
 
     def why_not_moving(self, decided: str | None = None) -> Reason | None:
         """Return the reason that the robot stands still, or `None` while it moves."""
@@ -185,12 +186,12 @@ class Arbiter:
         limiter = LimiterPeers(peers=peers) if peers else None
         self._apart = Stack.alone(limiter, KEEP_APART) if limiter else None
 
-    def decide(self) -> str | None:
-        """Resolve now; return the reason to ignore the result, or `None`."""
+    def decide(self) -> Refusal | None:
+        """Resolve now, and drive by the result."""
         situation, before = self.situation(), self.decision
         if situation is None:
             why = self._supervisor.why_not_moving()
-            return why and why.text
+            return why and Refusal(why.text)
         self._end_motions()
         try:
             self.decision = decision = resolve(self._stacks(), situation)
@@ -198,10 +199,10 @@ class Arbiter:
             return self._fail(error)
         if self._remark is not None:
             self._tell(self._remark)
-        if refused := self._why_mode_ends(decision):
-            self._forget_mode(refused)
+        if why_it_ends := self._why_mode_ends(decision):
+            self._forget_mode(why_it_ends)
             self.decide()
-            return refused
+            return Refusal(why_it_ends)
         if decision.wanted:
             self._decided_after = situation.last_stop
             command = VelocityCommand(
@@ -243,13 +244,13 @@ class Arbiter:
         if self.mode is None:
             return None
         if forbidden := self._supervisor.pilot.forbidden:
-            return forbidden
+            return forbidden.text
         part = next(part for part in self._parts if part.stack is self.mode)
         if decision.answers_stall and self.last_stop.stalled is not None:
             part.after = self.last_stop.number
         return None if part.after >= self.last_stop.number else self.last_stop.why
 
-    def _stand(self) -> str | None:
+    def _stand(self) -> Refusal | None:
         return self._supervisor.drive(VelocityCommand(STILL, after=self.last_stop.number))
 
     def why_not_moving(self) -> Reason | None:
@@ -273,8 +274,8 @@ class Arbiter:
         self.remembers |= not all(isinstance(ranked.action, Hold) for ranked in stack.actions)
         self._parts.append(_Part(stack, self.last_stop.number))
 
-    def start(self, mode: Stack) -> str | None:
-        """Stop, then let `mode` drive in place of the one before; return a reason for refusal."""
+    def start(self, mode: Stack) -> Refusal | None:
+        """Stop, then let `mode` drive in place of the one before."""
         self.stop()
         self.mode, self.ended = mode, None
         self._progress, self._lacks_since = ProgressChecker(), inf
@@ -291,8 +292,8 @@ class Arbiter:
             self._forget_mode(why)
             self.decide()
 
-    def hold(self, held: Hold, twist: Twist2, seconds: float) -> str | None:
-        """Let `held` ask for `twist` for `seconds`; return the reason to ignore it, or `None`."""
+    def hold(self, held: Hold, twist: Twist2, seconds: float) -> Refusal | None:
+        """Let `held` ask for `twist` for `seconds`."""
         held.set(twist, self._clock(), seconds, self.last_stop)
         return held.ignored(self.last_stop) or self.decide()
 
@@ -318,8 +319,8 @@ class Arbiter:
         self._end_commands()
         self._supervisor.emergency_stop()
 
-    def set_motors(self, *, on: bool, by: Hold | None = None) -> str | None:
-        """Stop as :meth:`stop` does, then switch the motors; return a reason for refusal."""
+    def set_motors(self, *, on: bool, by: Hold | None = None) -> Refusal | None:
+        """Stop as :meth:`stop` does, then switch the motors."""
         self.stop(by)
         return self._supervisor.set_motors(on=on)
 
@@ -365,14 +366,14 @@ class Arbiter:
             who = self.mode.name if self.mode else "driver"
             remark(f"{who}: {words or 'nothing is asked'}")
 
-    def _fail(self, error: ActionError) -> str:
+    def _fail(self, error: ActionError) -> Refusal:
         """End the stack of an action that failed, and stand still."""
         log.error("%s stops the robot", error, exc_info=error)
         if self.mode is not None and self.mode.name == error.stack:
             self._forget_mode(str(error))
         self._parts = [part for part in self._parts if part.stack.name != error.stack]
         self.stop()
-        return str(error)
+        return Refusal(str(error))
 
     def _forget_mode(self, why: str, *, done: bool = False) -> None:
         mode, self.mode = self.mode, None

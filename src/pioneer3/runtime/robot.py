@@ -93,7 +93,7 @@ class Robot:
         """
         refused = self.arbiter.hold(self._hold, checked(speed, turn_rate), self.info.limits.expiry)
         if refused:
-            raise MotionError(refused)
+            raise MotionError(str(refused))
 
     def stop(self) -> None:
         """Stop the robot, also when others drive."""
@@ -116,7 +116,7 @@ class Robot:
         self.stop()
         refused = self.supervisor.set_motors(on=on)
         if refused:
-            raise MotionError(refused)
+            raise MotionError(str(refused))
         with lost_as_motion_error("motors"):
             async for snapshot in self.snapshots(MOTOR_PATIENCE):
                 if snapshot.motors.enabled == on:

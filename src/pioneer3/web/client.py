@@ -14,7 +14,7 @@ from contextlib import suppress
 from msgspec import MsgspecError
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from pioneer3.errors import CommandError, MotionError
+from pioneer3.errors import CommandError, MotionError, Refusal
 from pioneer3.geometry import Twist2
 from pioneer3.robot.limits import checked
 from pioneer3.web import group, requests
@@ -233,15 +233,15 @@ class Client:
 
     def _check_permission(self, request: requests.AnyRequest) -> Message | None:
         """Return the refusal of a request that this role may not make, or `None`."""
-        why = ""
+        refused = None
         if self.role is Role.STUDENT:
-            why = requests.refusal_for_student(request, self.session.robot)
+            refused = requests.refusal_for_student(request, self.session.robot)
         elif self.role is not Role.DRIVER and not isinstance(request, requests.FOR_ALL):
-            why = requests.ONLY_DRIVERS
-        if not why:
+            refused = Refusal(requests.ONLY_DRIVERS)
+        if refused is None:
             return None
-        refusal = EditRefused if isinstance(request, requests.Edit | requests.MapEdit) else Refused
-        return refusal(why)
+        message = EditRefused if isinstance(request, requests.Edit | requests.MapEdit) else Refused
+        return message(refused.text)
 
     async def _carry_out(self, request: requests.AnyRequest) -> Message | None:
         """Carry out a request; return the answer, if there is one."""
@@ -281,12 +281,12 @@ class Client:
                 refused = self._drive(self._page.robot(request.robot), request)
             case _:
                 return await self._page.edit(self, request)
-        return Refused(refused) if refused else None
+        return Refused(refused.text) if refused else None
 
     def _drive(
         self, view: RobotView, request: requests.DriveRequest | requests.ControlRequest
-    ) -> str | None:
-        """Carry out a request to drive or to control a robot; return the refusal, or `None`."""
+    ) -> Refusal | None:
+        """Carry out a request to drive or to control a robot."""
         control, refused = view.control, None
         match request:
             case requests.Drive(v, w, source, also):
@@ -307,28 +307,28 @@ class Client:
             case requests.HandOver(to):
                 client = self._page.clients.connected.get(to)
                 if client is None or client.role is not Role.DRIVER:
-                    return "nobody of that number is here who may drive"
+                    return Refusal("nobody of that number is here who may drive")
                 refused = control.hand_over(self, client)
             case requests.ReleaseControl():
                 control.release(self)
         return refused
 
-    def _ask_class(self, request: requests.ClassRequest) -> str | None:
-        """Pass a request on to the class; return the refusal, or `None`."""
+    def _ask_class(self, request: requests.ClassRequest) -> Refusal | None:
+        """Pass a request on to the class."""
         if self._page.classroom is None:
-            return "there is no class here: start one with pioneer3 class"
+            return Refusal("there is no class here: start one with pioneer3 class")
         return self._page.classroom.carry_out(request)
 
     def _drive_all(
         self, views: Sequence[RobotView], twist: Twist2, source: requests.Input
-    ) -> str | None:
+    ) -> Refusal | None:
         """Drive robots, each by its own control; return the first refusal, or `None`."""
         refusals = [(one.name, one.control.drive_from_page(self, twist, source)) for one in views]
-        named = (f"{name}: {why}" if len(views) > 1 else why for name, why in refusals if why)
-        return next(named, None)
+        name, refused = next((each for each in refusals if each[1]), ("", None))
+        return Refusal(f"{name}: {refused}") if refused and len(views) > 1 else refused
 
-    def _change_mode(self, view: RobotView, request: requests.ModeRequest) -> str | None:
-        """Start or end a mode; return the refusal, or `None`."""
+    def _change_mode(self, view: RobotView, request: requests.ModeRequest) -> Refusal | None:
+        """Start or end a mode."""
         match request:
             case requests.StartMode(mode):
                 return view.control.start_mode(self, mode)
@@ -339,15 +339,15 @@ class Client:
         if view.navigation.possible:
             return self._navigate(view, request)
         if forbidden := view.navigation.forbids:
-            return forbidden
+            return Refusal(forbidden)
         return view.control.goto(self, request)
 
     def _navigate(
         self, view: RobotView, request: requests.GotoPlace | requests.MapRequest
-    ) -> str | None:
-        """Pass a request on to navigation; return the refusal, or `None`."""
+    ) -> Refusal | None:
+        """Pass a request on to navigation."""
         if not view.navigation.possible:
-            return view.navigation.impossible
+            return Refusal(view.navigation.impossible)
         if refused := view.control.take(self):
             return refused
         view.navigation.ask(self, request)

@@ -25,6 +25,7 @@ from typing import Generic, Protocol, TypeVar
 from pioneer3.behaviors.action import Stack
 from pioneer3.behaviors.actions import Hold
 from pioneer3.behaviors.modes import Goto, Mode
+from pioneer3.errors import Refusal
 from pioneer3.geometry import Pose2, Twist2
 from pioneer3.robot.pilot import STANDING, STOPPED
 from pioneer3.runtime.arbiter import GAMEPAD, KEYBOARD, WEB, Arbiter
@@ -70,8 +71,8 @@ class Operator(Protocol):
 class Rule(Protocol):
     """Decides whether an operator may drive a robot now, besides control."""
 
-    def __call__(self, operator: Operator, *, take_over: bool) -> str | None:
-        """Return the reason to refuse driving, or taking control over; `None` if it is allowed."""
+    def __call__(self, operator: Operator, *, take_over: bool) -> Refusal | None:
+        """Return the refusal of driving, or of taking control over; `None` if it is allowed."""
 
 
 def no_rule(operator: Operator, *, take_over: bool) -> None:
@@ -127,12 +128,12 @@ class Inputs:
         return frozenset(hold.name for hold in self._holds.values())
 
     @property
-    def ignored(self) -> str | None:
-        """The reason to let go of the last input before it counts again, or `None`."""
+    def ignored(self) -> Refusal | None:
+        """The refusal of the last input until it is let go of, or `None`."""
         return self._last.ignored(self._arbiter.last_stop)
 
-    def hold(self, source: Input, twist: Twist2, seconds: float) -> str | None:
-        """Hold `twist` for `seconds`; return the reason for the robot to ignore it, or `None`."""
+    def hold(self, source: Input, twist: Twist2, seconds: float) -> Refusal | None:
+        """Hold `twist` for `seconds`."""
         priority, now, last = INPUTS[source][1], self._clock(), self._arbiter.last_stop
         mine = self._last = self._holds[priority]
         higher = [hold for p, hold in self._holds.items() if p > priority and hold.holds(now, last)]
@@ -204,11 +205,8 @@ class Control:
             return self._starter()
         return name
 
-    def drive(self, operator: Operator, twist: Twist2, source: Input = "touch") -> str | None:
-        """Hold `twist` with an input; return the reason for the robot to ignore it, or `None`.
-
-        Zero lets go of the input.
-        """
+    def drive(self, operator: Operator, twist: Twist2, source: Input = "touch") -> Refusal | None:
+        """Hold `twist` with an input; zero lets go of it."""
         if refused := self.take(operator) or self._stopping():
             return refused
         if twist.is_zero:
@@ -218,10 +216,10 @@ class Control:
 
     def drive_from_page(
         self, operator: Operator, twist: Twist2, source: Input = "touch"
-    ) -> str | None:
-        """Drive; return only a reason that asks the operator to do something.
+    ) -> Refusal | None:
+        """Drive; return only a refusal that asks the operator to do something.
 
-        Snapshots tell the other reasons.
+        Snapshots tell the reasons of others.
         """
         refused = self.drive(operator, twist, source)
         return refused if self._inputs.ignored or self.holder is not operator else None
@@ -241,24 +239,24 @@ class Control:
 
     def start_mode(
         self, operator: Operator, mode: Mode, *, patience: float = SILENCE
-    ) -> str | None:
+    ) -> Refusal | None:
         """Start a mode of the page or the API as :meth:`start` does."""
         if self._robot.snapshot is None:
-            return "the robot is not connected"
+            return Refusal("the robot is not connected")
         return self.start(
             operator, mode.stack(self._robot.info.limits), mode.seconds, patience=patience
         )
 
     def start(
         self, operator: Operator, mode: Stack, seconds: float, *, patience: float = SILENCE
-    ) -> str | None:
-        """Let `mode` drive for `seconds` at most; return the reason not to, or `None`.
+    ) -> Refusal | None:
+        """Let `mode` drive for `seconds` at most.
 
         It ends when :meth:`keep_alive` was not called for `operator` during `patience` [s], and
         does not begin after that. Scripts, for which nothing calls it, pass `inf`.
         """
         if self._silence(operator) > patience:
-            return _nothing_heard(operator, patience)
+            return Refusal(_nothing_heard(operator, patience))
         if refused := self.take(operator) or self._stopping():
             return refused
         self._inputs.stop()
@@ -269,14 +267,14 @@ class Control:
             self._watch_silence(operator, mode, patience)
         return refused
 
-    def goto(self, operator: Operator, request: requests.GotoPlace) -> str | None:
-        """Drive straight to a place, where there is no map; return the reason not to, or `None`.
+    def goto(self, operator: Operator, request: requests.GotoPlace) -> Refusal | None:
+        """Drive straight to a place, where there is no map.
 
         The operator must stay connected.
         """
         snapshot = self._robot.snapshot
         if snapshot is None:
-            return "The robot is not connected."
+            return Refusal("The robot is not connected.")
         odom = snapshot.odometry.robot_in_odom
         place = Pose2(request.x, request.y, request.heading or 0.0)
         goal = self._scene.odom_in_map_now(odom).inverse() @ place
@@ -284,15 +282,15 @@ class Control:
         mode = Goto(x=goal.x, y=goal.y, heading=heading, speed=request.speed, seconds=GOTO_TIME)
         return self.start_mode(operator, mode)
 
-    def end_mode(self, operator: Operator) -> str | None:
-        """End the mode; return the reason not to, or `None`."""
+    def end_mode(self, operator: Operator) -> Refusal | None:
+        """End the mode."""
         if refused := self.take(operator):
             return refused
         self._robot.arbiter.end_mode(f"{operator.name} ended it")
         return None
 
-    def take(self, operator: Operator, *, keep: bool = False) -> str | None:
-        """Give control to `operator` if it is free or theirs; return the reason not to, or `None`.
+    def take(self, operator: Operator, *, keep: bool = False) -> Refusal | None:
+        """Give control to `operator` if it is free or theirs.
 
         With `keep` it stays with the operator while the client is alive.
         """
@@ -300,7 +298,7 @@ class Control:
             return refused
         holder = self.holder
         if holder is not None and holder is not operator:
-            return f"{holder.name} has control"
+            return Refusal(f"{holder.name} has control")
         self._lease.take(operator, self._clock(), KEPT if keep else None)
         if keep or holder is None:
             self._keeper = operator if keep else None
@@ -312,17 +310,14 @@ class Control:
         if self._keeper is operator and self._lease.holder(self._clock()) is operator:
             self._lease.take(operator, self._clock(), KEPT)
 
-    def switch_motors(self, operator: Operator, *, on: bool) -> str | None:
-        """Switch the motors' power; return the reason not to, or `None`."""
+    def switch_motors(self, operator: Operator, *, on: bool) -> Refusal | None:
+        """Switch the motors' power."""
         if on and (refused := self._rule(operator, take_over=False)):
             return refused
         return self._robot.arbiter.set_motors(on=on)
 
-    def take_over(self, operator: Operator) -> str | None:
-        """Stop the robot, and give control to `operator`; the operator before is told.
-
-        Return the reason not to, or `None`.
-        """
+    def take_over(self, operator: Operator) -> Refusal | None:
+        """Stop the robot, and give control to `operator`; the operator before is told."""
         if refused := self._rule(operator, take_over=True):
             return refused
         before = self.holder
@@ -334,10 +329,10 @@ class Control:
             self._tell(before, f"{operator.name} took over; you watch now")
         return None
 
-    def hand_over(self, operator: Operator, to: Operator) -> str | None:
-        """Stop the robot, and pass control on to another; return the reason not to, or `None`."""
+    def hand_over(self, operator: Operator, to: Operator) -> Refusal | None:
+        """Stop the robot, and pass control on to another."""
         if self.holder is not operator:
-            return "you do not have control"
+            return Refusal("you do not have control")
         self._inputs.stop()
         self._stopping_until = self._clock() + STOPPING
         self._pass_to(to)
@@ -386,7 +381,7 @@ class Control:
         if self._robot.arbiter.mode is mode:
             self._robot.arbiter.end_mode(why)
 
-    def _stopping(self) -> str | None:
+    def _stopping(self) -> Refusal | None:
         """Return a refusal while the robot still comes to a stand after a take-over."""
         snapshot = self._robot.snapshot
         if self._clock() >= self._stopping_until or snapshot is None:
@@ -395,7 +390,7 @@ class Control:
         if abs(twist.v) < STANDING.v and abs(twist.w) < STANDING.w:
             self._stopping_until = float("-inf")
             return None
-        return "the robot is still stopping"
+        return Refusal("the robot is still stopping")
 
 
 def _nothing_heard(operator: Operator, seconds: float) -> str:

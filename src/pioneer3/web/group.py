@@ -4,6 +4,7 @@ from math import inf
 from typing import TYPE_CHECKING
 
 from pioneer3.behaviors.modes.group import GroupMode
+from pioneer3.errors import Refusal
 from pioneer3.navigation.group import stacks_of
 from pioneer3.web.control import SILENCE, Operator
 
@@ -19,8 +20,8 @@ def start(
     leader: int | None,
     *,
     waits: bool = True,
-) -> str | None:
-    """Start a mode of several robots; return the reason not to, or `None`.
+) -> Refusal | None:
+    """Start a mode of several robots.
 
     All robots begin or none does. Control of each is taken by itself; the leader is left to
     whoever drives it.
@@ -42,7 +43,7 @@ def start(
     for name, view in views.items():
         holder = view.control.holder
         if name != first and holder is not None and holder is not operator:
-            return f"{name}: {holder.name} has control"
+            return Refusal(f"{name}: {holder.name} has control")
     driven = {name: view.robot for name, view in views.items()}
     stacks = stacks_of(mode, driven, first, page.traffic)
     for name, stack in stacks.items():
@@ -53,5 +54,5 @@ def start(
             for other in stacks:
                 if driven[other].arbiter.mode is stacks[other]:
                     driven[other].arbiter.end_mode(f"{name} did not begin")
-            return f"{name}: {refused}"
+            return Refusal(f"{name}: {refused}")
     return None

@@ -7,7 +7,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pioneer3.errors import PioneerError
+from pioneer3.errors import PioneerError, Refusal
 from pioneer3.geometry import ORIGIN
 from pioneer3.maps import LineMap, MapObject
 from pioneer3.runtime.robot import Robot
@@ -80,18 +80,18 @@ class RobotMapping:
         """Whether a map is being made."""
         return self._builder is not None
 
-    def ask(self, operator: Operator, request: requests.MakeMap) -> str | None:
-        """Carry out a request; return the refusal, or `None`."""
+    def ask(self, operator: Operator, request: requests.MakeMap) -> Refusal | None:
+        """Carry out a request."""
         self._asked_by, builder = operator, self._builder
         match request.step:
             case "begin" | "explore" if not self.possible:
-                return "a map needs a robot with a laser, and the extra nav"
+                return Refusal("a map needs a robot with a laser, and the extra nav")
             case "begin":
                 self._begin.set()
             case "explore" if builder is None:
-                return "begin a map first"
+                return Refusal("begin a map first")
             case _ if builder is None:
-                return "no map is being made"
+                return Refusal("no map is being made")
             case "explore":
                 mode = builder.mode(request.speed)
                 return self._control.start(operator, mode, LONGEST)

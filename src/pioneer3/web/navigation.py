@@ -244,11 +244,12 @@ class RobotNavigation:
         way = to_drive(found)
         if errand.drives and not errand.answer.done():
             last = self._robot.arbiter.last_stop
+            if last.number != errand.after:
+                raise MotionError(last.why)
             mode = navigator.mode(goal, way, errand.speed)
-            refused = last.why if last.number != errand.after else None
-            refused = refused or self._control.start(errand.operator, mode, GOTO_TIME, patience=inf)
+            refused = self._control.start(errand.operator, mode, GOTO_TIME, patience=inf)
             if refused:
-                raise MotionError(refused)
+                raise MotionError(refused.text)
         return self._shown(goal, found, errand.speed)
 
     async def _drive(
@@ -280,7 +281,7 @@ class RobotNavigation:
         if stop.number != after:
             self._tell(operator, _sentence(f"it does not set out: {stop.why}"))
         elif refused := self._control.start(operator, mode, seconds):
-            self._tell(operator, refused)
+            self._tell(operator, refused.text)
 
     def _destination(
         self, place: requests.GotoPlace | requests.PlanWay | requests.Stopover

@@ -7,7 +7,7 @@ from functools import partial
 from itertools import count
 
 from pioneer3 import __version__
-from pioneer3.errors import CommandError
+from pioneer3.errors import CommandError, Refusal
 from pioneer3.names import free_name
 from pioneer3.navigation.traffic import Participant, Traffic
 from pioneer3.runtime.robot import Robot
@@ -226,8 +226,8 @@ class Page:
             mapping=mapping,
         )
 
-    def _refusal(self, number: int, operator: Operator, *, take_over: bool) -> str | None:
-        """Return the reason of the class to let an operator not drive, or `None`."""
+    def _refusal(self, number: int, operator: Operator, *, take_over: bool) -> Refusal | None:
+        """Return the class's refusal to let an operator drive, or `None`."""
         if self.classroom is None:
             return None
         return self.classroom.refusal(number, operator, take_over=take_over)

@@ -7,6 +7,7 @@ from msgspec import Meta
 
 from pioneer3.behaviors.modes import AnyMode
 from pioneer3.behaviors.modes.group import AnyGroupMode
+from pioneer3.errors import Refusal
 from pioneer3.maps.edit import NewRole
 
 Input = Literal["gamepad", "keyboard", "touch", "tilt"]
@@ -438,14 +439,14 @@ def decode(text: str) -> AnyRequest:
         raise msgspec.ValidationError(TOO_DEEP) from None
 
 
-def refusal_for_student(request: AnyRequest, robot: int | None) -> str:
-    """Return the reason to refuse this request of the student of `robot`; empty for none."""
+def refusal_for_student(request: AnyRequest, robot: int | None) -> Refusal | None:
+    """Return the refusal of this request of the student of `robot`, or `None`."""
     if not isinstance(request, FOR_STUDENTS):
-        return ONLY_TEACHERS
+        return Refusal(ONLY_TEACHERS)
     if isinstance(request, WatchLasers | Ping):
-        return ""
+        return None
     alone = not isinstance(request, Drive) or not request.also
-    return "" if request.robot == robot is not None and alone else NOT_YOURS
+    return None if request.robot == robot is not None and alone else Refusal(NOT_YOURS)
 
 
 def is_stop(text: bytes) -> bool:

@@ -7,6 +7,7 @@ import pytest
 
 from pioneer3.arcos import commands
 from pioneer3.arcos.commands import Command
+from pioneer3.errors import Refusal
 from pioneer3.geometry import ORIGIN, STILL, Twist2
 from pioneer3.limits import Limits
 from pioneer3.models import RobotModel, generic_model, load_model
@@ -73,7 +74,7 @@ def flying(now: float = 0.0, *, auto_enable: bool = True) -> Pilot:
 
 def ask(
     pilot: Pilot, twist: Twist2, now: float, until: float = inf, *, after: int | None = None
-) -> str | None:
+) -> Refusal | None:
     """Ask for what has just begun, unless it began `after` another stop."""
     began = pilot.last_stop.number if after is None else after
     return pilot.drive(VelocityCommand(twist, until, after=began), now)
@@ -145,10 +146,10 @@ def test_motors_found_on_are_switched_off() -> None:
 
 def test_before_a_session_requests_are_refused() -> None:
     pilot = Pilot()
-    assert ask(pilot, AHEAD, 0.0) == "no robot is connected"
+    assert str(ask(pilot, AHEAD, 0.0)) == "no robot is connected"
     pilot.session_opened(LIMITS, 0.0)
     frames(pilot)
-    assert ask(pilot, AHEAD, 1.0) == "no robot is connected"
+    assert str(ask(pilot, AHEAD, 1.0)) == "no robot is connected"
     assert frames(pilot) == []
 
 
@@ -576,8 +577,8 @@ def test_the_emergency_stop_latches() -> None:
     assert pilot.emergency
     pilot.observe(READY, 0.2)
     assert frames(pilot) == [OFF]
-    assert ask(pilot, AHEAD, 5.0) == "the emergency stop is latched"
-    assert pilot.set_motors(on=True, now=5.0) == "the emergency stop is latched"
+    assert str(ask(pilot, AHEAD, 5.0)) == "the emergency stop is latched"
+    assert str(pilot.set_motors(on=True, now=5.0)) == "the emergency stop is latched"
     assert pilot.set_motors(on=False, now=5.0) is None
 
 

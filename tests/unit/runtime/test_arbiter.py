@@ -149,7 +149,7 @@ async def test_what_was_held_during_a_stop_stays_muted_while_it_is_renewed() -> 
         the.arbiter.hold(the.web, FORTH, LONG)
         the.arbiter.stop(by=the.keyboard)
         for _ in range(20):
-            assert the.arbiter.hold(the.web, FORTH, LONG) == STOPPED
+            assert str(the.arbiter.hold(the.web, FORTH, LONG)) == STOPPED
             assert the.arbiter.driver is None
             await asyncio.sleep(0.1)
         assert the.sim.speed == 0.0
@@ -169,7 +169,7 @@ async def test_a_muted_hold_counts_again_after_it_has_run_out() -> None:
         the.arbiter.hold(the.web, FORTH, LONG)
         the.arbiter.stop()
         await asyncio.sleep(LONG - 0.01)
-        assert the.arbiter.hold(the.web, FORTH, LONG) == STOPPED
+        assert str(the.arbiter.hold(the.web, FORTH, LONG)) == STOPPED
         await asyncio.sleep(LONG)
         assert the.arbiter.hold(the.web, FORTH, LONG) is None
         assert the.arbiter.driver == "web"
@@ -189,7 +189,7 @@ async def test_who_stops_may_drive_again_at_once_and_the_others_may_not() -> Non
         the.arbiter.hold(the.web, FORTH, LONG)
         the.arbiter.hold(the.keyboard, BACK, LONG)
         the.arbiter.stop(by=the.keyboard)
-        assert the.arbiter.hold(the.web, FORTH, LONG) == STOPPED
+        assert str(the.arbiter.hold(the.web, FORTH, LONG)) == STOPPED
         assert the.arbiter.hold(the.keyboard, BACK, LONG) is None
         assert (the.arbiter.driver, the.asked) == ("keyboard", BACK)
 
@@ -344,7 +344,7 @@ async def test_a_mode_that_is_started_while_latched_does_not_begin_with_the_rese
         the.arbiter.emergency_stop()
         waiting = Waiting()
         why = the.arbiter.start(Stack.alone(waiting, MODE))
-        assert why == "the emergency stop is latched"
+        assert str(why) == "the emergency stop is latched"
         the.robot.reset_emergency_stop()
         waiting.goes = True
         await asyncio.sleep(2.0)
@@ -363,7 +363,7 @@ async def test_motors_switched_off_stay_off_whatever_is_held() -> None:
 async def test_motors_refused_say_why() -> None:
     async with bridge() as the:
         the.arbiter.emergency_stop()
-        assert the.arbiter.set_motors(on=True) == "the emergency stop is latched"
+        assert str(the.arbiter.set_motors(on=True)) == "the emergency stop is latched"
 
 
 async def test_a_wish_without_a_robot_is_refused_and_not_kept_for_later() -> None:

@@ -72,9 +72,9 @@ def test_a_student_drives_no_other_robot_and_starts_no_group() -> None:
     alone = requests.Drive(robot=1, v=0.1, w=0.0)
     more = requests.Drive(robot=1, v=0.1, w=0.0, also=(2,))
     group = requests.StartGroupMode(robots=(1, 2), mode=Spread())
-    assert requests.refusal_for_student(alone, 1) == ""
-    assert requests.refusal_for_student(more, 1) == requests.NOT_YOURS
-    assert requests.refusal_for_student(group, 1) == requests.ONLY_TEACHERS
+    assert requests.refusal_for_student(alone, 1) is None
+    assert str(requests.refusal_for_student(more, 1)) == requests.NOT_YOURS
+    assert str(requests.refusal_for_student(group, 1)) == requests.ONLY_TEACHERS
 
 
 async def test_a_group_begins_with_all_of_its_followers_or_with_none() -> None:

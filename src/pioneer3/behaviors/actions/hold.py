@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from pioneer3.behaviors.action import Action, Desire, Situation
+from pioneer3.errors import Refusal
 from pioneer3.geometry import STILL, Twist2
 from pioneer3.stops import LET_GO, Stop, leads_away
 
@@ -58,14 +59,14 @@ class Hold(Action):
         if now < self._until and not self._twist.is_zero:
             self._overruled = why
 
-    def ignored(self, last: Stop) -> str | None:
-        """Return the reason to ignore this after the stop `last`, or `None`."""
+    def ignored(self, last: Stop) -> Refusal | None:
+        """Return the refusal of this after the stop `last`, or `None`."""
         if self._twist.is_zero:
             return None
         if self._overruled:
-            return f"{self._overruled}; {LET_GO}"
+            return Refusal(f"{self._overruled}; {LET_GO}")
         if self._lapsed:
-            return f"{self.name} fell silent while it drove; {LET_GO}"
+            return Refusal(f"{self.name} fell silent while it drove; {LET_GO}")
         since = self._began_after if last.stalled is None else self._turned_after
         return None if since >= last.number else last.told
 

@@ -14,6 +14,7 @@ from collections.abc import Iterator
 from math import inf, isfinite
 from typing import Any, Final
 
+from pioneer3.errors import Refusal
 from pioneer3.geometry import Twist2
 from pioneer3.ros.node.command_order import CommandStream
 from pioneer3.stops import LET_GO, NO_STOP
@@ -47,14 +48,14 @@ class CommandGuard:
         """When :meth:`due` must be called [s, as every `now`]."""
         return min(self._until, *(each.deadline for each in self._streams.values()), inf)
 
-    def take(self, message: Any, sender: object, node: str, now: float) -> str | None:
-        """Take a command that came at `now`; return the reason to refuse it, or `None`.
+    def take(self, message: Any, sender: object, node: str, now: float) -> Refusal | None:
+        """Take a command that came at `now`.
 
         Of :meth:`due` it comes again where it is to be passed on, at once or a little later.
         """
         if sender in self._cut_off:
             if moves(message):
-                return f"{node} left while it drove; {LET_GO}"
+                return Refusal(f"{node} left while it drove; {LET_GO}")
             del self._cut_off[sender]
         if sender not in self._streams:
             self._streams[sender] = CommandStream(node, self._timeout, resumes=self._resumes)

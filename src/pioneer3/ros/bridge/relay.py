@@ -10,6 +10,7 @@ from contextlib import suppress
 from math import isfinite
 from typing import Any, Final, Protocol
 
+from pioneer3.errors import Refusal
 from pioneer3.ros.bridge.conversion import Convert
 from pioneer3.ros.bridge.guard import ZERO, CommandGuard, is_finite
 from pioneer3.ros.bridge.rows import TRANSFORMS, Row, Side
@@ -94,11 +95,8 @@ class Sink:
         message.transforms = list(self._fixed.values())
         self.write(message)
 
-    def drive(self, message: Any, sender: object, node: str) -> str | None:
-        """Send a velocity command of `sender`, and a zero when it has expired.
-
-        Return the reason if it is refused.
-        """
+    def drive(self, message: Any, sender: object, node: str) -> Refusal | None:
+        """Send a velocity command of `sender`, and a zero when it has expired."""
         assert self.guard is not None
         if self._ended:  # nothing may come after the zero
             return None
@@ -212,7 +210,7 @@ class Relay:
         made = self._convert(message)
         if commands:
             if (refusal := self.sink.drive(made, sender, node)) is not None:
-                self._refuse(node, refusal)
+                self._refuse(node, refusal.text)
         elif self.row.latched and self.row.ros1_type == TRANSFORMS:
             self.sink.write_fixed(made)
         else:

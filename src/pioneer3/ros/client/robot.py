@@ -7,6 +7,7 @@ from math import inf
 from typing import Final
 
 from pioneer3.behaviors.action import Stack
+from pioneer3.errors import Refusal
 from pioneer3.geometry import STILL, Twist2
 from pioneer3.robot.explain import Reason, ReasonKind, why_not_moving
 from pioneer3.robot.pilot import STANDING, Pilot, VelocityCommand
@@ -120,7 +121,7 @@ class TopicSupervisor:
         self.snapshots.publish(snapshot)
         self._flush(again=True)
 
-    def drive(self, command: VelocityCommand) -> str | None:
+    def drive(self, command: VelocityCommand) -> Refusal | None:
         """See :meth:`Pilot.drive`; the robot's node keeps its own accelerations."""
         refused = self.pilot.drive(command, self._clock())
         self._flush()
@@ -145,8 +146,8 @@ class TopicSupervisor:
         if self._latch is not None:
             self._latch(False)
 
-    def set_motors(self, *, on: bool) -> str | None:
-        """Ask for power on the motors, or none; return why not, or `None`."""
+    def set_motors(self, *, on: bool) -> Refusal | None:
+        """Ask for power on the motors, or none."""
         refused = self.pilot.set_motors(on=on, now=self._clock())
         if refused is None:
             self._send(STILL)

@@ -6,6 +6,7 @@ from statistics import median
 from typing import Final, NamedTuple
 
 from pioneer3.behaviors.actions import Hold
+from pioneer3.errors import Refusal
 from pioneer3.geometry import STILL, Twist2
 from pioneer3.stops import Stop, leads_away
 
@@ -127,8 +128,8 @@ class CommandStream:
         """Whether the last command waits until it is clear that it is not an old one."""
         return isfinite(self.deadline) or self._settles
 
-    def take(self, twist: Twist2, now: float, last: Stop, *, contested: bool) -> str | None:
-        """Take a command; return why it is ignored after the stop `last`, or `None`.
+    def take(self, twist: Twist2, now: float, last: Stop, *, contested: bool) -> Refusal | None:
+        """Take a command, unless it is ignored after the stop `last`.
 
         `contested` tells whether another publisher drives.
         """

@@ -10,7 +10,7 @@ from math import inf, isfinite
 from typing import Any, Final, NamedTuple
 
 from pioneer3.behaviors.actions import Hold
-from pioneer3.errors import CommandError
+from pioneer3.errors import CommandError, Refusal
 from pioneer3.geometry import STILL, Twist2
 from pioneer3.ros.node.command_order import CommandStream, NewestCommand
 from pioneer3.ros.node.middleware import Middleware, Sender
@@ -61,8 +61,8 @@ class Commands:
         self._streams: OrderedDict[int, tuple[Sender, CommandStream]] = OrderedDict()
         self._age: Callable[[Any], float | None] = lambda stamp: None
         self._driver: object = None
-        self._refusal: str | None = None
-        self._told: str | None = None
+        self._refusal: Refusal | None = None
+        self._told: Refusal | None = None
         self._warned_at = deque([-inf] * WARNINGS, maxlen=WARNINGS)
         self._pending: deque[Received] = deque(maxlen=PENDING)
         self._lock = threading.Lock()
@@ -160,7 +160,7 @@ class Commands:
                 self._check_age(self._age(received.message.header.stamp))
             twist = row.parse(received.message)
         except CommandError as error:
-            self._refusal = str(error)
+            self._refusal = Refusal(str(error))
             return None
         stream = self._stream(sender)
         contested = self._driver is not None and self._driver is not sender.connection

@@ -95,9 +95,10 @@ class Services:
     def switch_motors(self, *, on: bool) -> Response:
         """Stop, then switch; motors that were switched off stay so until somebody asks again."""
         refused = self._robot.arbiter.set_motors(on=on)
-        if refused is None:
-            self._robot.supervisor.pilot.auto_enable = on and self._auto_enable
-        return Response(refused is None, refused or f"the motors go {'on' if on else 'off'}")
+        if refused is not None:
+            return Response(False, refused.text)
+        self._robot.supervisor.pilot.auto_enable = on and self._auto_enable
+        return Response(True, f"the motors go {'on' if on else 'off'}")
 
     def switch_sonar(self, *, on: bool) -> Response:
         """Switch the sonars on or off."""

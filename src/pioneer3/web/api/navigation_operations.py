@@ -59,7 +59,7 @@ async def _answer(
     if refused := _impossible(request):
         return refused
     if drives and (taken := request.view.control.take(request.caller)):
-        return ErrorResponse(409, taken)
+        return ErrorResponse(409, taken.text)
     try:
         return await request.view.navigation.answer(
             request.caller, lambda known: _place(known, body), body.speed, drives=drives

@@ -3,7 +3,7 @@
 from math import inf
 
 from pioneer3.behaviors.modes import AnyMode, Goto
-from pioneer3.errors import MotionError
+from pioneer3.errors import MotionError, Refusal
 from pioneer3.robot.limits import checked
 from pioneer3.web import group, messages
 from pioneer3.web.access.middleware import ErrorResponse
@@ -145,7 +145,7 @@ def start_group_mode(request: ApiRequest, body: types.Group) -> ErrorResponse | 
             request.page, request.caller, body.mode, body.robots, body.leader, waits=False
         )
     except MotionError as error:
-        refused = str(error)
+        refused = Refusal(str(error))
     return _refused(refused)
 
 
@@ -154,8 +154,8 @@ def goto(request: ApiRequest, body: Goto) -> messages.ModeState | ErrorResponse:
     return start_mode(request, body)
 
 
-def _refused(refused: str | None) -> ErrorResponse | None:
-    return ErrorResponse(409, refused) if refused else None
+def _refused(refused: Refusal | None) -> ErrorResponse | None:
+    return ErrorResponse(409, refused.text) if refused else None
 
 
 def _result(request: ApiRequest) -> types.CommandResult:

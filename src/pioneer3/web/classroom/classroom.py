@@ -19,7 +19,7 @@ from typing import Protocol
 
 from pioneer3.classroom.roster import Roster
 from pioneer3.classroom.runs import Run, RunFolder
-from pioneer3.errors import CommandError, ConfigError
+from pioneer3.errors import CommandError, ConfigError, Refusal
 from pioneer3.web import messages, requests
 from pioneer3.web.access.access import Access, Rate, RateLimiter
 from pioneer3.web.access.sessions import Kind, Role, Session, fingerprint
@@ -165,13 +165,13 @@ class Classroom:
 
     # Driving
 
-    def refusal(self, number: int, operator: Operator, *, take_over: bool) -> str | None:
-        """Return the reason why an operator may not drive, or take over; `None` if it is allowed.
+    def refusal(self, number: int, operator: Operator, *, take_over: bool) -> Refusal | None:
+        """Return the refusal of an operator who may not drive, or take over, or `None`.
 
         A teacher who takes over ends the program's connection.
         """
         if paused := self.roster.pause_of(number):
-            return paused
+            return Refusal(paused)
         robot, teaches = self.robots[number], not self._is_student(operator)
         holder = self._page.robots[number].control.holder
         held_by_student = holder is not None and self._is_student(holder)
@@ -180,15 +180,15 @@ class Classroom:
             return None
         if robot.program is not None:
             if not teaches:
-                return PROGRAM
-            return f"the program at {robot.program} drives: take over to drive from here"
+                return Refusal(PROGRAM)
+            return Refusal(f"the program at {robot.program} drives: take over to drive from here")
         from_teacher = holder is not None and not held_by_student
-        return TEACHER if take_over and from_teacher else None
+        return Refusal(TEACHER) if take_over and from_teacher else None
 
     # Requests
 
-    def carry_out(self, request: requests.ClassRequest) -> str | None:
-        """Carry out a request; return the refusal, or `None`."""
+    def carry_out(self, request: requests.ClassRequest) -> Refusal | None:
+        """Carry out a request."""
         try:
             match request:
                 case requests.PauseRobots(paused, robot):
@@ -204,7 +204,7 @@ class Classroom:
                 case requests.RecordRun(step, robot):
                     self.record(robot, step)
         except (CommandError, ConfigError) as error:
-            return str(error)
+            return Refusal(str(error))
         return None
 
     def pause(self, robot: int | None = None, *, paused: bool) -> None:

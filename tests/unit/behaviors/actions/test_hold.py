@@ -147,7 +147,7 @@ def test_what_is_overruled_has_to_be_let_go(sender: Sender) -> None:
     sender.send(FORTH)
     sender.hold.overrule("the gamepad drives", sender.now)
     assert not sender.send(FORTH, 2.0)
-    assert sender.hold.ignored(NO_STOP) == "the gamepad drives; let go, then ask again"
+    assert str(sender.hold.ignored(NO_STOP)) == "the gamepad drives; let go, then ask again"
     sender.hold.release()
     assert sender.send(FORTH, 0.1)
 
