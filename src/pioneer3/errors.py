@@ -3,12 +3,15 @@
 * :exc:`PioneerError`
     * :exc:`LinkError` (also :exc:`ConnectionError`): the cable or socket failed
         * :exc:`PortNotFoundError` (also :exc:`FileNotFoundError`): no such port, host or file
+            * :exc:`UnknownHostError`: nobody knows a host of this name
         * :exc:`PortPermissionError` (also :exc:`PermissionError`): this user may not open the port
         * :exc:`PortBusyError`: another program has the port
+        * :exc:`HungUpError`: the far end closed the link
         * :exc:`RecordingOverError`: a recording in the place of a robot has been played to its end
         * :exc:`HostError`: another computer does not answer over ssh
             * :exc:`LoginError`: it answers, but does not let this user in
     * :exc:`NoRobotError` (also :exc:`TimeoutError`): the port opened, but no robot answered
+        * :exc:`TurnedAwayError`: the far end closed the link before a robot answered
     * :exc:`CommandError` (also :exc:`ValueError`): a command must not be sent to the robot
     * :exc:`MotionError` (also :exc:`RuntimeError`): the robot could not carry out the motion
     * :exc:`DeviceError` (also :exc:`RuntimeError`): an accessory is missing or does not answer
@@ -63,12 +66,20 @@ class PortNotFoundError(LinkError, FileNotFoundError):
     """There is no such port, host or recording."""
 
 
+class UnknownHostError(PortNotFoundError):
+    """Nobody knows a host of this name."""
+
+
 class PortPermissionError(LinkError, PermissionError):
     """The port exists, but this user may not open it."""
 
 
 class PortBusyError(LinkError):
     """Another program has the port open."""
+
+
+class HungUpError(LinkError):
+    """The far end closed the link, as it does while another program has the robot."""
 
 
 class RecordingOverError(LinkError):
@@ -85,6 +96,10 @@ class LoginError(HostError):
 
 class NoRobotError(PioneerError, TimeoutError):
     """The port opened, but no robot answered on it."""
+
+
+class TurnedAwayError(NoRobotError):
+    """The far end closed the link before a robot answered."""
 
 
 class CommandError(PioneerError, ValueError):

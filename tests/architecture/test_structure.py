@@ -96,3 +96,67 @@ def test_messages_have_types() -> None:
         if "dict[str, Any]" in path.read_text()
         and not name.startswith(tuple(f"pioneer3.{module}" for module in UNTYPED))
     ] == []
+
+
+MARKS = {
+    "Connect call failed": "asyncio's words",
+    " - at `$": "msgspec's words",
+    "ROS 2": "a name in the tables of parameters",
+    "# pioneer3": "the beginning of a recording",
+    "pioneer3: the answer": "the beginning of a remote program's answer",
+    "Drawn by pioneer3 from the robot's model.": "the mark of a description of ours",
+}
+"""Texts of two words or more that are looked for in others, as they are no sentences of ours."""
+
+
+def constants(module: str) -> dict[str, str]:
+    """Return the texts that a module gives names."""
+    return {
+        target.id: node.value.value
+        for node in ast.parse(MODULES[module].read_text()).body
+        if isinstance(node, ast.Assign | ast.AnnAssign) and isinstance(node.value, ast.Constant)
+        for target in (node.targets if isinstance(node, ast.Assign) else [node.target])
+        if isinstance(target, ast.Name) and isinstance(node.value.value, str)
+    }
+
+
+def named_texts(module: str) -> dict[str, str]:
+    """Return the texts that have names in a module, its own and those that it imports."""
+    found = constants(module)
+    for node in ast.walk(ast.parse(MODULES[module].read_text())):
+        if isinstance(node, ast.ImportFrom) and node.module in MODULES:
+            theirs = constants(node.module)
+            found |= {each.name: theirs[each.name] for each in node.names if each.name in theirs}
+    return found
+
+
+def searched_texts(node: ast.AST) -> Iterator[ast.expr]:
+    """Yield what an expression looks for in another one."""
+    if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute):
+        if node.func.attr in {"startswith", "endswith", "partition"}:
+            for argument in node.args:
+                yield from argument.elts if isinstance(argument, ast.Tuple) else (argument,)
+    elif isinstance(node, ast.Compare) and isinstance(node.ops[0], ast.In | ast.NotIn):
+        yield node.left
+
+
+def test_no_code_looks_into_our_own_sentences() -> None:
+    """The kind of a reason, a refusal or an error is data: an attribute, or the error's class."""
+    trees = {module: ast.parse(path.read_text()) for module, path in MODULES.items()}
+    ours = "\n".join(
+        node.value
+        for tree in trees.values()
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Constant) and isinstance(node.value, str)
+    )
+    found = []
+    for module, tree in trees.items():
+        named = named_texts(module)
+        for text in (text for node in ast.walk(tree) for text in searched_texts(node)):
+            if isinstance(text, ast.Constant) and isinstance(text.value, str):
+                words = text.value if ours.count(text.value) > 1 else ""
+            else:
+                words = named.get(text.id, "") if isinstance(text, ast.Name) else ""
+            if len(words.split()) > 1 and words not in MARKS:
+                found.append(f"{module}:{text.lineno}: {words!r}")
+    assert found == []

@@ -11,10 +11,10 @@ from pioneer3 import connect, connect_async
 from pioneer3.errors import (
     ConfigError,
     LinkError,
-    NoRobotError,
     PioneerError,
     PortNotFoundError,
     RecordingOverError,
+    TurnedAwayError,
 )
 from tests.support import SimulatedRobot
 
@@ -114,7 +114,7 @@ async def test_a_server_that_is_no_robot_is_called_so() -> None:
     server = await asyncio.start_server(greet, "127.0.0.1", 0)
     port = server.sockets[0].getsockname()[1]
     async with server:
-        with pytest.raises(NoRobotError, match="the other end closed the link"):
+        with pytest.raises(TurnedAwayError, match="the other end closed the link"):
             async with connect_async(f"tcp://127.0.0.1:{port}"):
                 pass
 

@@ -7,6 +7,7 @@ from random import Random
 
 import pytest
 
+from pioneer3 import connect_async
 from pioneer3.arcos.commands import Stop
 from pioneer3.behaviors.actions import Hold
 from pioneer3.errors import ConfigError, PortPermissionError
@@ -14,7 +15,8 @@ from pioneer3.fleet.drive import FleetDrive, Manner
 from pioneer3.fleet.members import PAUSES, Reached
 from pioneer3.fleet.spec import Robot
 from pioneer3.geometry import Twist2
-from pioneer3.links.memory import Noise
+from pioneer3.links import Link
+from pioneer3.links.memory import Noise, null_modem
 from pioneer3.runtime.arbiter import PROGRAM
 from pioneer3.runtime.driven import Driven
 from pioneer3.tasks import running
@@ -233,6 +235,22 @@ async def test_a_refusal_is_told_and_so_is_a_failure_of_this_program() -> None:
             drive.press(UP)
             await asyncio.sleep(2)
             assert here.speeds() == [0, 0, 0.2]
+
+
+async def test_a_robot_that_hangs_up_at_once_refuses_this_program() -> None:
+    async def open_link() -> Link:
+        near, far = null_modem()
+        await far.close()
+        return near
+
+    async with simulated(1) as here:
+        drive = FleetDrive(
+            here.robots, lambda robot: connect_async(open_link), Manner(speed=0.2, latch=True)
+        )
+        async with running(drive.run()):
+            await until(lambda: drive.look()[0].reached is not Reached.WAITS)
+            assert drive.look()[0].reached is Reached.REFUSED
+            assert "is another one connected to it?" in drive.look()[0].why
 
 
 async def test_a_fleet_without_robots_is_refused() -> None:

@@ -6,7 +6,7 @@ from contextlib import suppress
 from typing import Final, Protocol
 
 from pioneer3.bridge.client import Client, Port
-from pioneer3.errors import LinkError
+from pioneer3.errors import HungUpError
 from pioneer3.links.base import HUNG_UP
 from pioneer3.links.stream import tune, unacknowledged
 
@@ -189,7 +189,7 @@ class BridgeLink:
             LinkError: the connection has ended.
         """
         if self._port.closed or self._client is None:
-            raise LinkError(f"{self.url}: the bridge has closed the connection; {HUNG_UP}")
+            raise HungUpError(f"{self.url}: the bridge has closed the connection; {HUNG_UP}")
         if not self._server.receive(self._client, data):
             await self._drained()
 

@@ -13,7 +13,7 @@ from pioneer3.doctor.facts import (
 )
 from pioneer3.doctor.ports import Holder, SerialPort, latency_file
 from pioneer3.doctor.recognition import Kind, OtherDevice
-from pioneer3.errors import PortBusyError, PortNotFoundError, PortPermissionError
+from pioneer3.errors import PortBusyError, PortNotFoundError, PortPermissionError, UnknownHostError
 from pioneer3.links.serial import SPEEDS, how_to_get_permission
 from pioneer3.robot.identity import kind
 
@@ -44,7 +44,7 @@ def _without(url: str, text: str) -> str:
 
 
 def _network_advice(facts: Facts) -> str:
-    if isinstance(facts.refused, PortNotFoundError) and "no host" in str(facts.refused):
+    if isinstance(facts.refused, UnknownHostError):
         return "Check the spelling, or give the address in numbers: tcp://192.168.1.32:8101."
     if isinstance(facts.refused, PortNotFoundError):
         return (

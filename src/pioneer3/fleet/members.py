@@ -8,9 +8,15 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Final
 
-from pioneer3.errors import ConfigError, PioneerError, PortBusyError, PortPermissionError
+from pioneer3.errors import (
+    ConfigError,
+    HungUpError,
+    PioneerError,
+    PortBusyError,
+    PortPermissionError,
+    TurnedAwayError,
+)
 from pioneer3.fleet.spec import Robot
-from pioneer3.links.base import HUNG_UP
 from pioneer3.robot.explain import Reason
 from pioneer3.robot.supervisor import Connection
 from pioneer3.runtime.driven import Driven
@@ -21,6 +27,14 @@ log = logging.getLogger(__name__)
 PAUSES: Final = (0.5, 1.0, 2.0, 4.0, 8.0)
 """Before the next attempts to connect [s]; the last one repeats."""
 
+REFUSALS: Final = (
+    ConfigError,
+    PortPermissionError,
+    PortBusyError,
+    HungUpError,
+    TurnedAwayError,
+)
+"""Errors by which a robot that is there does not let this program in."""
 Connect = Callable[[Robot], AbstractAsyncContextManager[Driven]]
 """Connects to a robot for the length of a block: at its port, or over topics."""
 Join = Callable[[Robot, Driven], AbstractAsyncContextManager[None]]
@@ -177,9 +191,7 @@ class Members:
 
 def _kind(error: Exception, before: Reached) -> Reached:
     """Return the meaning of an `error` that ended an attempt."""
-    if isinstance(error, ConfigError | PortPermissionError | PortBusyError):
-        return Reached.REFUSED
-    if HUNG_UP in str(error):
+    if isinstance(error, REFUSALS):
         return Reached.REFUSED
     return Reached.LOST if before in {Reached.CONNECTED, Reached.LOST} else Reached.WAITS
 

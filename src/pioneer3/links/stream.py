@@ -8,7 +8,7 @@ from array import array
 from collections.abc import Awaitable, Callable
 from ipaddress import ip_address
 
-from pioneer3.errors import LinkError, PortNotFoundError
+from pioneer3.errors import HungUpError, LinkError, PortNotFoundError, UnknownHostError
 from pioneer3.links.base import HUNG_UP
 
 try:
@@ -67,7 +67,7 @@ class StreamLink:
 
     def _failed(self, error: OSError) -> LinkError:
         if isinstance(error, ConnectionResetError | BrokenPipeError):
-            return LinkError(f"{self.url}: the far end hung up; {HUNG_UP}")
+            return HungUpError(f"{self.url}: the far end hung up; {HUNG_UP}")
         return LinkError(f"{self.url}: {error}")
 
     async def set_speed(self, baud: int) -> None:
@@ -106,7 +106,7 @@ async def open_tcp(host: str, port: int) -> StreamLink:
             f"{url}: no answer within {CONNECT_PATIENCE:g} s; is {host} on, and in this network?"
         ) from None
     except (socket.gaierror, UnicodeError):  # unknown, or not even a name
-        raise PortNotFoundError(f"{url}: no host of the name {host!r} is known") from None
+        raise UnknownHostError(f"{url}: no host of the name {host!r} is known") from None
     except OSError as error:
         if error.errno == errno.ECONNREFUSED or "Connect call failed" in str(error):
             starts = (

@@ -22,7 +22,7 @@ from pioneer3.arcos.host_events import (
     Timing,
 )
 from pioneer3.arcos.reports import Config, Report, Sip
-from pioneer3.errors import CommandError, LinkError, NoRobotError, Refusal
+from pioneer3.errors import CommandError, LinkError, NoRobotError, Refusal, TurnedAwayError
 from pioneer3.limits import Accelerations, Limits
 from pioneer3.links import Link
 from pioneer3.links.base import HUNG_UP
@@ -163,8 +163,10 @@ class Session:
             for event in self._host.receive(data, now):
                 await self._handle(event, now)
             self.wake()
-        hint = f"; {HUNG_UP}" if self.identity is None else ""
-        raise self._failure(f"the other end closed the link{hint}")
+        closed = f"{self.link.url}: the other end closed the link"
+        if self.identity is None:
+            raise TurnedAwayError(f"{closed}; {HUNG_UP}")
+        raise LinkError(closed)
 
     async def _write(self) -> None:
         while True:

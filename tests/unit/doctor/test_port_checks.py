@@ -6,7 +6,13 @@ from pioneer3.doctor.diagnose import diagnose, exit_code
 from pioneer3.doctor.facts import Facts, Finding, Level
 from pioneer3.doctor.ports import Holder, SerialPort
 from pioneer3.doctor.recognition import Kind, OtherDevice
-from pioneer3.errors import LinkError, PortBusyError, PortNotFoundError, PortPermissionError
+from pioneer3.errors import (
+    LinkError,
+    PortBusyError,
+    PortNotFoundError,
+    PortPermissionError,
+    UnknownHostError,
+)
 from pioneer3.models import load_model
 from pioneer3.robot.limits import limits_for
 from pioneer3.robot.supervisor import RobotInfo
@@ -87,7 +93,7 @@ def test_any_other_refusal_is_quoted() -> None:
 @pytest.mark.parametrize(
     ("error", "advice"),
     [
-        (PortNotFoundError("tcp://r:8101: no host of the name 'r' is known"), "spelling"),
+        (UnknownHostError("tcp://r:8101: no host of the name 'r' is known"), "spelling"),
         (PortNotFoundError("tcp://r:8101: nobody listens there"), "p3 sim"),
         (LinkError("tcp://r:8101: no answer within 5 s"), "ping"),
     ],

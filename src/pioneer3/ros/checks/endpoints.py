@@ -164,6 +164,5 @@ def _other_faults(other: Endpoint, robots: Own, facts: Facts) -> Iterator[Fault]
         )
     elif other.type_hash and robots.type.hash and other.type_hash != robots.type.hash:
         yield tell(f"{named} has another version of the type", advice=OTHER_DISTRO)
-    elif facts.strict and (why := incompatible(robots, other)):
-        field = "reliability" if "reliable" in why else "durability"
-        yield tell(f"{named} does not match, {field}: {why}")
+    elif facts.strict and (mismatch := incompatible(robots, other)):
+        yield tell(f"{named} does not match, {mismatch.policy}: {mismatch.why}")

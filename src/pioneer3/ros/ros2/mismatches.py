@@ -45,26 +45,36 @@ def mismatches(
                 f"{_named(endpoint)} has another version of {ours.type.name}: it is of another"
                 " distribution of ROS 2; say which with --distro"
             )
-        elif strict and (why := incompatible(ours, endpoint)):
-            yield f"{_named(endpoint)} and this node do not match: {why}"
+        elif strict and (mismatch := incompatible(ours, endpoint)):
+            yield f"{_named(endpoint)} and this node do not match: {mismatch.why}"
 
 
-def incompatible(ours: Own, theirs: Endpoint) -> str:
-    """Return the reason why two endpoints of one type do not match; empty if they do."""
+@dataclass(frozen=True, slots=True)
+class Mismatch:
+    """The reason that two endpoints do not match: the policy of QoS, and a sentence."""
+
+    policy: str
+    why: str
+
+
+def incompatible(ours: Own, theirs: Endpoint) -> Mismatch | None:
+    """Return the reason that two endpoints of one type do not match, or `None` if they do."""
     publisher, subscriber = (
         (ours.qos, theirs.qos) if ours.kind is Kind.PUBLISHER else (theirs.qos, ours.qos)
     )
     if subscriber.reliable and not publisher.reliable:
-        return "the publisher is best effort, the subscriber wants reliable"
+        why = "the publisher is best effort, the subscriber wants reliable"
+        return Mismatch("reliability", why)
     if subscriber.transient_local and not publisher.transient_local:
-        return "the publisher is volatile, the subscriber wants transient local"
+        why = "the publisher is volatile, the subscriber wants transient local"
+        return Mismatch("durability", why)
     if subscriber.deadline < publisher.deadline:
-        return (
-            f"the subscriber wants a deadline of {subscriber.deadline:g} s, {_promise(publisher)}"
-        )
+        wants = f"the subscriber wants a deadline of {subscriber.deadline:g} s"
+        return Mismatch("deadline", f"{wants}, {_promise(publisher)}")
     if subscriber.manual > publisher.manual or subscriber.lease < publisher.lease:
-        return "the subscriber wants more signs of life than the publisher promises"
-    return ""
+        why = "the subscriber wants more signs of life than the publisher promises"
+        return Mismatch("liveliness", why)
+    return None
 
 
 def _promise(publisher: Qos) -> str:
