@@ -121,7 +121,7 @@ class Robot:
             async for snapshot in self.snapshots(MOTOR_PATIENCE):
                 if snapshot.motors.enabled == on:
                     return
-        raise MotionError(self.why_not_moving() or f"the motors did not switch {_on(on)}")
+        raise MotionError(str(self.why_not_moving() or f"the motors did not switch {_on(on)}"))
 
     async def move(self, distance: float, speed: float | None = None) -> None:
         """Drive `distance` [m] straight ahead, negative backwards, at `speed` [m/s] at most.
