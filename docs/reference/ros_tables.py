@@ -6,7 +6,7 @@ A line `<!-- made: what -->` begins a table; whatever follows it up to `<!-- end
 """
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 from docs.reference.protocol_tables import BLOCK, table
@@ -20,13 +20,13 @@ from pioneer3.ros.messages.update import (
     SensorUpdate,
     StateUpdate,
 )
-from pioneer3.ros.node.driving_parameters import PARAMETERS as DRIVING_PARAMETERS
+from pioneer3.ros.node.driving_parameters import PARAMETERS as DRIVING
 from pioneer3.ros.node.goals import STATUS_EVERY
-from pioneer3.ros.node.laser_parameters import IGNORED, PARAMETERS
+from pioneer3.ros.node.laser_parameters import IGNORED, LaserParameters
 from pioneer3.ros.node.names import Profile
 from pioneer3.ros.node.navigation_topics import NAVIGATION_TOPICS
-from pioneer3.ros.node.parameter_table import PARAMETERS as NODE_PARAMETERS
-from pioneer3.ros.node.parameter_table import ROS1, ROS2, Value
+from pioneer3.ros.node.parameter import Parameter, Value, rows_of
+from pioneer3.ros.node.parameters import parameters_in, read_parameters
 from pioneer3.ros.node.services import NAVIGATION_SERVICES, SERVICES
 from pioneer3.ros.node.topic import Direction, Topic
 from pioneer3.ros.node.topics import TOPICS, laser_topic, transducer_topic
@@ -118,45 +118,60 @@ def services_of_ros2() -> str:
     return table(("service", "type", "over DDS a topic of", ""), rows)
 
 
-def parameters(profiles: frozenset[Profile], mark: str) -> str:
-    """Return the table of parameters that are known in one of `profiles`."""
-    rows = [
+def parameters(rows: Iterable[Parameter], mark: str = "") -> str:
+    """Return the table of parameters; `mark` comes before each name."""
+    shown = [
         (
             code(f"{mark}{each.name}"),
             each.otherwise or _default(each.default),
-            " or ".join(map(code, each.choices)) or _range(each.low, each.high),
-            each.note,
+            values(each),
+            f"{_meaning(each)}; {code(f'~{each.rosaria}')} in `compatibility`"
+            if mark and each.rosaria
+            else _meaning(each),
         )
-        for each in NODE_PARAMETERS
-        if each.profiles & profiles
+        for each in rows
     ]
-    return table(("name", "default", "values", ""), rows)
+    return table(("name", "default", "values", ""), shown)
 
 
 def driving_parameters() -> str:
-    """Return the table of parameters of driving in ROS 2."""
+    """Return the table of parameters of driving in ROS 1."""
     rows = [
         (
-            code(each.standard),
-            "integer" if each.whole else "double",
-            _range(each.lowest_told, each.high),
-            each.description,
+            code(f"~{each.rosaria}"),
+            code(each.today and f"~{each.today}"),
+            values(each.in_rosaria),
+            _meaning(each),
         )
-        for each in DRIVING_PARAMETERS
-        if each.standard is not None
+        for each in DRIVING
+    ]
+    return table(("in RosAria", "today", "values", ""), rows)
+
+
+def driving_parameters_of_ros2() -> str:
+    """Return the table of parameters of driving in ROS 2."""
+    rows = [
+        (code(each.name), each.kind, values(each), _meaning(each))
+        for each in DRIVING
+        if Profile.ROS2 in each.profiles
     ]
     return table(("name", "type", "values", ""), rows)
 
 
-def _range(low: float | None, high: float | None) -> str:
-    return "" if low is None or high is None else f"{low:.7g} to {high:.7g}"
+def values(row: Parameter) -> str:
+    """Return the values that a parameter may have, as far as they are bounded."""
+    return " or ".join(map(code, row.choices)) or row.range
 
 
-def _default(value: Value) -> str:
+def _meaning(row: Parameter) -> str:
+    return f"{row.meaning}; {code(row.p2os)} in p2os" if row.p2os else row.meaning
+
+
+def _default(value: Value | None) -> str:
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, tuple):
-        return f"[{', '.join(f'{each:g}' if isinstance(each, float) else each for each in value)}]"
+        return f"[{', '.join(map(_default, value))}]"
     return f"{value:g}" if isinstance(value, float | int) else code(value) or "none"
 
 
@@ -185,10 +200,19 @@ def navigation_services() -> str:
 
 def laser_parameters() -> str:
     """Return the table of parameters of lasers, and those without effect."""
-    rows = [(code(each.name), code(each.hokuyo), each.note) for each in PARAMETERS]
+    rows = [
+        (
+            code(each.name),
+            code(each.hokuyo),
+            each.otherwise or _default(each.default),
+            values(each),
+            each.meaning,
+        )
+        for each in rows_of(LaserParameters)
+    ]
     ignored = ", ".join(code(name) for name in IGNORED)
     return (
-        table(("name", "in hokuyo_node, if another", ""), rows)
+        table(("name", "in hokuyo_node, if another", "default", "values", ""), rows)
         + f"\n\nWithout effect, which the log says: {ignored}."
     )
 
@@ -201,11 +225,12 @@ def filled(text: str) -> str:
         "navigation topics": navigation_topics,
         "navigation services": navigation_services,
         "laser parameters": laser_parameters,
-        "parameters": lambda: parameters(ROS1, "~"),
+        "parameters": lambda: parameters(parameters_in(Profile.BOTH), "~"),
+        "driving parameters": driving_parameters,
         "topics of ROS 2": topics_of_ros2,
         "services of ROS 2": services_of_ros2,
-        "driving parameters of ROS 2": driving_parameters,
-        "parameters of ROS 2": lambda: parameters(ROS2, ""),
+        "driving parameters of ROS 2": driving_parameters_of_ros2,
+        "parameters of ROS 2": lambda: parameters(read_parameters({}, Profile.ROS2).values),
     }
 
     def made(block: re.Match[str]) -> str:

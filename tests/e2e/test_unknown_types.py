@@ -232,7 +232,7 @@ async def test_no_message_of_ros_drives_it(file: Path, monkeypatch: pytest.Monke
     monkeypatch.setattr(asyncio, "to_thread", middleware.at_once)
     async with connected(file) as (sim, robot):
         ready = asyncio.Event()
-        node = RobotNode(robot, read_parameters({}), middleware, {})
+        node = RobotNode(robot, read_parameters({}), middleware)
         async with running(node.run(ready.set)):
             await ready.wait()
             for _ in range(10):

@@ -217,6 +217,10 @@ async def test_parameters_are_seen_described_and_set(lab: ForeignLab) -> None:
     assert drift["dynamic_typing"]
     assert drift["integer_range"][0]["to_value"] == 32767
     assert velocity["floating_point_range"]
+    laser: dict[str, Any] = {"names": ["laser.time_offset", "laser.skip"]}
+    offset, skip = (await call("describe_parameters", **laser))["descriptors"]
+    assert offset["floating_point_range"][0]["to_value"] == 0.25
+    assert (skip["integer_range"][0]["to_value"], skip["read_only"]) == (9, True)
     asked: dict[str, Any] = {"names": ["max_linear_acceleration", "cmd_vel_timeout"]}
     highest, timeout = (await call("describe_parameters", **asked))["descriptors"]
     assert (highest["type"], timeout["read_only"]) == (3, True)

@@ -10,6 +10,7 @@ from typing import Any
 
 from pioneer3.ros.node.driving_parameters import DrivingParameters
 from pioneer3.ros.node.middleware import QUEUE, Response, Sender
+from pioneer3.ros.node.parameters import NodeParameters
 from tests.unit.ros.support import Blank
 
 
@@ -56,7 +57,7 @@ class FakeMiddleware:
         self.receivers: dict[str, Callable[[Any, Sender], None]] = {}
         self.services: dict[str, Callable[[Any], Response]] = {}
         self.description: str | None = None
-        self.parameters: DrivingParameters | None = None
+        self.driving: DrivingParameters | None = None
         self.warnings: list[str] = []
         self.shut_down: Callable[[], None] = lambda: None
         self.forgotten = False
@@ -122,8 +123,8 @@ class FakeMiddleware:
     def describe(self, urdf: str) -> None:
         self.description = urdf
 
-    def reconfigure(self, parameters: DrivingParameters) -> None:
-        self.parameters = parameters
+    def reconfigure(self, parameters: NodeParameters, driving: DrivingParameters) -> None:
+        self.driving = driving
 
     def forget(self) -> None:
         self.forgotten = True

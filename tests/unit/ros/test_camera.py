@@ -33,7 +33,7 @@ async def a_node(camera: TenASecond | None, **raw: object) -> AsyncIterator[Fake
         async with SimulatedRobot() as sim, connect_async(sim.open) as robot:
             robot.devices.camera._source = camera
             ready = asyncio.Event()
-            node = RobotNode(robot, read_parameters(raw), middleware, raw)
+            node = RobotNode(robot, read_parameters(raw), middleware)
             async with running(node.run(ready.set), *([camera.run()] if camera else [])):
                 await ready.wait()
                 yield middleware

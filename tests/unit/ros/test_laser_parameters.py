@@ -12,12 +12,13 @@ from pioneer3.models.lasers import LaserProtocol
 from pioneer3.robot.lasers.spec import parse_lasers
 from pioneer3.ros.node.laser_parameters import (
     IGNORED,
-    PARAMETERS,
     LaserParameters,
     overridden_laser_parameters,
     read_laser_parameters,
     unused_laser_parameters,
 )
+from pioneer3.ros.node.names import Profile
+from pioneer3.ros.node.parameter import rows_of
 from pioneer3.ros.node.parameters import read_parameters
 
 
@@ -44,7 +45,6 @@ def test_without_any_nothing_is_asked_for() -> None:
 )
 def test_the_port_is_that_of_either_node(given: dict[str, object], url: str | None) -> None:
     found = read_laser_parameters(given)
-    assert found.url == url
     assert found.ports == ((url,) if url else ())
 
 
@@ -62,23 +62,20 @@ def test_the_names_of_both_nodes_mean_the_same() -> None:
             "publish_multiecho": True,
         }
     )
-    assert rep138 == LaserParameters(
-        frame="front",
-        time_offset=-0.02,
-        settings=ScanSettings(
-            first=-1.5,
-            last=1.0,
-            cluster=3,
-            skip=2,
-            intensities=True,
-            multi_echo=True,
-            calibrate_time=False,
-        ),
+    assert (rep138.frame_id, rep138.time_offset) == ("/front", -0.02)
+    assert rep138.settings == ScanSettings(
+        first=-1.5,
+        last=1.0,
+        cluster=3,
+        skip=2,
+        intensities=True,
+        multi_echo=True,
+        calibrate_time=False,
     )
     hokuyo = read_laser_parameters(
         {"frameid": "front", "intensity": True, "min_ang": -1.5, "max_ang": 1, "cluster": 3}
     )
-    assert (hokuyo.frame, hokuyo.settings.intensities) == ("front", True)
+    assert (hokuyo.frame_id, hokuyo.settings.intensities) == ("front", True)
     assert (hokuyo.settings.first, hokuyo.settings.last) == (-1.5, 1.0)
 
 
@@ -123,7 +120,7 @@ async def test_a_laser_of_parameters_is_not_at_the_robots_port() -> None:
 def test_a_port_that_the_command_line_overrides_is_told() -> None:
     raw = {"port": "/dev/ttyACM0", "ip_port": 2112, "skip": 1, "frame_id": "front"}
     why = "is ignored: --laser or PIONEER3_LASER gives auto and /dev/ttyACM1"
-    assert overridden_laser_parameters(raw, ["auto", "/dev/ttyACM1"], "laser") == [
+    assert overridden_laser_parameters(raw, ["auto", "/dev/ttyACM1"], below="laser") == [
         f"parameter ~laser/ip_port {why}",
         f"parameter ~laser/port {why}",
     ]
@@ -137,11 +134,13 @@ def test_a_port_that_the_command_line_overrides_is_told() -> None:
 def test_settings_of_no_laser_are_told() -> None:
     raw = {"min_ang": -1.0, "skip": 1, "frame_id": "front"}
     why = "is ignored: no laser is given; give it with --laser or ~laser/serial_port"
-    assert overridden_laser_parameters(raw, [], "laser") == [
+    assert overridden_laser_parameters(raw, [], below="laser") == [
         f"parameter ~laser/min_ang {why}",
         f"parameter ~laser/skip {why}",
     ]
-    assert overridden_laser_parameters({}, [], "laser") == []
+    assert overridden_laser_parameters({}, [], below="laser") == []
+    dumped = {row.name: row.default for row in rows_of(LaserParameters) if row.default is not None}
+    assert overridden_laser_parameters(dumped, []) == []
 
 
 @pytest.mark.parametrize(
@@ -157,7 +156,7 @@ def test_settings_of_no_laser_are_told() -> None:
         ({"time_offset": nan}, "time_offset"),
         ({"angle_min": -4.0}, "angle_min"),
         ({"angle_max": inf}, "angle_max"),
-        ({"min_ang": "left"}, "angle_min"),
+        ({"min_ang": "left"}, "min_ang"),
         ({"angle_min": 1.0, "angle_max": 0.5}, "angle_min"),
         ({"cluster": 0}, "cluster"),
         ({"cluster": 100}, "cluster"),
@@ -165,7 +164,7 @@ def test_settings_of_no_laser_are_told() -> None:
         ({"skip": 10}, "skip"),
         ({"skip": 1.5}, "skip"),
         ({"publish_intensity": 1}, "publish_intensity"),
-        ({"intensity": "yes"}, "publish_intensity"),
+        ({"intensity": "yes"}, "intensity"),
         ({"calibrate_time": None}, "calibrate_time"),
         ({"publish_multiecho": "on"}, "publish_multiecho"),
     ],
@@ -182,21 +181,21 @@ def test_the_widest_field_is_half_a_turn_each_way() -> None:
 
 
 def test_what_has_no_effect_is_told() -> None:
-    assert unused_laser_parameters({"port": 1, "error_limit": 4, "colour": 1, "skip": 1}) == [
-        "parameter ~colour of the laser is unknown",
+    assert unused_laser_parameters({"port": 1, "error_limit": 4, "xyz": 1, "skip": 1}) == [
         "parameter ~error_limit of hokuyo_node or urg_node has no effect here",
+        "parameter ~xyz is unknown",
     ]
-    assert unused_laser_parameters({"colour": 1}, "laser") == [
-        "parameter ~laser/colour of the laser is unknown"
+    assert unused_laser_parameters({"skp": 1}, below="laser") == [
+        "parameter ~laser/skp is unknown; did you mean ~laser/skip?"
     ]
-    both = {name for each in PARAMETERS for name in (each.name, each.hokuyo) if name}
+    both = {name for row in rows_of(LaserParameters) for name in row.names(Profile.STANDARD)}
     assert not both & set(IGNORED)
     assert unused_laser_parameters(dict.fromkeys(both)) == []
 
 
 def test_in_the_robots_node_they_are_below_a_name() -> None:
     found = read_parameters({"laser": {"serial_port": "/dev/a", "frame_id": "front"}})
-    assert found.laser.url == "/dev/a"
+    assert found.laser.ports == ("/dev/a",)
     assert found.options.frames.laser == "front"
     own = read_parameters({"laser": {"frame_id": "front"}, "laser_frame_id": "eyes"})
     assert own.options.frames.laser == "eyes"

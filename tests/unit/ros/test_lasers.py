@@ -51,7 +51,7 @@ async def a_node(
 ) -> AsyncIterator[None]:
     """Run the node of `robot` while the block lasts."""
     ready = asyncio.Event()
-    node = RobotNode(robot, read_parameters(raw), middleware, raw)
+    node = RobotNode(robot, read_parameters(raw), middleware)
     async with running(node.run(ready.set)):
         await ready.wait()
         yield

@@ -43,6 +43,6 @@ def test_what_ros_cannot_have_in_a_name_is_refused(name: object) -> None:
 
 
 def test_no_name_is_the_usual() -> None:
-    assert read_parameters({}).lab_name is None
-    assert read_parameters({"lab_name": ""}).lab_name is None
+    assert read_parameters({}).lab_name == ""
+    assert read_parameters({"lab_name": ""}).lab_name == ""
     assert read_parameters({"lab_name": "local"}).lab_name == "local"

@@ -147,7 +147,7 @@ async def going(
             )
             robot.navigator = navigator
             ready, named = asyncio.Event(), {"profile": "standard", "goal_speed": 0.6, **raw}
-            node = RobotNode(robot, read_parameters(named), middleware, named)
+            node = RobotNode(robot, read_parameters(named), middleware)
             async with running(navigator.run(), node.run(ready.set)):
                 await ready.wait()
                 the = Going(sim, robot, navigator, middleware, free)

@@ -55,7 +55,7 @@ async def a_node_over(
     """Run a node over this middleware."""
     async with SimulatedRobot() as sim, connect_async(sim.open) as robot:
         ready = asyncio.Event()
-        node = RobotNode(robot, read_parameters(raw), middleware, raw)
+        node = RobotNode(robot, read_parameters(raw), middleware)
         async with running(node.run(ready.set)):
             await ready.wait()
             yield Running(sim, robot, middleware)
@@ -129,10 +129,10 @@ async def test_rosarias_profile_has_its_two_services_only() -> None:
 
 async def test_driving_parameters_change_the_limits() -> None:
     async with a_node(trans_accel=0.5) as the:
-        parameters = the.middleware.parameters
-        assert parameters is not None
-        assert parameters.wanted["trans_accel"] == 0.5
-        parameters.set({**parameters.wanted, "trans_accel": 0.2})
+        driving = the.middleware.driving
+        assert driving is not None
+        assert driving.wanted["max_linear_acceleration"] == 0.5
+        driving.set({**driving.wanted, "max_linear_acceleration": 0.2})
         await asyncio.sleep(0.1)
         assert the.robot.info.limits.acceleration == 0.2
 

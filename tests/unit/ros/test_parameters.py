@@ -1,3 +1,4 @@
+from dataclasses import replace
 from math import inf, nan, pi
 
 import pytest
@@ -7,27 +8,38 @@ from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
 from pioneer3.models.description.tree import Frames
 from pioneer3.ros.messages.update import NoEcho
-from pioneer3.ros.node.driving_parameters import NAMES
-from pioneer3.ros.node.laser_parameters import BELOW
+from pioneer3.ros.node.driving_parameters import DrivingSettings
+from pioneer3.ros.node.laser_parameters import BELOW, LaserParameters
 from pioneer3.ros.node.names import Profile
-from pioneer3.ros.node.parameter_table import PARAMETERS, ROS1
+from pioneer3.ros.node.parameter import Acts, Parameter, ParameterKind, rows_of
 from pioneer3.ros.node.parameters import (
-    FRAMES,
     MODEL,
     SIMULATED,
     NodeParameters,
+    parameters_in,
     read_parameters,
     unused_parameters,
 )
 
-SIDEWAYS = {"lat_accel", "lat_decel"}
-"""Parameters of RosAria that no Pioneer has a use for."""
+ROWS = (
+    *rows_of(NodeParameters),
+    *(replace(row, name=f"{BELOW}.{row.name}") for row in rows_of(LaserParameters)),
+    *rows_of(DrivingSettings),
+)
+NUMBERS = [
+    row for row in ROWS if row.bounded and not row.kind.is_array and Profile.ROS2 in row.profiles
+]
+
+
+def raw_of(name: str, value: object) -> dict[str, object]:
+    """Return parameters as they lie on the parameter server."""
+    part = name.removeprefix(f"{BELOW}.")
+    return {name: value} if part == name else {BELOW: {part: value}}
 
 
 def test_without_any_it_is_as_rosaria() -> None:
-    assert read_parameters({}) == NodeParameters()
-    assert NodeParameters().timeout == 0.6
-    frames = NodeParameters().options.frames
+    assert read_parameters({}).timeout == 0.6
+    frames = read_parameters({}).options.frames
     assert frames == Frames(
         odom="odom",
         base="base_link",
@@ -71,7 +83,7 @@ def test_the_footprint_is_between_odometry_and_robot_where_it_is_told(
     ],
 )
 def test_ports_may_be_written_as_for_rosaria(port: str, url: str | None) -> None:
-    assert read_parameters({"port": port}).port == url
+    assert read_parameters({"port": port}).url == url
 
 
 @pytest.mark.parametrize(
@@ -86,7 +98,7 @@ def test_ports_may_be_written_as_for_rosaria(port: str, url: str | None) -> None
     ],
 )
 def test_a_start_is_a_name_or_a_pose_in_degrees(start: str, found: Pose2 | str | None) -> None:
-    assert read_parameters({"start": start}).start == found
+    assert read_parameters({"start": start}).initial_pose == found
 
 
 @pytest.mark.parametrize(
@@ -99,6 +111,7 @@ def test_a_start_is_a_name_or_a_pose_in_degrees(start: str, found: Pose2 | str |
         ("map", 3),
         ("goal_speed", 0),
         ("goal_speed", nan),
+        ("goal_speed", 10**400),
         ("transform_tolerance", -0.1),
         ("tf_broadcast", "yes"),
         ("global_frame_id", "/"),
@@ -164,13 +177,16 @@ def test_what_makes_no_sense_is_refused_by_name(given: dict[str, object]) -> Non
 
 
 def test_what_changes_nothing_is_told_with_what_was_meant() -> None:
-    told = unused_parameters(
-        ["cmd_vel_timout", "debug_aria", "port", "TicksMM"], Profile.COMPATIBILITY, ["TicksMM"]
-    )
-    assert told == [
+    named = ["cmd_vel_timout", "debug_aria", "port", "TicksMM", MODEL, "max_xspeed"]
+    told = [
         "parameter ~cmd_vel_timout is unknown; did you mean ~cmd_vel_timeout?",
         "parameter ~debug_aria of RosAria has no effect here",
+        "parameter ~max_xspeed of p2os has no effect here: write ~max_linear_velocity",
     ]
+    raw = dict.fromkeys(named)
+    assert unused_parameters(raw, Profile.COMPATIBILITY) == told
+    in_ros2 = [sentence.replace("~", "") for sentence in told]
+    assert unused_parameters(raw, Profile.ROS2) == in_ros2
 
 
 def test_what_is_said_of_messages_is_taken_over() -> None:
@@ -191,7 +207,8 @@ def test_what_is_said_of_messages_is_taken_over() -> None:
     assert (told.beam.no_echo, told.beam.farthest) == (NoEcho.INF, 3.0)
     assert told.pose_variances == (1, 2, 3, 4, 5, 6)
     assert told.wheel_joints == ("a", "b", "c", "d")
-    assert (read.max_speed, read.max_turn_rate, read.sonar) == (0.4, None, False)
+    assert (read.max_linear_velocity, read.max_angular_velocity) == (0.4, None)
+    assert not read.use_sonar
     assert read.timeout == 0.6
     assert unused_parameters(given, Profile.BOTH) == []
 
@@ -208,14 +225,56 @@ def test_the_nearest_range_is_less_than_the_farthest() -> None:
         read_parameters({"sonar_min_range_m": 2.0, "sonar_max_range_m": 1.0})
 
 
+@pytest.mark.parametrize("row", NUMBERS, ids=lambda row: row.name)
+def test_each_number_out_of_range_is_refused_with_name_value_and_range(row: Parameter) -> None:
+    step = 1 if row.whole else 0.001
+    for value in (row.low - step, row.high + step):
+        with pytest.raises(ConfigError) as refused:
+            read_parameters(raw_of(row.name, value), Profile.ROS2)
+        assert str(refused.value).startswith(f"{row.name} must be a ")
+        assert str(refused.value).endswith(f" from {row.range}, not {value!r}")
+    highest = int(row.high) if row.whole else row.high
+    assert row.checked(highest) == highest
+
+
+def test_rosarias_own_number_for_what_the_robot_has_is_read() -> None:
+    raw = {"TicksMM": 0, "DriftFactor": -99999, "RevCount": 0}
+    assert read_parameters(raw).driving.drift_factor == -99999
+    with pytest.raises(ConfigError, match="~ticks_mm must be a whole number from 1 to 200, not 0"):
+        read_parameters({"ticks_mm": 0})
+
+
+def test_in_ros2_all_that_is_read_at_the_start_has_a_value_or_is_not_set() -> None:
+    raw = {"goal_speed": 1, "max_linear_velocity": 0.4, BELOW: {"min_ang": -1, "skip": 2}}
+    rows = read_parameters(raw, Profile.ROS2).values
+    values = {row.name: value for row, value in rows.items()}
+    assert list(values)[: -len(rows_of(LaserParameters))] == [
+        row.name for row in parameters_in(Profile.ROS2)
+    ]
+    assert (values["goal_speed"], values["max_linear_velocity"]) == (1.0, 0.4)
+    assert (values["cmd_vel_timeout"], values["bumpers_frame"]) == (0.5, "base_link")
+    assert (values["laser.angle_min"], values["laser.skip"]) == (-1.0, 2)
+    not_set = {name for name, value in values.items() if value is None}
+    assert {"max_angular_velocity", "baud", "wheel_joint_names", "laser.angle_max"} <= not_set
+    assert not any(row.acts is Acts.AT_ONCE for row in rows)
+    told = {row.name: row for row in rows}
+    assert told["baud"].constraints.startswith("not set means any; ")
+    assert told["sonar_no_echo"].constraints.startswith("max_range or inf; ")
+    assert told["laser.time_offset"].described.startswith("[s] ")
+    assert told["laser.skip"].kind is ParameterKind.INTEGER
+
+
 def test_every_parameter_is_in_the_docs() -> None:
     text = PAGE.read_text(encoding="utf-8")
     names = {
         f"{BELOW}/serial_port",
-        *(each.name for each in PARAMETERS if each.profiles & ROS1),
-        *NAMES,
         MODEL,
         SIMULATED,
-        *(name for pair in FRAMES.values() for name in pair),
+        *(
+            name
+            for profile in (Profile.COMPATIBILITY, Profile.BOTH)
+            for row in (*rows_of(NodeParameters), *rows_of(DrivingSettings))
+            for name in row.names(profile)
+        ),
     }
-    assert {name for name in names if f"`~{name}`" not in text} == SIDEWAYS
+    assert not {name for name in names if f"`~{name}`" not in text}

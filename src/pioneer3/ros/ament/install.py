@@ -16,7 +16,8 @@ from pioneer3.models import RobotModel, load_model
 from pioneer3.ros.installation import NAME, TRANSDUCERS, launcher, urdf_files, write_files
 from pioneer3.ros.node.driving_parameters import PARAMETERS as DRIVING
 from pioneer3.ros.node.names import Profile
-from pioneer3.ros.node.parameter_table import Parameter, ParameterKind, parameters_in
+from pioneer3.ros.node.parameter import Parameter
+from pioneer3.ros.node.parameters import read_parameters
 from pioneer3.ros.ros2.distros import DEFAULT, Distro, distro_of
 
 PROGRAMS: Final = {
@@ -163,12 +164,14 @@ def _parameters(distro: Distro) -> str:
         "/**:",
         "  ros__parameters:",
     ]
-    for parameter in parameters_in(Profile.ROS2):
-        note = _in_ros2(parameter.note)
+    for parameter in read_parameters({}, Profile.ROS2).values:
+        note = _in_ros2(parameter.described)
         lines += (f"    # {line}" for line in wrap(note, WIDTH - 6, break_on_hyphens=False))
         lines.append(f"    {_entry(parameter, distro)}")
     lines.append("    # Parameters that may change while the node runs:")
-    lines += (f"    # {each.standard}:  # {each.description}" for each in DRIVING if each.standard)
+    lines += (
+        f"    # {row.name}:  # {row.described}" for row in DRIVING if Profile.ROS2 in row.profiles
+    )
     return "\n".join((*lines, ""))
 
 
@@ -178,10 +181,7 @@ def _entry(parameter: Parameter, distro: Distro) -> str:
     if parameter.default is None:
         (otherwise, *_) = sorted(_in_ros2(parameter.otherwise).split("; "), key=_not_of_ros2)
         return f"# {parameter.name}:{f'  # {otherwise}' if otherwise else ''}"
-    value = parameter.default
-    if parameter.kind is ParameterKind.DOUBLE:
-        value = float(str(value))
-    return f"{parameter.name}: {_yaml(value)}"
+    return f"{parameter.name}: {_yaml(parameter.default)}"
 
 
 def _not_of_ros2(clause: str) -> bool:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Any, Final, Protocol
 
 from pioneer3.ros.node.driving_parameters import DrivingParameters
+from pioneer3.ros.node.parameters import NodeParameters
 
 QUEUE: Final = 10
 """Messages that wait for a slow subscriber."""
@@ -113,8 +114,8 @@ class Middleware(Topics, Protocol):
     def describe(self, urdf: str) -> None:
         """Publish the description of the robot."""
 
-    def reconfigure(self, parameters: DrivingParameters) -> None:
-        """Let people see and set parameters while the node runs."""
+    def reconfigure(self, parameters: NodeParameters, driving: DrivingParameters) -> None:
+        """Let people see parameters, and set those of driving while the node runs."""
 
     def forget(self) -> None:
         """Take back the description and the parameters: the node ends."""

@@ -1,7 +1,7 @@
 """A robot as a ROS node, over any middleware; `ros1` runs it on rospy."""
 
 import asyncio
-from collections.abc import AsyncGenerator, Callable, Iterable, Mapping
+from collections.abc import AsyncGenerator, Callable, Iterable
 from contextlib import aclosing, suppress
 from dataclasses import replace
 from functools import partial
@@ -62,7 +62,6 @@ class RobotNode:
         robot: Connected.
         parameters: Of the node.
         middleware: Where the node has its name already.
-        raw: All parameters that are written below the node's name.
     """
 
     def __init__(
@@ -70,15 +69,13 @@ class RobotNode:
         robot: Robot,
         parameters: NodeParameters,
         middleware: Middleware,
-        raw: Mapping[str, object] | None = None,
     ) -> None:
         self._robot = robot
         self._parameters = parameters
         self._middleware = middleware
-        self._raw = dict(raw or {})
         self._loop = asyncio.get_running_loop()
         self._options = options = replace(
-            parameters.options, map_tf=parameters.map_tf and robot.navigator is not None
+            parameters.options, map_tf=parameters.tf_broadcast and robot.navigator is not None
         )
         self._model = robot.info.model
         self._frames = options.frames.with_prefix(options.prefix)
@@ -88,7 +85,7 @@ class RobotNode:
         self._sent: list[Command] = []
         self._scanned_at = -inf
         self._commands = Commands(
-            robot, parameters.timeout, resumes=parameters.resumes, warn=middleware.warn
+            robot, parameters.timeout, resumes=parameters.resume_cmd_vel, warn=middleware.warn
         )
         names = [laser.name for laser in robot.lasers]
         topics = published(self._model, options, parameters.profile, names)
@@ -97,7 +94,7 @@ class RobotNode:
         self._services = Services(
             robot,
             navigation=self._navigation,
-            sonar=parameters.sonar,
+            sonar=parameters.use_sonar,
             diagnose=self._diagnose,
             moved=self._wheels.jumped,
             warn=middleware.warn,
@@ -170,11 +167,16 @@ class RobotNode:
         self._services.advertise(profile, self._middleware)
         self.describe_robot()
         topics = command_topics(
-            profile, self._parameters.lab_name, stamped=bool(self._parameters.stamped)
+            profile,
+            self._parameters.lab_name,
+            stamped=bool(self._parameters.enable_stamped_cmd_vel),
         )
         self._commands.subscribe(topics, self._middleware)
         self._middleware.reconfigure(
-            DrivingParameters(info.limits, info.config, self._raw, self._reconfigured)
+            self._parameters,
+            DrivingParameters(
+                info.limits, info.config, self._parameters.driving, self._reconfigured
+            ),
         )
 
     def _is_available(self, topic: Topic) -> bool:

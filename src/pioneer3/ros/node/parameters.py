@@ -1,30 +1,31 @@
-"""The node's own parameters, as somebody has written them on the ROS parameter server."""
+"""The parameters of a node: what each means, and what somebody has written of them."""
 
 import re
-from collections.abc import Iterable
-from dataclasses import dataclass, field
-from difflib import get_close_matches
-from math import inf, radians
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from math import inf, pi, radians
 from typing import Final
 
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
 from pioneer3.models.description.tree import Frames
+from pioneer3.robot.assemble import SONAR_MAX
 from pioneer3.ros.messages.update import DRIVING, Beam, MessageOptions, NoEcho
+from pioneer3.ros.node.driving_parameters import DrivingSettings
 from pioneer3.ros.node.laser_parameters import BELOW, LaserParameters, read_laser_parameters
-from pioneer3.ros.node.names import Profile, checked_lab_name
-from pioneer3.ros.node.parameter_table import BY_NAME, GOAL_SPEED, SHORTEST, names_in
-from pioneer3.ros.node.values import (
+from pioneer3.ros.node.names import SHAPE, Profile
+from pioneer3.ros.node.parameter import (
+    ROS1,
+    ROS2,
+    Parameter,
     RawParameters,
-    choice,
-    flag,
-    frame,
-    number,
-    numbers,
-    place,
-    text,
-    words,
+    Value,
+    full_name,
+    read,
+    rows_of,
+    unused,
 )
+from pioneer3.units import ANGLE, LENGTH
 
 TIMEOUT: Final = {
     Profile.COMPATIBILITY: 0.6,
@@ -33,85 +34,293 @@ TIMEOUT: Final = {
     Profile.ROS2: 0.5,
 }
 """Silence of cmd_vel after which the robot stops [s]."""
+SHORTEST: Final = 0.1
+"""No publisher keeps pace with a shorter timeout [s]."""
 LONG: Final = 2.0
 """With a longer timeout [s] a robot drives on for metres when its publisher has crashed."""
-FRAMES: Final = {
-    Profile.COMPATIBILITY: ("odom_frame", "base_link_frame"),
-    Profile.STANDARD: ("odom_frame_id", "base_frame_id"),
-    Profile.BOTH: ("odom_frame_id", "base_frame_id"),
-    Profile.ROS2: ("odom_frame_id", "base_frame_id"),
-}
-"""Parameters for the names of the two frames."""
-LASER_FRAME: Final = {
-    Profile.COMPATIBILITY: "laser_frame",
-    Profile.STANDARD: "laser",
-    Profile.BOTH: "laser",
-    Profile.ROS2: "laser",
-}
-"""RosAria's name, and today's."""
-OF_FRAMES: Final = frozenset(name for pair in FRAMES.values() for name in pair)
+TOP_SPEED: Final = 10.0
+"""No limit may be above it [m/s, rad/s]."""
+LEAST_VARIANCE: Final = 1e-12
+"""A variance is positive [m^2, rad^2]."""
+MOST_VARIANCE: Final = 1e12
+"""A variance is finite [m^2, rad^2]."""
+FRAME: Final = ".*[^/].*"
+"""A frame has a name; tf2 has none with a leading slash, which is left out."""
+FRAME_FORM: Final = "the name of a frame"
 MODEL: Final = "robot_model"
+"""Parameter that the node writes itself while it runs: the robot's model."""
 SIMULATED: Final = "simulated"
-"""Parameters that the node writes itself while it runs: the robot's model, and whether it is a
-simulator."""
-IGNORED: Final = ("debug_aria", "aria_log_filename", "publish_aria_lasers")
+"""Parameter that the node writes itself while it runs: whether the robot is a simulator."""
+IGNORED: Final = dict.fromkeys(
+    ("debug_aria", "aria_log_filename", "publish_aria_lasers"), "RosAria"
+)
 """Parameters of RosAria that have no effect here."""
+UNITS: Final = (LENGTH, LENGTH, ANGLE)
+"""Units of `x,y,heading`."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NodeParameters:
-    """The parameters of a node, checked.
+    """The parameters of a robot's node; :func:`read_parameters` reads and checks them.
 
     Attributes:
-        profile: Which names it uses.
-        port: URL of the robot; `None` to look for it.
-        model: What the robot really is: a name, or a file; `None` for what it says.
-        baud: Serial speed to try first.
-        timeout: Silence of cmd_vel after which the robot stops [s]; `inf` for never.
-        resumes: Whether a stream of cmd_vel that fell silent goes on by itself.
-        lab_name: The robot's name in the lab, such as `p3at_1_113`; `None` elsewhere.
-        max_speed: Never to be exceeded [m/s], or `None` for the robot's own.
-        max_turn_rate: Never to be exceeded [rad/s], or `None` for the robot's own.
-        auto_enable: Whether a fresh command switches the motors on.
-        sonar: Whether the sonars ping.
-        laser: Of the laser range finder at the computer.
-        line_map: To navigate on: a file, or the name of a map that ships; `None` for none.
-        start: Where the robot is on it, as :func:`place` reads it; `None` for the map's home.
-        stamped: Whether `cmd_vel` is of TwistStamped; `None` for the custom of the distribution.
-        sim_time: Whether stamps are those of `/clock`.
-        autostart: Whether the node begins by itself.
-        map_tf: Whether `/tf` has the odom frame in the map, if there is one.
-        goal_speed: On the way to goals at most [m/s].
-        camera: URL of the MJPEG stream of the camera; `None` for none.
-        camera_view: Its field of view from left to right [rad], if it does not tell that; `None`
-            where it is not known.
-        options: Of messages.
+        driving: Those that may change while the node runs.
+        laser: Those of the laser range finder at the computer.
     """
 
-    profile: Profile = Profile.COMPATIBILITY
-    port: str | None = None
-    model: str | None = None
-    baud: int | None = None
-    timeout: float = TIMEOUT[Profile.COMPATIBILITY]
-    resumes: bool = True
-    lab_name: str | None = None
-    max_speed: float | None = None
-    max_turn_rate: float | None = None
-    auto_enable: bool = True
-    sonar: bool = True
-    laser: LaserParameters = field(default_factory=LaserParameters)
-    line_map: str | None = None
-    start: Pose2 | str | None = None
-    stamped: bool | None = None
-    sim_time: bool = False
-    autostart: bool = True
-    map_tf: bool = True
-    goal_speed: float = GOAL_SPEED
-    camera: str | None = None
-    camera_view: float | None = None
-    options: MessageOptions = field(
-        default_factory=lambda: MessageOptions(frames=Frames(footprint="", laser="laser_frame"))
+    port: str = Parameter(
+        "URL of the robot; `auto` looks for it, `host:8101` is TCP; `--port` comes first"
+    ).field("auto")
+    model: str = Parameter(
+        "what the robot really is, such as `p3dx-sh`, or the path of a `.toml` or ARIA `.p`"
+        " file; empty for what it says; `--model` comes first"
+    ).field("")
+    baud: int | None = Parameter(
+        "speed of the serial port to try first; `--baud` comes first",
+        low=0,
+        high=1_000_000,
+        otherwise="any",
+    ).field(None)
+    profile: Profile = Parameter(  # noqa: RUF009 - it returns a field
+        "which names count", choices=("compatibility", "standard", "both"), profiles=ROS1
+    ).field(Profile.COMPATIBILITY)
+    lab_name: str = Parameter(
+        "the robot's name in the lab, such as `p3at_1_113`; see above",
+        pattern=f"({SHAPE.pattern})?",
+        form="a name such as p3at_1_113",
+        profiles=ROS1,
+    ).field("")
+    enable_stamped_cmd_vel: bool | None = Parameter(
+        "`cmd_vel` is of TwistStamped, and `cmd_vel_unstamped` of Twist; else `cmd_vel` is"
+        " of Twist, and `cmd_vel_stamped` of TwistStamped",
+        otherwise="true since Kilted",
+        profiles=ROS2,
+    ).field(None)
+    cmd_vel_timeout: float | None = Parameter(
+        "silence after which the robot stops. **0 is unsafe**: it goes on as the last message"
+        " said for as long as its publisher is there; 0.1 s is the shortest. The lab's"
+        " `rob_key`, which sends one message for each key press, needs it",
+        low=0.0,
+        high=3600.0,
+        unit="s",
+        otherwise="0.5 s; 0.6 s in `compatibility` and `both`",
+    ).field(None)
+    resume_cmd_vel: bool = Parameter(
+        "whether a stream that fell silent drives again when it has come steadily for 0.3 s;"
+        " else it needs a zero or another direction"
+    ).field(True)
+    auto_enable_motors: bool = Parameter("whether a command brings the motors on").field(True)
+    max_linear_velocity: float | None = Parameter(
+        "greatest speed, never above the robot's own",
+        low=0.001,
+        high=TOP_SPEED,
+        unit="m/s",
+        otherwise="the robot's own",
+        p2os="max_xspeed",
+    ).field(None)
+    max_angular_velocity: float | None = Parameter(
+        "greatest turn rate, never above the robot's own",
+        low=0.001,
+        high=TOP_SPEED,
+        unit="rad/s",
+        otherwise="the robot's own",
+        p2os="max_yawspeed",
+    ).field(None)
+    frame_prefix: str = Parameter("before the name of every frame, such as `robot1/`").field("")
+    odom_frame_id: str = Parameter(
+        "of odometry", pattern=FRAME, form=FRAME_FORM, rosaria="odom_frame"
+    ).field(Frames().odom)
+    base_frame_id: str = Parameter(
+        "of the robot",
+        pattern=FRAME,
+        form=FRAME_FORM,
+        rosaria="base_link_frame",
+        p2os="base_link_frame_id",
+    ).field(Frames().base)
+    footprint_frame_id: str | None = Parameter(
+        "of the robot, too: `odom` to this one to `base_frame_id`; empty for none",
+        pattern=f"({FRAME})?",
+        form=FRAME_FORM,
+        otherwise="`base_footprint`; none without `publish_description`, and none in"
+        " `compatibility` with `publish_tf`, so that `/tf` is RosAria's",
+    ).field(None)
+    bumpers_frame: str | None = Parameter(
+        "of bumpers",
+        pattern=FRAME,
+        form=FRAME_FORM,
+        otherwise="`bumpers`; the robot's frame in `standard` and ROS 2",
+    ).field(None)
+    sonar_frame: str = Parameter(
+        "of the clouds of RosAria", pattern=FRAME, form=FRAME_FORM, profiles=ROS1
+    ).field(Frames().sonar)
+    sonar_frame_prefix: str = Parameter(
+        "before the number in the frame of a transducer", pattern=FRAME, form=FRAME_FORM
+    ).field(Frames().sonar_prefix)
+    laser_frame_id: str | None = Parameter(
+        "of scans",
+        pattern=FRAME,
+        form=FRAME_FORM,
+        otherwise="`laser`; `laser_frame` in `compatibility`",
+    ).field(None)
+    publish_tf: bool = Parameter(
+        "`odom` to `base_footprint`, else to `base_link`, on `/tf`; false where a filter"
+        " publishes it: robot_pose_ekf as it is, robot_localization with `base_link_frame:"
+        " base_footprint`"
+    ).field(True)
+    publish_description: bool = Parameter(
+        "`robot_description`, `/tf_static`, turning wheels on `/tf`"
+    ).field(True)
+    pose_covariance_diagonal: tuple[float, ...] = Parameter(
+        "variances of x, y, z [m^2], roll, pitch, yaw [rad^2] while it moves; 1e-9 for what"
+        " is measured while it stands",
+        low=LEAST_VARIANCE,
+        high=MOST_VARIANCE,
+    ).field(DRIVING)
+    twist_covariance_diagonal: tuple[float, ...] = Parameter(
+        "the same of the velocities", low=LEAST_VARIANCE, high=MOST_VARIANCE
+    ).field(DRIVING)
+    use_sonar: bool = Parameter("whether the sonars ping").field(True)
+    sonar_publish_ranges: bool = Parameter("whether each transducer has a topic").field(True)
+    sonar_publish_cloud: bool = Parameter("whether all echoes have one").field(True)
+    sonar_fov_rad: float = Parameter(
+        "width of a Range's beam", low=0.01, high=pi, unit="rad"
+    ).field(Beam().field_of_view)
+    sonar_min_range_m: float = Parameter("shortest Range", low=0.0, high=SONAR_MAX, unit="m").field(
+        Beam().nearest
     )
+    sonar_max_range_m: float = Parameter("longest Range", low=0.1, high=SONAR_MAX, unit="m").field(
+        Beam().farthest
+    )
+    sonar_no_echo: str = Parameter(
+        "a Range when nothing was heard: costmaps throw `inf` away, which REP 117 wants",
+        choices=tuple(NoEcho),
+    ).field("max_range")
+    sonar_z_offset_m: float | None = Parameter(
+        "height of the sonars above the floor",
+        low=-1.0,
+        high=3.0,
+        unit="m",
+        otherwise="the model's",
+    ).field(None)
+    wheel_joint_names: tuple[str, ...] | None = Parameter(
+        "left before right, front before rear",
+        pattern=".+",
+        otherwise="`[front_left_wheel_joint, ...]`",
+    ).field(None)
+    map: str = Parameter(
+        "to navigate on: a file, or the name of a map that ships; `--map` comes first"
+    ).field("")
+    start: str = Parameter(
+        "where the robot is on the map: a name, `x,y,heading` in metres and degrees, or"
+        " `unknown`; `--start` comes first",
+        otherwise="the map's home",
+    ).field("")
+    goal_speed: float = Parameter(
+        "on the way to goals at most", low=0.01, high=5.0, unit="m/s"
+    ).field(0.3)
+    global_frame_id: str = Parameter(
+        "of the map; without `frame_prefix`", pattern=FRAME, form=FRAME_FORM
+    ).field(MessageOptions().map_frame)
+    transform_tolerance: float = Parameter(
+        "so far into the future `map` to `odom` is stamped", low=0.0, high=10.0, unit="s"
+    ).field(MessageOptions().tolerance)
+    tf_broadcast: bool = Parameter("whether `/tf` has `map` to `odom`").field(True)
+    camera_url: str = Parameter("MJPEG stream of a camera, after `--camera`").field("")
+    camera_view_deg: float | None = Parameter(
+        "its angle from left to right, if it does not tell that",
+        low=0.0,
+        high=179.0,
+        unit="degrees",
+        otherwise="not known",
+    ).field(None)
+    use_sim_time: bool = Parameter("whether stamps are those of `/clock`", profiles=ROS2).field(
+        False
+    )
+    autostart: bool = Parameter(
+        "whether the node configures and activates itself; else a lifecycle manager does",
+        profiles=ROS2,
+    ).field(True)
+    driving: DrivingSettings = field(default_factory=DrivingSettings)
+    laser: LaserParameters = field(default_factory=LaserParameters)
+
+    @property
+    def url(self) -> str | None:
+        """URL of the robot, which RosAria writes as `host:8101`; `None` to look for it."""
+        if self.port in {"", "auto"}:
+            return None
+        return f"tcp://{self.port}" if re.fullmatch(r"[\w.-]+:\d+", self.port) else self.port
+
+    @property
+    def timeout(self) -> float:
+        """Silence of cmd_vel after which the robot stops [s]; `inf` for never."""
+        return self.cmd_vel_timeout or inf
+
+    @property
+    def initial_pose(self) -> Pose2 | str | None:
+        """Where the robot is on the map: a pose, or a name; `None` for the map's home."""
+        return place(self.start) if self.start else None
+
+    @property
+    def camera_view(self) -> float | None:
+        """Field of view of the camera from left to right [rad]; `None` where it is not known."""
+        return radians(self.camera_view_deg or 0.0) or None
+
+    @property
+    def frames(self) -> Frames:
+        """Names of the frames, without the prefix."""
+        return Frames(
+            odom=self.odom_frame_id.lstrip("/"),
+            base=self.base_frame_id.lstrip("/"),
+            footprint=(self.footprint_frame_id or "").lstrip("/"),
+            bumpers=(self.bumpers_frame or self.base_frame_id).lstrip("/"),
+            sonar=self.sonar_frame.lstrip("/"),
+            sonar_prefix=self.sonar_frame_prefix.lstrip("/"),
+            laser=(self.laser_frame_id or Frames().laser).lstrip("/"),
+        )
+
+    @property
+    def options(self) -> MessageOptions:
+        """Options of messages."""
+        described = self.publish_description
+        return MessageOptions(
+            frames=self.frames,
+            prefix=self.frame_prefix.lstrip("/"),
+            odometry_tf=self.publish_tf,
+            ranges=self.sonar_publish_ranges,
+            cloud=self.sonar_publish_cloud,
+            description=described,
+            wheels_tf=described and self.profile is not Profile.COMPATIBILITY,
+            pose_variances=self.pose_covariance_diagonal,
+            twist_variances=self.twist_covariance_diagonal,
+            beam=Beam(
+                field_of_view=self.sonar_fov_rad,
+                nearest=self.sonar_min_range_m,
+                farthest=self.sonar_max_range_m,
+                no_echo=NoEcho(self.sonar_no_echo),
+            ),
+            sonar_height=self.sonar_z_offset_m,
+            wheel_joints=self.wheel_joint_names or (),
+            map_frame=self.global_frame_id.lstrip("/"),
+            map_tf=self.tf_broadcast,
+            tolerance=self.transform_tolerance,
+        )
+
+    @property
+    def values(self) -> Mapping[Parameter, Value | None]:
+        """The values in ROS 2 by parameters, but for those that act at once."""
+        own = {row: getattr(self, row.name) for row in parameters_in(Profile.ROS2)}
+        laser = {
+            replace(row, name=full_name(row.name, Profile.ROS2, BELOW)): getattr(
+                self.laser, row.name
+            )
+            for row in rows_of(LaserParameters)
+        }
+        return own | laser
+
+
+def parameters_in(profile: Profile) -> tuple[Parameter, ...]:
+    """Return the robot's parameters that are known in `profile`, and read at the start."""
+    return tuple(row for row in rows_of(NodeParameters) if profile in row.profiles)
 
 
 def read_parameters(raw: RawParameters, profile: Profile | None = None) -> NodeParameters:
@@ -122,174 +331,85 @@ def read_parameters(raw: RawParameters, profile: Profile | None = None) -> NodeP
         profile: Which names count; `None` where a parameter says so.
 
     Raises:
-        ConfigError: a value is of the wrong kind or out of range.
+        ConfigError: a value is of the wrong kind or out of bounds.
     """
-    profile = _profile(raw) if profile is None else profile
-    return NodeParameters(
+    if profile is None:
+        named = {name: value for name, value in raw.items() if name == "profile"}
+        profile = Profile(read(NodeParameters, named, Profile.COMPATIBILITY).profile)
+    given = replace(
+        read(NodeParameters, raw, profile),
         profile=profile,
-        port=_port(raw.get("port")),
-        model=text(raw, "model"),
-        baud=_baud(raw),
-        timeout=_timeout(raw, profile),
-        resumes=flag(raw, "resume_cmd_vel", default=True),
-        lab_name=checked_lab_name(raw["lab_name"]) if raw.get("lab_name") else None,
-        max_speed=_maximum(raw, "max_linear_velocity"),
-        max_turn_rate=_maximum(raw, "max_angular_velocity"),
-        auto_enable=flag(raw, "auto_enable_motors", default=True),
-        sonar=flag(raw, "use_sonar", default=True),
-        laser=read_laser_parameters(laser_part(raw)),
-        line_map=text(raw, "map"),
-        start=place(told) if (told := text(raw, "start")) else None,
-        map_tf=flag(raw, "tf_broadcast", default=True),
-        stamped=flag(raw, "enable_stamped_cmd_vel", default=False)
-        if "enable_stamped_cmd_vel" in raw
-        else None,
-        sim_time=flag(raw, "use_sim_time", default=False),
-        autostart=flag(raw, "autostart", default=True),
-        goal_speed=_number(raw, "goal_speed"),
-        camera=text(raw, "camera_url"),
-        camera_view=radians(_number(raw, "camera_view_deg")) or None,
-        options=_options(raw, profile),
+        driving=read(DrivingSettings, raw, profile),
+        laser=read_laser_parameters(laser_part(raw, profile), profile, BELOW),
     )
+    timeout = given.cmd_vel_timeout
+    if timeout and timeout < SHORTEST:
+        raise ConfigError(
+            f"{full_name('cmd_vel_timeout', profile)} must be {SHORTEST:g} s or more, or 0 for"
+            f" never, not {timeout:g}"
+        )
+    if given.sonar_min_range_m >= given.sonar_max_range_m:
+        least, most = (full_name(f"sonar_{each}_range_m", profile) for each in ("min", "max"))
+        raise ConfigError(f"{least} must be less than {most}")
+    _ = given.initial_pose
+    return _completed(given)
 
 
-def unused_parameters(
-    raw: Iterable[str], profile: Profile, others: Iterable[str] = ()
-) -> list[str]:
-    """Return a sentence for each parameter in `raw` that changes nothing.
-
-    `others` are known elsewhere.
-    """
-    known = {*names_in(profile) - OF_FRAMES, MODEL, SIMULATED, *FRAMES[profile], *others}
-    sentences = []
-    for name in sorted(set(raw) - known):
-        if name in IGNORED:
-            sentences.append(f"parameter ~{name} of RosAria has no effect here")
-        else:
-            close = get_close_matches(name, known, 1)
-            hint = f"; did you mean ~{close[0]}?" if close else ""
-            sentences.append(f"parameter ~{name} is unknown{hint}")
-    return sentences
+def unused_parameters(raw: RawParameters, profile: Profile) -> list[str]:
+    """Return a sentence for each parameter in `raw` that changes nothing."""
+    named = set(raw) - {MODEL, SIMULATED, BELOW}
+    rows = *rows_of(NodeParameters), *rows_of(DrivingSettings)
+    return unused(named, rows, profile, ignored=IGNORED)
 
 
-def laser_part(raw: RawParameters) -> RawParameters:
-    """Return the parameters below `~laser`.
+def laser_part(raw: RawParameters, profile: Profile) -> RawParameters:
+    """Return the parameters of the laser.
 
     Raises:
-        ConfigError: `~laser` is a value itself.
+        ConfigError: their name is a value itself.
     """
     part = raw.get(BELOW, {})
     if not isinstance(part, dict):
-        raise ConfigError(f"~{BELOW} holds parameters such as ~{BELOW}/serial_port, not {part!r}")
+        name, such = full_name(BELOW, profile), full_name("serial_port", profile, BELOW)
+        raise ConfigError(f"{name} holds parameters such as {such}, not {part!r}")
     return part
 
 
-def _options(raw: RawParameters, profile: Profile) -> MessageOptions:
-    prefix = raw.get("frame_prefix", "")
-    if not isinstance(prefix, str):
-        raise ConfigError(f"~frame_prefix must be text such as robot1/, not {prefix!r}")
-    description = flag(raw, "publish_description", default=True)
-    beam = Beam(
-        field_of_view=_number(raw, "sonar_fov_rad"),
-        nearest=_number(raw, "sonar_min_range_m"),
-        farthest=_number(raw, "sonar_max_range_m"),
-        no_echo=choice(raw, "sonar_no_echo", NoEcho.MAX_RANGE),
-    )
-    if beam.nearest >= beam.farthest:
-        raise ConfigError("~sonar_min_range_m must be less than ~sonar_max_range_m")
-    high = raw.get("sonar_z_offset_m")
-    return MessageOptions(
-        frames=_frames(raw, profile),
-        prefix=prefix.lstrip("/"),
-        odometry_tf=flag(raw, "publish_tf", default=True),
-        ranges=flag(raw, "sonar_publish_ranges", default=True),
-        cloud=flag(raw, "sonar_publish_cloud", default=True),
-        description=description,
-        wheels_tf=description and profile is not Profile.COMPATIBILITY,
-        pose_variances=numbers(raw, "pose_covariance_diagonal", DRIVING),
-        twist_variances=numbers(raw, "twist_covariance_diagonal", DRIVING),
-        beam=beam,
-        sonar_height=None if high is None else _number(raw, "sonar_z_offset_m"),
-        wheel_joints=words(raw, "wheel_joint_names"),
-        map_frame=frame(raw, "global_frame_id", MessageOptions().map_frame),
-        tolerance=_number(raw, "transform_tolerance"),
-    )
+def place(words: str) -> Pose2 | str:
+    """Return the pose `x,y,heading` in metres and degrees, unless another unit is given.
 
+    Words that begin with no number are the name of a place.
 
-def _frames(raw: RawParameters, profile: Profile) -> Frames:
-    laser = read_laser_parameters(laser_part(raw)).frame or LASER_FRAME[profile]
-    odom, base_frame = FRAMES[profile]
-    default = Frames()
-    base = frame(raw, base_frame, default.base)
-    return Frames(
-        odom=frame(raw, odom, default.odom),
-        base=base,
-        footprint=_footprint(raw, profile),
-        bumpers=frame(
-            raw,
-            "bumpers_frame",
-            base if profile in {Profile.STANDARD, Profile.ROS2} else default.bumpers,
-        ),
-        sonar=frame(raw, "sonar_frame", default.sonar),
-        sonar_prefix=frame(raw, "sonar_frame_prefix", default.sonar_prefix),
-        laser=frame(raw, "laser_frame_id", laser),
-    )
-
-
-def _footprint(raw: RawParameters, profile: Profile) -> str:
-    """Return the frame between those of odometry and the robot; empty for none.
-
-    RosAria's `/tf` has none, and nobody else but `/tf_static` tells where the robot's frame is in
-    it.
+    Raises:
+        ConfigError: it is no pose.
     """
-    name = "footprint_frame_id"
-    if name in raw:
-        return frame(raw, name, "") if raw[name] else ""
-    of_rosaria = profile is Profile.COMPATIBILITY and flag(raw, "publish_tf", default=True)
-    described = flag(raw, "publish_description", default=True)
-    return "" if of_rosaria or not described else Frames().footprint
+    if not words.lstrip(" +-.")[:1].isdigit():
+        return words
+    parts = words.split(",")
+    if len(parts) not in (2, 3):
+        raise ConfigError(f"start {words}: give x,y or x,y,heading, or the name of a place")
+    try:
+        return Pose2(*(unit.read(part) for unit, part in zip(UNITS, parts, strict=False)))
+    except ValueError as error:
+        raise ConfigError(f"start {words}: {error}") from None
 
 
-def _profile(raw: RawParameters) -> Profile:
-    choices = BY_NAME["profile"].choices
-    value = raw.get("profile", Profile.COMPATIBILITY)
-    if value not in choices:
-        raise ConfigError(f"~profile must be {' or '.join(choices)}, not {value!r}")
-    return Profile(str(value))
-
-
-def _maximum(raw: RawParameters, name: str) -> float | None:
-    return _number(raw, name) if name in raw else None
-
-
-def _number(raw: RawParameters, name: str, otherwise: float = 0.0) -> float:
-    """Return a number within the bounds that the table has."""
-    row = BY_NAME[name]
-    assert row.low is not None
-    assert row.high is not None
-    default = row.default if isinstance(row.default, int | float) else otherwise
-    return number(raw, name, default, row.low, row.high)
-
-
-def _port(value: object) -> str | None:
-    """Return a URL; RosAria writes TCP as `host:8101`."""
-    if value is None or value in ("", "auto"):
-        return None
-    if not isinstance(value, str):
-        raise ConfigError(f"~port must be text such as /dev/ttyUSB0, not {value!r}")
-    return f"tcp://{value}" if re.fullmatch(r"[\w.-]+:\d+", value) else value
-
-
-def _baud(raw: RawParameters) -> int | None:
-    if not isinstance(raw.get("baud", 0), int):
-        raise ConfigError(f"~baud must be a whole number, not {raw['baud']!r}")
-    return int(_number(raw, "baud")) or None
-
-
-def _timeout(raw: RawParameters, profile: Profile) -> float:
-    value = _number(raw, "cmd_vel_timeout", TIMEOUT[profile])
-    if value != 0 and value < SHORTEST:
-        raise ConfigError(
-            f"~cmd_vel_timeout must be {SHORTEST:g} s or more, or 0 for never, not {value:g}"
-        )
-    return value or inf
+def _completed(given: NodeParameters) -> NodeParameters:
+    """Return the parameters with those defaults that depend on the profile and on others."""
+    profile, default, footprint = given.profile, Frames(), given.footprint_frame_id
+    # RosAria's /tf has no footprint, and nobody else but /tf_static tells where the robot's frame
+    # is in it.
+    of_rosaria = profile is Profile.COMPATIBILITY and given.publish_tf
+    if footprint is None:
+        hidden = of_rosaria or not given.publish_description
+        footprint = "" if hidden else default.footprint
+    at_base = profile in {Profile.STANDARD, Profile.ROS2}
+    of_scans = "laser_frame" if profile is Profile.COMPATIBILITY else default.laser
+    timeout = TIMEOUT[profile] if given.cmd_vel_timeout is None else given.cmd_vel_timeout
+    return replace(
+        given,
+        cmd_vel_timeout=timeout,
+        footprint_frame_id=footprint,
+        bumpers_frame=given.bumpers_frame or (given.base_frame_id if at_base else default.bumpers),
+        laser_frame_id=given.laser_frame_id or given.laser.frame_id or of_scans,
+    )

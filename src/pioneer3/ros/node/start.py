@@ -13,13 +13,13 @@ from pioneer3.models import GivenModel
 from pioneer3.navigation.connect import connect_async
 from pioneer3.robot.identity import kind
 from pioneer3.robot.lasers.spec import LaserSpec, parse_lasers
-from pioneer3.ros.node.driving_parameters import NAMES
 from pioneer3.ros.node.laser_parameters import (
     BELOW,
     overridden_laser_parameters,
     unused_laser_parameters,
 )
 from pioneer3.ros.node.names import Profile
+from pioneer3.ros.node.parameter import full_name
 from pioneer3.ros.node.parameters import (
     LONG,
     NodeParameters,
@@ -82,18 +82,20 @@ def checked_parameters(
         ConfigError: a value is of the wrong kind or out of range.
     """
     parameters = read_parameters(raw, profile)
-    of_laser = laser_part(raw)
+    profile = parameters.profile
+    of_laser = laser_part(raw, profile)
     for sentence in (
-        *unused_parameters(raw, parameters.profile, NAMES),
-        *unused_laser_parameters(of_laser, BELOW),
-        *overridden_laser_parameters(of_laser, laser_ports, BELOW),
+        *unused_parameters(raw, profile),
+        *unused_laser_parameters(of_laser, profile, BELOW),
+        *overridden_laser_parameters(of_laser, laser_ports, profile, BELOW),
     ):
         warn(sentence)
     if parameters.timeout > LONG:
         length = "0" if isinf(parameters.timeout) else f"{parameters.timeout:g} s"
         warn(
-            f"~cmd_vel_timeout is {length}, which is UNSAFE: the robot goes on as the last message"
-            " said for as long as its publisher is there, also when that hangs"
+            f"{full_name('cmd_vel_timeout', profile)} is {length}, which is UNSAFE: the robot goes"
+            " on as the last message said for as long as its publisher is there, also when that"
+            " hangs"
         )
     return parameters
 
@@ -107,19 +109,19 @@ async def connected_robot(
     Raises:
         PioneerError: it cannot be reached; the message says what to do.
     """
-    port = options.port or parameters.port or await simulator_or_robot(tell)
+    port = options.port or parameters.url or await simulator_or_robot(tell)
     lasers = await options.lasers(port, parameters.laser.ports)
     async with connect_async(
         port,
         baud=options.baud or parameters.baud,
-        model=options.model or parameters.model,
-        max_speed=parameters.max_speed,
-        max_turn_rate=parameters.max_turn_rate,
-        auto_enable=parameters.auto_enable,
+        model=options.model or parameters.model or None,
+        max_speed=parameters.max_linear_velocity,
+        max_turn_rate=parameters.max_angular_velocity,
+        auto_enable=parameters.auto_enable_motors,
         lasers=parameters.laser.applied_to(lasers),
-        camera=options.camera or parameters.camera,
-        line_map=options.line_map or parameters.line_map,
-        start=options.start or parameters.start,
+        camera=options.camera or parameters.camera_url or None,
+        line_map=options.line_map or parameters.map or None,
+        start=options.start or parameters.initial_pose,
     ) as robot:
         tell(f"{kind(robot.info)}: {robot.info.model.title} on {robot.info.url}")
         yield robot

@@ -323,13 +323,13 @@ def published(
 
 
 def command_topics(
-    profile: Profile, lab_name: str | None = None, *, stamped: bool = False
+    profile: Profile, lab_name: str = "", *, stamped: bool = False
 ) -> tuple[CommandName, ...]:
     """Return the topics to take commands from.
 
     Args:
         profile: Which names count.
-        lab_name: Of the robot in the lab.
+        lab_name: Of the robot in the lab; empty elsewhere.
         stamped: Whether `cmd_vel` is of TwistStamped, in ROS 2.
     """
     (*first,) = COMMANDS.names(profile)
@@ -340,6 +340,6 @@ def command_topics(
         *(CommandName(name) for name in first),
         *(CommandName(name, stamped=True) for name in other),
     )
-    if lab_name is None or profile is Profile.ROS2:
+    if not lab_name or profile is Profile.ROS2:
         return own
     return (*lab_commands(lab_name), *own)

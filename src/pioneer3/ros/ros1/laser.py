@@ -43,6 +43,6 @@ async def serve_laser(
         tell(f"laser at {spec.url}")
         driver = LaserDriver(spec.config(), mounting=lambda: spec.mounting_on(None))
         middleware = RospyMiddleware()
-        node = LaserNode(driver, parameters.frame or FRAME, middleware)
+        node = LaserNode(driver, parameters.frame_id.lstrip("/") or FRAME, middleware)
         await node.run(lambda: announce(middleware, tell))
     return 0

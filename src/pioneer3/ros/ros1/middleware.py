@@ -15,6 +15,7 @@ from pioneer3.errors import ConfigError
 from pioneer3.models.description.xml import MAKER
 from pioneer3.ros.node.driving_parameters import DrivingParameters
 from pioneer3.ros.node.middleware import QUEUE, Sender
+from pioneer3.ros.node.parameters import NodeParameters
 from pioneer3.ros.ros1.reconfigure import Reconfigure
 
 LOOK_AROUND: Final = 0.1
@@ -307,9 +308,9 @@ class RospyMiddleware(RospyTopics):
             rospy.set_param(DESCRIPTION, urdf)
         self._described = urdf
 
-    def reconfigure(self, parameters: DrivingParameters) -> None:
-        """Offer dynamic_reconfigure."""
-        self._reconfigure = Reconfigure(parameters)
+    def reconfigure(self, parameters: NodeParameters, driving: DrivingParameters) -> None:
+        """Offer dynamic_reconfigure of the driving parameters."""
+        self._reconfigure = Reconfigure(driving)
 
     def forget(self) -> None:
         """Leave the parameter server as it was."""

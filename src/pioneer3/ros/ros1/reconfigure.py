@@ -1,12 +1,13 @@
 """dynamic_reconfigure in ROS 1: a server without a generated configuration."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from types import SimpleNamespace
 from typing import Any, Final
 
 from pioneer3.errors import ConfigError
-from pioneer3.ros.node.driving_parameters import PARAMETERS, DrivingParameter, DrivingParameters
+from pioneer3.ros.node.driving_parameters import DrivingParameters, Values
+from pioneer3.ros.node.parameter import Parameter
 
 LEVEL: Final = 0
 
@@ -19,45 +20,53 @@ class Reconfigure:
         from dynamic_reconfigure.server import Server
 
         self._parameters = parameters
-        for name, value in parameters.wanted.items():
+        self._before: Mapping[str, object] = rospy.get_param("~", {})
+        for name, value in self._values(parameters.wanted).items():
             rospy.set_param(f"~{name}", value)  # the server takes them for the present values
-        Server(_description(parameters.parameters), self._set)
+        Server(_description([row.in_rosaria for row in parameters.parameters]), self._set)
 
     def forget(self) -> None:
         """Put back the earlier parameters: the next node must not take these for new ones."""
         import rospy
 
-        before = self._parameters.before
         with suppress(OSError, KeyError, rospy.ROSException):  # the master may be gone
-            for each in PARAMETERS:
-                if each.name in before:
-                    rospy.set_param(f"~{each.name}", before[each.name])
+            for each in self._parameters.parameters:
+                if each.rosaria in self._before:
+                    rospy.set_param(f"~{each.rosaria}", self._before[each.rosaria])
                 else:
-                    rospy.delete_param(f"~{each.name}")
+                    rospy.delete_param(f"~{each.rosaria}")
 
     def _set(self, config: Any, _level: int) -> Any:
         """Take new values, in rospy's thread; return those in force."""
         import rospy
 
         try:
-            values = self._parameters.set(config)
+            self._parameters.set(
+                {each.name: config[each.rosaria] for each in self._parameters.parameters}
+            )
         except ConfigError as error:
             rospy.logwarn(str(error))
-            values = dict(self._parameters.values)
-        config.update(values)
+        config.update(self._values(self._parameters.values))
         return config
 
+    def _values(self, values: Values) -> dict[str, float | None]:
+        """Return values by RosAria's names, with its defaults for the robot's own."""
+        return {
+            each.rosaria: each.rosaria_default if values[each.name] is None else values[each.name]
+            for each in self._parameters.parameters
+        }
 
-def _description(parameters: Sequence[DrivingParameter]) -> Any:
+
+def _description(parameters: Sequence[Parameter]) -> Any:
     """Return the content of a generated configuration module."""
     listed = [
         {
             "name": each.name,
             "type": "int" if each.whole else "double",
             "level": LEVEL,
-            "description": f"{each.description}; {each.default:g} is the robot's own"
+            "description": f"{each.described}; {each.default:g} is {each.otherwise}"
             if each.whole
-            else each.description,
+            else each.described,
             "edit_method": "",
         }
         for each in parameters
@@ -78,7 +87,7 @@ def _description(parameters: Sequence[DrivingParameter]) -> Any:
     )
 
 
-def _config(values: dict[str, float]) -> Any:
+def _config(values: Mapping[str, object]) -> Any:
     from dynamic_reconfigure.encoding import Config
 
     return Config(values)

@@ -86,16 +86,17 @@ async def serve(options: Options, tell: Callable[[str], None]) -> int:
     async with on_ros(node_name(options.arguments), options.arguments, tell) as watch:
         import rospy
 
-        raw = rospy.get_param("~", {})
-        parameters = checked_parameters(raw, options.laser_ports, rospy.logwarn)
+        parameters = checked_parameters(
+            rospy.get_param("~", {}), options.laser_ports, rospy.logwarn
+        )
         watch.start()
-        if options.line_map or parameters.line_map:
+        if options.line_map or parameters.map:
             find_move_base()
         gc.freeze()  # else all that was imported is searched for garbage again and again
         async with connected_robot(options, parameters, tell) as robot:
             await asyncio.to_thread(_introduce, robot.info)
             middleware = RospyMiddleware()
-            node = RobotNode(robot, parameters, middleware, raw)
+            node = RobotNode(robot, parameters, middleware)
             watch.on_registered = node.describe_robot
             await node.run(lambda: announce(middleware, tell))
     return 0

@@ -2,13 +2,14 @@
 
 import logging
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any, Final
 
 from pioneer3.ros.messages.stamps import NANO, nanoseconds
 from pioneer3.ros.node.driving_parameters import DrivingParameters
 from pioneer3.ros.node.middleware import QUEUE, Sender
+from pioneer3.ros.node.parameters import NodeParameters
 from pioneer3.ros.ros2.arguments import RosArguments
 from pioneer3.ros.ros2.backend import (
     LATCHED,
@@ -19,7 +20,6 @@ from pioneer3.ros.ros2.backend import (
     Qos,
     Writer,
 )
-from pioneer3.ros.ros2.declared import declared, set_driving
 from pioneer3.ros.ros2.lifecycle import Callbacks, Lifecycle
 from pioneer3.ros.ros2.mismatches import Own, OwnKey, mismatches
 from pioneer3.ros.ros2.names import checked_topic
@@ -250,9 +250,6 @@ class Ros2Middleware(Ros2Topics):
         types: Of its distribution.
         arguments: Remapping rules and parameters.
         tell: Given each warning, for the terminal.
-
-    Attributes:
-        settings: Values of parameters that are read at the start.
     """
 
     def __init__(
@@ -267,7 +264,6 @@ class Ros2Middleware(Ros2Topics):
         self._tell = tell
         rosout = types.message_type("rcl_interfaces/Log")
         self._rosout = backend.advertise("/rosout", rosout, ROSOUT)
-        self.settings: Mapping[str, object] = {}
         self._kept: dict[OwnKey, Own] = {}
 
     @property
@@ -314,9 +310,9 @@ class Ros2Middleware(Ros2Topics):
     def describe(self, urdf: str) -> None:
         """Do nothing: in ROS 2 the description is a topic, which the table has."""
 
-    def reconfigure(self, parameters: DrivingParameters) -> None:
+    def reconfigure(self, parameters: NodeParameters, driving: DrivingParameters) -> None:
         """Drive by the first values, and let others see and set them where services are."""
-        parameters.set(parameters.wanted)
+        driving.set(driving.wanted)
         if not self.serves:
             return
         events = self._backend.advertise(
@@ -330,8 +326,8 @@ class Ros2Middleware(Ros2Topics):
 
         services = ParameterServices(
             self._types,
-            declared(self.settings, parameters),
-            lambda values: set_driving(values, parameters),
+            {**parameters.values, **driving.declared},
+            driving.change,
             changed,
         )
         for name, (type_name, respond) in services.services.items():

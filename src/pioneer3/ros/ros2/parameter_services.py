@@ -8,118 +8,25 @@ Beyond rclpy, numbers must be finite, and numbers in arrays keep within the boun
 
 import threading
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
-from enum import StrEnum
-from math import ceil, floor, inf, isfinite
 from types import MappingProxyType
 from typing import Any, Final
 
 import numpy as np
 
 from pioneer3.errors import ConfigError
+from pioneer3.ros.node.parameter import Acts, Parameter, ParameterKind, Value
 from pioneer3.ros.ros2.types import MessageTypes
 
-Scalar = bool | int | float | str
-Value = Scalar | tuple[bool, ...] | tuple[int, ...] | tuple[float, ...] | tuple[str, ...]
 Service = tuple[str, Callable[[Any], Any]]
 """A type of services, and the function from request to response."""
 NOT_SET: Final = 0
 SEPARATOR: Final = "."
-INT64: Final = (-(2**63), 2**63 - 1)
-
-
-@dataclass(frozen=True, slots=True)
-class Form:
-    """The form of values of one kind.
-
-    Attributes:
-        number: In `rcl_interfaces/msg/ParameterType`.
-        field: Of `rcl_interfaces/msg/ParameterValue` that has the value.
-        type: Of the value, or of each part of an array.
-        array: Whether there may be any number of them.
-    """
-
-    number: int
-    field: str
-    type: type[Scalar]
-    array: bool = False
-
-
-FORMS: Final[Mapping[str, Form]] = {
-    "bool": Form(1, "bool_value", bool),
-    "integer": Form(2, "integer_value", int),
-    "double": Form(3, "double_value", float),
-    "string": Form(4, "string_value", str),
-    "bool_array": Form(6, "bool_array_value", bool, array=True),
-    "integer_array": Form(7, "integer_array_value", int, array=True),
-    "double_array": Form(8, "double_array_value", float, array=True),
-    "string_array": Form(9, "string_array_value", str, array=True),
-}
-"""By the names of kinds in ROS 2; 5 are arrays of bytes, which no parameter here has."""
-KINDS: Final = {form.number: kind for kind, form in FORMS.items()} | {
+NUMBERS: Final = dict(zip(ParameterKind, (1, 2, 3, 4, 6, 7, 8, 9), strict=True))
+"""Numbers of kinds in `rcl_interfaces/msg/ParameterType`; 5 are arrays of bytes."""
+KINDS: Final = {number: str(kind) for kind, number in NUMBERS.items()} | {
     NOT_SET: "not_set",
     5: "byte_array",
 }
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class NodeParameter:
-    """A declared parameter.
-
-    Attributes:
-        name: With `.` between its parts.
-        kind: One of those in `FORMS`.
-        value: At first; a whole number may stand for a double here. `None` for none.
-        description: For people.
-        constraints: Sentence about limits that are not bounds; for people.
-        low: Least number.
-        high: Greatest number.
-        read_only: Whether nobody may set it.
-    """
-
-    name: str
-    kind: StrEnum
-    value: Value | None
-    description: str = ""
-    constraints: str = ""
-    low: float | None = None
-    high: float | None = None
-    read_only: bool = False
-
-    @property
-    def form(self) -> Form:
-        """The form of its values."""
-        return FORMS[self.kind]
-
-    def checked(self, value: Value) -> Value:
-        """Return `value`, which has the type of this parameter.
-
-        Raises:
-            ConfigError: it is not finite or out of bounds.
-        """
-        low, high = self.bounds
-        for each in value if isinstance(value, tuple) else (value,):
-            if isinstance(each, str | bool):
-                continue
-            if not isfinite(each):
-                raise ConfigError(f"{self.name} must be finite, not {each}")
-            if not low <= each <= high:
-                raise ConfigError(f"{self.name} must be from {low} to {high}, not {each}")
-        return value
-
-    @property
-    def bounds(self) -> tuple[float, float]:
-        """The least and the greatest number."""
-        if self.form.type is int:
-            least, most = INT64
-            return (
-                least if self.low is None else ceil(self.low),
-                most if self.high is None else floor(self.high),
-            )
-        return (
-            -inf if self.low is None else float(self.low),
-            inf if self.high is None else float(self.high),
-        )
 
 
 class ParameterServices:
@@ -127,7 +34,7 @@ class ParameterServices:
 
     Args:
         types: Of the node's distribution.
-        parameters: All that are declared.
+        parameters: All that are declared, with their values at first; `None` for none.
         set_: Given new values by name, which have the right types and are within the bounds. It
             may refuse them by a ConfigError, and may return others, which are in force instead.
         changed: Given `rcl_interfaces/msg/ParameterEvent` after each change, without node and
@@ -143,16 +50,17 @@ class ParameterServices:
     def __init__(
         self,
         types: MessageTypes,
-        parameters: Iterable[NodeParameter],
+        parameters: Mapping[Parameter, Value | None],
         set_: Callable[[Mapping[str, Value]], Mapping[str, Value] | None],
         changed: Callable[[Any], None],
     ) -> None:
         self._types, self._set, self._changed = types, set_, changed
         self._table = {each.name: each for each in parameters}
         self._values: Mapping[str, Value | None] = {
-            name: None if each.value is None else _native(each, each.value)
-            for name, each in self._table.items()
+            each.name: None if value is None else _native(each, value)
+            for each, value in parameters.items()
         }
+        self._dynamic = {name for name, value in self._values.items() if value is None}
         self._setting = threading.Lock()
         self.services: Mapping[str, Service] = MappingProxyType(
             {
@@ -178,16 +86,6 @@ class ParameterServices:
         event = self._make("ParameterEvent")
         event.new_parameters = self._messages(self._values)
         return event
-
-    def update(self, values: Mapping[str, Value]) -> None:
-        """Take values that were changed otherwise; must not be called by `set_` or `changed`.
-
-        Raises:
-            ConfigError: a value does not fit its parameter; nothing changes.
-        """
-        with self._setting:
-            native = {name: _native(self._table[name], each) for name, each in values.items()}
-            self._take({k: v for k, v in native.items() if v != self._values[k]})
 
     def _describe(self, request: Any) -> Any:
         response = self._make("DescribeParameters_Response", "srv")
@@ -248,16 +146,16 @@ class ParameterServices:
         """
         if (parameter := self._table.get(message.name)) is None:
             raise ConfigError(f"no parameter {message.name!r} is declared")
-        if parameter.read_only:
+        if parameter.acts is not Acts.AT_ONCE:
             raise ConfigError(f"{parameter.name} is read-only")
-        form, number = parameter.form, message.value.type
+        kind, number = parameter.kind, message.value.type
         if number == NOT_SET:
             raise ConfigError(f"{parameter.name} cannot be undeclared")
-        if number != form.number:
+        if number != NUMBERS[kind]:
             got = KINDS.get(number, number)
-            raise ConfigError(f"{parameter.name} must be of type {parameter.kind}, not {got}")
-        value = getattr(message.value, form.field)
-        return _native(parameter, tuple(value) if form.array else value)
+            raise ConfigError(f"{parameter.name} must be of type {kind}, not {got}")
+        value = getattr(message.value, f"{kind}_value")
+        return _native(parameter, tuple(value) if kind.is_array else value)
 
     def _take(self, values: Mapping[str, Value]) -> None:
         if not values:
@@ -276,32 +174,38 @@ class ParameterServices:
         return [self._message(name, value) for name, value in values.items()]
 
     def _message(self, name: str, value: Value | None) -> Any:
-        message, form = self._make("Parameter"), self._table[name].form
+        message, kind = self._make("Parameter"), self._table[name].kind
         message.name = name
         if value is not None:
-            message.value.type = form.number
-            setattr(message.value, form.field, list(value) if isinstance(value, tuple) else value)
+            message.value.type = NUMBERS[kind]
+            field = list(value) if isinstance(value, tuple) else value
+            setattr(message.value, f"{kind}_value", field)
         return message
 
     def _type(self, name: str) -> int:
         """Return the type of a parameter, which it has while it has a value."""
-        return NOT_SET if self._values[name] is None else self._table[name].form.number
+        return NOT_SET if self._values[name] is None else NUMBERS[self._table[name].kind]
 
-    def _descriptor(self, parameter: NodeParameter) -> Any:
-        descriptor, form = self._make("ParameterDescriptor"), parameter.form
+    def _descriptor(self, parameter: Parameter) -> Any:
+        descriptor = self._make("ParameterDescriptor")
         descriptor.name, descriptor.type = parameter.name, self._type(parameter.name)
-        descriptor.dynamic_typing = parameter.value is None
-        descriptor.description = parameter.description
+        descriptor.dynamic_typing = parameter.name in self._dynamic
+        descriptor.description = parameter.described
         descriptor.additional_constraints = parameter.constraints
-        descriptor.read_only = parameter.read_only
-        unbounded = parameter.low is None and parameter.high is None
-        if form.array or unbounded or form.type not in {int, float}:
+        descriptor.read_only = parameter.acts is not Acts.AT_ONCE
+        bounds = parameter.low, parameter.high
+        if not parameter.bounded or parameter.kind.is_array:
             return descriptor
-        whole = form.type is int
-        between = self._make("IntegerRange" if whole else "FloatingPointRange")
-        between.from_value, between.to_value = parameter.bounds
-        setattr(descriptor, "integer_range" if whole else "floating_point_range", [between])
+        if parameter.whole:
+            descriptor.integer_range = [self._between("IntegerRange", *map(int, bounds))]
+        else:
+            descriptor.floating_point_range = [self._between("FloatingPointRange", *bounds)]
         return descriptor
+
+    def _between(self, name: str, low: float, high: float) -> Any:
+        between = self._make(name)
+        between.from_value, between.to_value = low, high
+        return between
 
     def _make(self, name: str, kind: str = "msg") -> Any:
         return self._types.make(f"rcl_interfaces/{kind}/{name}")
@@ -325,20 +229,16 @@ def is_listed(name: str, prefixes: Iterable[str], depth: int) -> bool:
     return any(depth == 0 or rest.count(SEPARATOR) < depth for rest in rests)
 
 
-def _native(parameter: NodeParameter, value: object) -> Value:
-    """Return `value` in the type of a parameter; whole numbers may stand for doubles.
+def _native(parameter: Parameter, value: object) -> Value:
+    """Return `value`, which may come from numpy, in the type of a parameter.
 
     Raises:
         ConfigError: it does not fit.
     """
-    form = parameter.form
-    accepted = (int, float) if form.type is float else form.type
-    given = value if isinstance(value, tuple) else (value,)
-    fits = isinstance(value, tuple) == form.array
-    parts = [each.item() if isinstance(each, np.generic) else each for each in given]
-    for each in parts:
-        fits &= isinstance(each, accepted) and isinstance(each, bool) == (form.type is bool)
-    if not fits:
-        raise ConfigError(f"{parameter.name} must be of type {parameter.kind}, not {value!r}")
-    native: Any = tuple(form.type(each) for each in parts)
-    return parameter.checked(native if form.array else native[0])
+    if isinstance(value, tuple):
+        return parameter.checked(tuple(map(_scalar, value)))
+    return parameter.checked(_scalar(value))
+
+
+def _scalar(value: object) -> object:
+    return value.item() if isinstance(value, np.generic) else value

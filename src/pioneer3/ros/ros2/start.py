@@ -2,17 +2,14 @@
 
 import asyncio
 import gc
-import re
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager, suppress
 from dataclasses import dataclass, field, replace
-from math import isinf
 from typing import Final
 
 from pioneer3.errors import ConfigError, LinkError
 from pioneer3.ros.node.names import Profile
 from pioneer3.ros.node.node import RobotNode
-from pioneer3.ros.node.parameters import NodeParameters
 from pioneer3.ros.node.start import Options, checked_parameters, connected_robot
 from pioneer3.ros.ros2.arguments import RosArguments, parse
 from pioneer3.ros.ros2.backend import Backend, NodeName
@@ -25,8 +22,6 @@ from pioneer3.ros.ros2.types import MessageTypes
 from pioneer3.runtime.robot import Robot
 
 NODE: Final = "pioneer3"
-PRIVATE: Final = re.compile(r"~([a-z0-9_/]+)")
-"""A parameter as ROS 1 writes it."""
 OF_TF: Final = ("tf", "tf_static")
 
 
@@ -114,28 +109,19 @@ async def serve(node: NodeOptions, options: Options, tell: Callable[[str], None]
     """
     async with on_ros2(node, tell) as (backend, name, types, arguments):
         middleware = Ros2Middleware(backend, name, types, arguments, lambda s: tell(f"WARN {s}"))
-        parameters = _parameters(arguments, options, middleware.warn)
-        stamped = parameters.stamped
-        parameters = replace(
-            parameters, stamped=types.distro.stamped_commands if stamped is None else stamped
+        parameters = checked_parameters(
+            arguments.raw, options.laser_ports, middleware.warn, Profile.ROS2
         )
-        frames = parameters.options.frames
-        middleware.settings = {
-            "cmd_vel_timeout": 0.0 if isinf(parameters.timeout) else parameters.timeout,
-            "enable_stamped_cmd_vel": bool(parameters.stamped),
-            "footprint_frame_id": frames.footprint,
-            "bumpers_frame": frames.bumpers,
-            "laser_frame_id": frames.laser,
-            **arguments.raw,
-        }
-        if parameters.options.prefix:  # names of frames differ: one tree for all robots
+        if parameters.enable_stamped_cmd_vel is None:
+            parameters = replace(parameters, enable_stamped_cmd_vel=types.distro.stamped_commands)
+        if parameters.frame_prefix:  # names of frames differ: one tree for all robots
             middleware.add_rules(*(Remapping(topic, f"/{topic}") for topic in OF_TF))
         if not (parameters.autostart or backend.serves):
             raise ConfigError(
                 "autostart is false, but nobody could start the node: it has no services by"
                 f" {backend.title}; take another --backend, or let it start itself"
             )
-        if parameters.sim_time:
+        if parameters.use_sim_time:
             await asyncio.to_thread(middleware.use_sim_time)
 
         async def run(robot: Robot, ready: Callable[[], None]) -> None:
@@ -143,7 +129,7 @@ async def serve(node: NodeOptions, options: Options, tell: Callable[[str], None]
                 tell("ready; Ctrl-C ends it and stops the robot")
                 ready()
 
-            await RobotNode(robot, parameters, middleware, arguments.raw).run(tell_ready)
+            await RobotNode(robot, parameters, middleware).run(tell_ready)
 
         managed = ManagedRobot(lambda: connected_robot(options, parameters, tell), run, tell)
         lifecycle = await asyncio.to_thread(middleware.lifecycle, managed.callbacks)
@@ -151,24 +137,3 @@ async def serve(node: NodeOptions, options: Options, tell: Callable[[str], None]
         gc.freeze()  # else all that was imported is searched for garbage again and again
         await managed.serve(lifecycle, autostart=parameters.autostart)
     return 0
-
-
-def _parameters(
-    arguments: RosArguments, options: Options, warn: Callable[[str], None]
-) -> NodeParameters:
-    """Return the parameters of the node, and warn of those that are unused or unsafe.
-
-    Raises:
-        ConfigError: a value is of the wrong kind or out of range.
-    """
-    try:
-        return checked_parameters(
-            arguments.raw, options.laser_ports, lambda said: warn(_renamed(said)), Profile.ROS2
-        )
-    except ConfigError as error:
-        raise ConfigError(_renamed(str(error))) from error
-
-
-def _renamed(sentence: str) -> str:
-    """Return a sentence with ROS 2's names of parameters for ROS 1's, such as ~laser/ip."""
-    return PRIVATE.sub(lambda name: name[1].replace("/", "."), sentence)

@@ -105,9 +105,10 @@ async def a_node(
         async with SimulatedRobot() as sim, connect_async(sim.open) as robot:
             ready = asyncio.Event()
             parameters = read_parameters(arguments.raw, Profile.ROS2)
-            if parameters.stamped is None:
-                parameters = replace(parameters, stamped=types.distro.stamped_commands)
-            the = RobotNode(robot, parameters, middleware, arguments.raw)
+            if parameters.enable_stamped_cmd_vel is None:
+                stamped = types.distro.stamped_commands
+                parameters = replace(parameters, enable_stamped_cmd_vel=stamped)
+            the = RobotNode(robot, parameters, middleware)
             async with running(the.run(ready.set)):
                 await ready.wait()
                 yield Running(sim, robot, types, network, warnings, now)

@@ -13,9 +13,10 @@ from pioneer3.ros.ament.install import DRIVEN, PROGRAMS, install_package
 from pioneer3.ros.node.driving_parameters import PARAMETERS as DRIVING
 from pioneer3.ros.node.names import Profile
 from pioneer3.ros.node.navigation_topics import NAVIGATION_TOPICS
-from pioneer3.ros.node.parameter_table import ParameterKind, parameters_in
+from pioneer3.ros.node.parameter import ParameterKind
 from pioneer3.ros.node.parameters import read_parameters
 from pioneer3.ros.node.topics import STAMPED_COMMANDS, UNSTAMPED_NAME, topics_of
+from pioneer3.ros.ros2.arguments import RosArguments
 from pioneer3.ros.ros2.distros import distros
 from tests.unit.ros.ros2.launch_system import LaunchContext, install, launched
 from tests.unit.ros.support import P3AT
@@ -123,15 +124,15 @@ def test_the_nodes_own_parameters_are_those_of_the_table(tmp_path: Path, distro:
     prefix = install_package(tmp_path, distro)
     given = configuration(prefix, "pioneer3.yaml")["/**"]["ros__parameters"]
     text = (prefix / "share/pioneer3/config/pioneer3.yaml").read_text()
-    for parameter in parameters_in(Profile.ROS2):
+    for parameter in read_parameters({}, Profile.ROS2).values:
         assert f" {parameter.name}:" in text
         assert given.get(parameter.name, 1) != []
         if parameter.name in given and parameter.kind in TYPES:
             assert type(given[parameter.name]) is TYPES[parameter.kind]
-    assert all(f"# {each.standard}:" in text for each in DRIVING if each.standard)
+    assert all(f"# {row.name}:" in text for row in DRIVING if Profile.ROS2 in row.profiles)
     assert given["enable_stamped_cmd_vel"] is distros()[distro].stamped_commands
     assert given["pose_covariance_diagonal"][2] == 1e6
-    read_parameters(given, Profile.ROS2)
+    assert read_parameters(RosArguments(parameters=given).raw, Profile.ROS2).laser.skip == 0
 
 
 @pytest.mark.parametrize("distro", DISTROS)
