@@ -1,25 +1,23 @@
 """`pioneer3 ros1`."""
 
-from collections.abc import Awaitable, Callable, Sequence
+from collections.abc import Awaitable, Callable, Coroutine, Sequence
+from dataclasses import dataclass
+from inspect import Parameter as Argument
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import App, Parameter
 
 from pioneer3.cli.options import AUTO, NO_LASERS, WHICH, Baud, CameraUrl, LaserOptions, RobotOptions
 from pioneer3.cli.places import MapName, StartPlace, pose_of
 from pioneer3.cli.process import run_until_told_to_leave, write_line
-from pioneer3.cli.ros1_demos import (
-    MODE_DEMOS,
-    android_teleop,
-    p3_sonar,
-    rob_key,
-    rob_key_multi,
-    robots,
-)
+from pioneer3.cli.topic_demos import commands
 
 if TYPE_CHECKING:
+    from pioneer3.cli.topic_demos import Work
     from pioneer3.robot.lasers.spec import LaserSpec
+    from pioneer3.ros.client.graph import RobotTopics
+    from pioneer3.ros.client.robot import TopicRobot
 
 ros1_app = App(
     name="ros1",
@@ -34,15 +32,45 @@ ros1_app = App(
     """,
     help_format="plaintext",
 )
-DEMOS: tuple[Callable[..., int], ...] = (
-    robots,
-    rob_key,
-    rob_key_multi,
-    p3_sonar,
-    *MODE_DEMOS,
-    android_teleop,
-)
-for command in DEMOS:
+ARGUMENTS = Annotated[str, Parameter(show=False, help="ROS's own, such as __name:=mine.")]
+
+
+@dataclass(frozen=True, slots=True)
+class Ros1Graph:
+    """The graph of a ROS master, with ROS's own arguments of the command."""
+
+    arguments: tuple[str, ...]
+    ros: str = "ros1"
+
+    def find(self, show: "Callable[[Sequence[RobotTopics]], None]") -> int:
+        """Have all robots shown."""
+        from pioneer3.ros.ros1.client import find_robots
+
+        show(find_robots())
+        return 0
+
+    def run(
+        self, name: str, robots: Sequence[str], model: str | None, work: "Work", *, several: bool
+    ) -> int:
+        """Be a node and do `work` with robots; see :class:`Graph`."""
+        from pioneer3.ros.client.graph import wanted
+        from pioneer3.ros.ros1.client import find_robots, run_program
+        from pioneer3.ros.ros1.middleware import RospyTopics
+
+        topics = wanted(find_robots(), robots, several=several)
+        node = name if several else f"{name}_{topics[0].plain_name}"
+
+        def working(driven: "list[TopicRobot]") -> Coroutine[Any, Any, None]:
+            return work(driven, RospyTopics())
+
+        return run_until_told_to_leave(run_program(node, self.arguments, topics, model, working))
+
+
+for command in commands(
+    Ros1Graph,
+    Argument("arguments", Argument.VAR_POSITIONAL, annotation=ARGUMENTS),
+    {"ros": "ros1", "robot": "p3at_1_113", "another": "p3at_2_246"},
+):
     ros1_app.command(command, name=command.__name__)
 
 

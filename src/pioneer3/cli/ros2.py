@@ -1,18 +1,25 @@
 """`pioneer3 ros2`."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import msgspec
 from cyclopts import App
 
+from pioneer3.cli.motion import keyword
 from pioneer3.cli.options import NO_LASERS, WHICH, Baud, CameraUrl, LaserOptions, RobotOptions
 from pioneer3.cli.places import MapName, StartPlace, pose_of
 from pioneer3.cli.process import run_until_told_to_leave, write_line
 from pioneer3.cli.ros2_bridge import bridge
 from pioneer3.cli.ros2_check import check
-from pioneer3.cli.ros2_demos import DEMOS
 from pioneer3.cli.ros2_network import ANYWHERE, NetworkOptions
+from pioneer3.cli.topic_demos import commands
+
+if TYPE_CHECKING:
+    from pioneer3.cli.topic_demos import Work
+    from pioneer3.ros.client.graph import RobotTopics
 
 ros2_app = App(
     name="ros2",
@@ -28,6 +35,38 @@ ros2_app = App(
 )
 
 
+@dataclass(frozen=True, slots=True)
+class Ros2Graph:
+    """The graph of a network of ROS 2."""
+
+    network: NetworkOptions
+    ros: str = "ros2"
+
+    def find(self, show: "Callable[[Sequence[RobotTopics]], None]") -> int:
+        """Have all robots shown."""
+        return run_until_told_to_leave(self._find(show))
+
+    async def _find(self, show: "Callable[[Sequence[RobotTopics]], None]") -> int:
+        from pioneer3.ros.ros2.client import find_robots
+
+        show(await find_robots(self.network.node("robots")))
+        return 0
+
+    def run(
+        self, name: str, robots: Sequence[str], model: str | None, work: "Work", *, several: bool
+    ) -> int:
+        """Be a node and do `work` with robots; see :class:`Graph`."""
+        from pioneer3.ros.ros2.client import run_program
+
+        node = self.network.node(name)
+        return run_until_told_to_leave(run_program(node, robots, model, work, several=several))
+
+
+DEMOS = commands(
+    Ros2Graph,
+    keyword("network", NetworkOptions, ANYWHERE),
+    {"ros": "ros2", "robot": "robot1", "another": "robot2"},
+)
 COMMANDS: tuple[Callable[..., int], ...] = (check, *DEMOS, bridge)
 for command in COMMANDS:
     ros2_app.command(command, name=command.__name__)

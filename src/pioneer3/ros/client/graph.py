@@ -133,17 +133,30 @@ def robots_among(nodes: Mapping[str, NodeTopics]) -> list[RobotTopics]:
     return robots
 
 
-def chosen(robots: Iterable[RobotTopics], wanted: str | None) -> RobotTopics:
-    """Return the robot called `wanted`, or the only one.
+def chosen(robots: Iterable[RobotTopics], name: str | None) -> RobotTopics:
+    """Return the robot of this name, or the only one.
 
     Raises:
         NoRobotError: there is none, or none called so; the message says which there are.
         ConfigError: it is not clear which one is meant.
     """
-    robot = _called(list(robots), wanted)
+    robot = _called(list(robots), name)
     if robot.unclear:
         raise ConfigError(robot.unclear)
     return robot
+
+
+def wanted(
+    robots: Sequence[RobotTopics], names: Sequence[str], *, several: bool
+) -> list[RobotTopics]:
+    """Return the robots of these names; without any the only one, or with `several` all.
+
+    Raises:
+        ConfigError, NoRobotError: see :func:`chosen`.
+    """
+    if names:
+        return [chosen(robots, name) for name in names]
+    return list(robots) if several and robots else [chosen(robots, None)]
 
 
 def _called(known: Sequence[RobotTopics], wanted: str | None) -> RobotTopics:

@@ -6,13 +6,17 @@ from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager, suppress
 from typing import Any, Final
 
+from pioneer3.arcos.reports import Config
 from pioneer3.errors import ConfigError, LinkError, NoRobotError
 from pioneer3.geometry import Twist2
+from pioneer3.models import RobotModel
+from pioneer3.robot.limits import limits_for
 from pioneer3.robot.supervisor import RobotInfo
 from pioneer3.ros.client.graph import STAMPED, RobotTopics
 from pioneer3.ros.client.robot import TopicRobot, TopicSupervisor
 from pioneer3.ros.client.snapshots import SnapshotSubscriber
 from pioneer3.ros.node.middleware import Publisher, Topics
+from pioneer3.state import Identity
 from pioneer3.tasks import in_own_thread, running
 
 FIRST: Final = 5.0
@@ -22,7 +26,21 @@ MATCHED: Final = 0.15
 LOOK: Final = 0.01
 """Pause between two looks for it [s]."""
 
+LARGEST: Final = "p3at-sh"
+"""The model of a robot of which nobody tells one."""
 log = logging.getLogger(__name__)
+
+
+def info_of(topics: RobotTopics, model: RobotModel, config: Config | None = None) -> RobotInfo:
+    """Return the identity of a robot of a model."""
+    return RobotInfo(
+        identity=Identity(name=topics.name, family="Pioneer", model=model.name),
+        model=model,
+        limits=limits_for(model, None),
+        config=config,
+        url=topics.node,
+        speed=None,
+    )
 
 
 @asynccontextmanager

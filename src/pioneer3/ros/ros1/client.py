@@ -20,17 +20,15 @@ from pioneer3.arcos.reports import Config
 from pioneer3.errors import ConfigError, NoRobotError
 from pioneer3.models import find_model, load_model
 from pioneer3.robot.identity import SIMULATOR_SERIAL
-from pioneer3.robot.limits import limits_for
 from pioneer3.robot.supervisor import RobotInfo
 from pioneer3.ros.client.graph import RobotTopics, robots_on
-from pioneer3.ros.client.joining import FIRST, joined
+from pioneer3.ros.client.joining import FIRST, LARGEST, info_of, joined
 from pioneer3.ros.client.robot import TopicRobot
 from pioneer3.ros.node.parameters import MODEL, SIMULATED
 from pioneer3.ros.ros1.environment import checked_master, environment_warnings
 from pioneer3.ros.ros1.middleware import RospyTopics, find_rospy
 from pioneer3.ros.ros1.rosout import log_in_background
 from pioneer3.ros.ros1.start import stay_on_this_computer
-from pioneer3.state import Identity
 from pioneer3.tasks import in_own_thread, running
 
 ALIVE: Final = 0.5
@@ -44,8 +42,6 @@ SERVED: Final = 0.5
 SWITCHED: Final = 2.0
 """Longest wait for a request that is under way when the program leaves the robot [s]."""
 log = logging.getLogger(__name__)
-UNKNOWN_MODEL: Final = "p3at-sh"
-"""The model of a robot whose node does not name one: the largest."""
 
 
 def find_robots() -> list[RobotTopics]:
@@ -220,17 +216,11 @@ def _info(topics: RobotTopics, model: str | None) -> RobotInfo:
     """Return the identity of a robot by its node's parameters."""
     import rospy
 
-    said = str(rospy.get_param(f"{topics.node}/{MODEL}", UNKNOWN_MODEL))
-    found = load_model(model) if model else find_model(said) or load_model(UNKNOWN_MODEL)
+    said = str(rospy.get_param(f"{topics.node}/{MODEL}", LARGEST))
+    found = load_model(model) if model else find_model(said) or load_model(LARGEST)
     simulated = rospy.get_param(f"{topics.node}/{SIMULATED}", False)
-    return RobotInfo(
-        identity=Identity(name=topics.name, family="Pioneer", model=found.name),
-        model=found,
-        limits=limits_for(found, None),
-        config=Config(family="", model="", serial_number=SIMULATOR_SERIAL) if simulated else None,
-        url=topics.node,
-        speed=None,
-    )
+    config = Config(family="", model="", serial_number=SIMULATOR_SERIAL) if simulated else None
+    return info_of(topics, found, config)
 
 
 class MotorSwitch:

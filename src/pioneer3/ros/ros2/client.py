@@ -7,10 +7,8 @@ from contextlib import AsyncExitStack, asynccontextmanager
 from typing import Any, Final
 
 from pioneer3.models import load_model
-from pioneer3.robot.limits import limits_for
-from pioneer3.robot.supervisor import RobotInfo
-from pioneer3.ros.client.graph import NodeTopics, RobotTopics, chosen, robots_among
-from pioneer3.ros.client.joining import joined
+from pioneer3.ros.client.graph import NodeTopics, RobotTopics, robots_among, wanted
+from pioneer3.ros.client.joining import LARGEST, info_of, joined
 from pioneer3.ros.client.robot import TopicRobot
 from pioneer3.ros.node.middleware import Topics
 from pioneer3.ros.ros2.backend import Backend, Graph, Kind
@@ -18,15 +16,12 @@ from pioneer3.ros.ros2.middleware import ClientTopics
 from pioneer3.ros.ros2.requests import NodeRequests
 from pioneer3.ros.ros2.start import NodeOptions, on_ros2
 from pioneer3.ros.ros2.types import MessageTypes
-from pioneer3.state import Identity
 from pioneer3.tasks import in_own_thread
 
 DISCOVERY: Final = 2.0
 """Nodes find each other within this time [s], commonly."""
 LOOK: Final = 0.1
 """Pause between two looks at the graph [s]."""
-LARGEST: Final = "p3at-sh"
-"""The model of a robot unless somebody names one: the largest."""
 
 
 def robots_of(graph: Graph) -> list[RobotTopics]:
@@ -120,7 +115,7 @@ async def driven_robot(
         requests.open()
         async with joined(
             topics,
-            info_of(topics, model),
+            info_of(topics, load_model(model or LARGEST)),
             middleware,
             requests.switch_motors,
             latch=requests.latch,
@@ -142,24 +137,4 @@ async def _found(backend: Backend, names: Sequence[str], *, several: bool) -> li
         if names and all(any(name in each.names for each in known) for name in names):
             await asyncio.sleep(LOOK)  # for the rest of their topics
             break
-    known = robots_of(backend.graph())
-    if names:
-        return [chosen(known, name) for name in names]
-    return known if several and known else [chosen(known, None)]
-
-
-def info_of(topics: RobotTopics, model: str | None) -> RobotInfo:
-    """Return the identity of a robot; its model is the largest one if `None`.
-
-    Raises:
-        ConfigError: there is no such model.
-    """
-    found = load_model(model or LARGEST)
-    return RobotInfo(
-        identity=Identity(name=topics.name, family="Pioneer", model=found.name),
-        model=found,
-        limits=limits_for(found, None),
-        config=None,
-        url=topics.node,
-        speed=None,
-    )
+    return wanted(robots_of(backend.graph()), names, several=several)
