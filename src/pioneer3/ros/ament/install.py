@@ -1,11 +1,8 @@
 """Writes a ROS 2 package that `ros2 run` and `ros2 launch` find, without colcon and a build."""
 
-import re
 import shlex
 import sys
-from collections.abc import Mapping
 from functools import partial
-from importlib.resources import files
 from math import ceil, hypot
 from pathlib import Path
 from textwrap import wrap
@@ -13,30 +10,27 @@ from typing import Final
 
 from pioneer3 import __version__
 from pioneer3.models import RobotModel, load_model
-from pioneer3.ros.installation import NAME, TRANSDUCERS, launcher, urdf_files, write_files
+from pioneer3.ros.installation import (
+    DEMOS,
+    NAME,
+    launcher,
+    rendered,
+    rviz_config,
+    urdf_files,
+    write_files,
+)
 from pioneer3.ros.node.driving_parameters import PARAMETERS as DRIVING
 from pioneer3.ros.node.names import Profile
 from pioneer3.ros.node.parameter import Parameter
 from pioneer3.ros.node.parameters import read_parameters
 from pioneer3.ros.ros2.distros import DEFAULT, Distro, distro_of
 
-PROGRAMS: Final = {
-    "node": "",
-    "robots": "robots",
-    "wander": "wander",
-    "follow": "follow",
-    "rob_key": "rob_key",
-    "rob_key_multi": "rob_key_multi",
-    "android_teleop": "android_teleop",
-    "bridge": "bridge",
-    "p3_sonar": "p3_sonar",
-}
+PROGRAMS: Final = {"node": "", "bridge": "bridge", **DEMOS}
 """The programs that `ros2 run pioneer3` finds, and their commands of `pioneer3 ros2`."""
 LAUNCH_FILES: Final = ("robot", "robots", "rviz", "nav2", "slam", "twist_mux")
 DRIVEN: Final = ("p3at", "p3dx")
 """Models that Nav2 has parameters for."""
 SETUPS: Final = ("setup.sh", "setup.bash", "setup.zsh")
-PLACEHOLDER: Final = re.compile(r"@([a-z_]+)@")
 SPEED: Final = 0.5
 """Top speed of Nav2 [m/s]: among people, with the deceleration of the models."""
 TURN_RATE: Final = 1.0
@@ -73,41 +67,31 @@ def install_package(folder: Path, distro: str = DEFAULT, python: str = sys.execu
     contents = {
         index: "",
         **launchers,
-        **{prefix / name: rendered(name, shell) for name in SETUPS},
-        share / "package.xml": rendered("package.xml", {"version": __version__}),
+        **{prefix / name: rendered("ament", name, shell) for name in SETUPS},
+        share / "package.xml": rendered("ament", "package.xml", {"version": __version__}),
         **_launch_files(share / "launch"),
         **_configuration(share / "config", distro_of(distro)),
-        share / "rviz" / f"{NAME}.rviz": _rviz(),
+        share / "rviz" / f"{NAME}.rviz": rviz_config("ament"),
         **urdf_files(share / "urdf"),
     }
     write_files(contents, launchers, prefix)
     return prefix
 
 
-def rendered(name: str, values: Mapping[str, str]) -> str:
-    """Return the template `name` with a value in the place of each `@key@`.
-
-    Raises:
-        KeyError: a value is missing.
-    """
-    path = files("pioneer3.ros.ament").joinpath("templates", f"{name}.in")
-    return PLACEHOLDER.sub(lambda found: values[found[1]], path.read_text(encoding="utf-8"))
-
-
 def _launch_files(folder: Path) -> dict[Path, str]:
     names = (f"{name}.launch.py" for name in LAUNCH_FILES)
-    return {folder / name: rendered(f"launch/{name}", {}) for name in names}
+    return {folder / name: rendered("ament", f"launch/{name}", {}) for name in names}
 
 
 def _configuration(folder: Path, distro: Distro) -> dict[Path, str]:
     """Return the files of parameters, by path."""
     values = {"distro": distro.name.title(), "stamped": _yaml(distro.stamped_commands)}
-    slam = rendered("config/slam_toolbox.yaml", {})
+    slam = rendered("ament", "config/slam_toolbox.yaml", {})
     values["slam"] = slam.partition("/**:\n")[2].rstrip()
-    fill = partial(rendered, values=values)
+    fill = partial(rendered, "ament", values=values)
     nav2 = {
         folder / f"nav2_{name}.yaml": rendered(
-            "config/nav2.yaml", {**values, **_nav2_values(load_model(name), distro)}
+            "ament", "config/nav2.yaml", {**values, **_nav2_values(load_model(name), distro)}
         )
         for name in DRIVEN
     }
@@ -205,10 +189,3 @@ def _yaml(value: object) -> str:
         case str():
             return f'"{value}"'
     return str(value)
-
-
-def _rviz() -> str:
-    ranges = "".join(
-        rendered("rviz/range.rviz", {"number": str(number)}) for number in range(TRANSDUCERS)
-    )
-    return rendered(f"rviz/{NAME}.rviz", {"ranges": ranges.rstrip()})
