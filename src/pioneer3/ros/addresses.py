@@ -1,8 +1,10 @@
 """The addresses of a node of ROS 1: of the master, and where others find this computer."""
 
+import asyncio
 import os
 import socket
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Final
 from urllib.parse import urlsplit
@@ -13,6 +15,8 @@ PORT: Final = 11311
 LOCAL: Final = "127.0.0.1"
 LOOPBACK: Final = {"localhost", LOCAL, "::1"}
 ANYWHERE: Final = "0.0.0.0"
+AGAIN: Final = 1.0
+"""Pause between two attempts to find a master [s]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -68,3 +72,19 @@ def address_towards(host: str) -> str:
             return str(probe.getsockname()[0])
     except OSError as error:
         raise ConfigError(f"no way leads to the ROS master's computer {host}: {error}") from error
+
+
+async def wait_for_master(uri: str, tell: Callable[[str], None]) -> None:
+    """Return as soon as something listens at `uri`; `tell` why that takes time."""
+    address = urlsplit(uri)
+    told = False
+    while True:
+        with suppress(OSError, TimeoutError):
+            async with asyncio.timeout(AGAIN):
+                _, writer = await asyncio.open_connection(address.hostname, address.port or PORT)
+            writer.close()
+            return
+        if not told:
+            tell(f"waits for a ROS master at {uri}: start roscore")
+            told = True
+        await asyncio.sleep(AGAIN)

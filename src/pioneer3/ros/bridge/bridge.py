@@ -12,6 +12,7 @@ from pioneer3.ros.bridge.rows import Row, ServiceRow, Side
 from pioneer3.ros.bridge.services import ServiceBridge
 from pioneer3.ros.bridge.sources import Bridges, Ros1Source, Ros2Source, Source
 from pioneer3.ros.ros2.backend import LATCHED, Backend, Closable, Graph, Kind, Qos
+from pioneer3.ros.ros2.client import DISCOVERY
 from pioneer3.ros.ros2.mismatches import Own, OwnKey, mismatches
 from pioneer3.ros.tcpros.answers import SystemState
 from pioneer3.ros.tcpros.node import Ros1Node
@@ -21,8 +22,6 @@ MARK: Final = "bridged"
 ROS_BRIDGE: Final = "/ros_bridge"
 """Name of ROS's own bridge."""
 STRING: Final = "std_msgs/String"
-DISCOVERY: Final = 2.0
-"""Nodes find each other within this time [s], commonly."""
 LEASE: Final = 12.0
 """A node of ROS 2 that was killed is forgotten after this time [s]."""
 LOOK: Final = 1.0

@@ -22,11 +22,11 @@ from pioneer3.ros.node.topics import (
 )
 from pioneer3.ros.ros2.backend import Kind
 from pioneer3.ros.ros2.remapping import Resource, resolved
+from pioneer3.ros.ros2.start import OF_TF
 from pioneer3.ros.typestore import full_name
 
 DEVICES: Final = (ScanUpdate, SensorUpdate, PictureUpdate)
 """Updates of devices that speak as soon as somebody listens."""
-OF_TF: Final = ("tf", "tf_static")
 NUMBERED: Final = re.compile(r"range_(\d+)")
 SCANS: Final = re.compile(r"scan(\d*)")
 

@@ -1,38 +1,17 @@
-"""The ROS 1 master: waiting for it, and registering again with the one that follows it."""
+"""The ROS 1 master: registers a node of rospy again with the one that follows it."""
 
-import asyncio
 import threading
 from collections.abc import Callable
-from contextlib import suppress
 from http.client import HTTPException
 from typing import Any, Final
-from urllib.parse import urlsplit
 from xml.parsers.expat import ExpatError
 from xmlrpc.client import Error as XmlRpcError
 from xmlrpc.client import ServerProxy
 
-AGAIN: Final = 1.0
-"""Pause between two attempts to find a master [s]."""
 LOOK: Final = 2.0
 """Pause between two looks at the master [s]; each costs it, and the node, a millisecond."""
 SURVEY_EVERY: Final = 2
 """Looks between two at the types of topics and at our parameters: these lists are long."""
-
-
-async def wait_for_master(uri: str, tell: Callable[[str], None]) -> None:
-    """Return as soon as something listens at `uri`; `tell` why that takes time."""
-    address = urlsplit(uri)
-    told = False
-    while True:
-        with suppress(OSError, TimeoutError):
-            async with asyncio.timeout(AGAIN):
-                _, writer = await asyncio.open_connection(address.hostname, address.port or 11311)
-            writer.close()
-            return
-        if not told:
-            tell(f"waits for a ROS master at {uri}: start roscore")
-            told = True
-        await asyncio.sleep(AGAIN)
 
 
 class MasterWatch:

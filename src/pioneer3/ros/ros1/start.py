@@ -12,17 +12,17 @@ from urllib.parse import urlsplit
 from pioneer3.errors import ConfigError
 from pioneer3.robot.identity import is_simulator
 from pioneer3.robot.supervisor import RobotInfo
+from pioneer3.ros.addresses import LOCAL, LOOPBACK, wait_for_master
 from pioneer3.ros.node.names import NODE, lab_node
 from pioneer3.ros.node.node import RobotNode
 from pioneer3.ros.node.parameters import MODEL, SIMULATED
 from pioneer3.ros.node.start import Options, checked_parameters, connected_robot
 from pioneer3.ros.ros1.environment import checked_master, environment_warnings
-from pioneer3.ros.ros1.master import MasterWatch, wait_for_master
+from pioneer3.ros.ros1.master import MasterWatch
 from pioneer3.ros.ros1.middleware import RospyMiddleware, find_move_base, find_rospy
 from pioneer3.ros.ros1.rosout import log_in_background
 
 LAB_NAME: Final = "_lab_name:="
-LOOPBACK: Final = {"localhost", "127.0.0.1", "::1"}
 
 
 @asynccontextmanager
@@ -116,7 +116,7 @@ def stay_on_this_computer(master: str) -> None:
     """Listen on loopback only, unless the environment says otherwise or the master is elsewhere."""
     chosen = os.environ.keys() & {"ROS_IP", "ROS_HOSTNAME"}
     if not chosen and urlsplit(master).hostname in LOOPBACK:
-        os.environ["ROS_IP"] = "127.0.0.1"
+        os.environ["ROS_IP"] = LOCAL
 
 
 def _introduce(info: RobotInfo) -> None:

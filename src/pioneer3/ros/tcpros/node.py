@@ -7,11 +7,10 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import asynccontextmanager, suppress
 from functools import partial
 from typing import Any, Final
-from urllib.parse import urlsplit
 from weakref import WeakValueDictionary
 
 from pioneer3.errors import ConfigError, NoRobotError
-from pioneer3.ros.addresses import Addresses
+from pioneer3.ros.addresses import Addresses, wait_for_master
 from pioneer3.ros.tcpros.answers import MasterRefusalError, SystemState
 from pioneer3.ros.tcpros.framing import header_frame, prepare, read_header
 from pioneer3.ros.tcpros.liveness import Liveness
@@ -349,7 +348,7 @@ async def ros1_node(
         finally:
             clients.discard(task)
 
-    await _wait_for_master(at.master, tell)
+    await wait_for_master(at.master, tell)
     try:
         server = await asyncio.start_server(take, at.bind, 0)
     except OSError as error:
@@ -366,21 +365,6 @@ async def ros1_node(
         for client in list(clients):
             client.cancel()
         await asyncio.gather(*clients, return_exceptions=True)
-
-
-async def _wait_for_master(uri: str, tell: Callable[[str], None]) -> None:
-    """Return as soon as something listens at `uri`; `tell` why that takes time."""
-    at, told = urlsplit(uri), False
-    while True:
-        with suppress(OSError, TimeoutError):
-            async with asyncio.timeout(LOOK):
-                _, writer = await asyncio.open_connection(at.hostname, at.port or 11311)
-            writer.close()
-            return
-        if not told:
-            tell(f"waits for a ROS 1 master at {uri}: start roscore")
-            told = True
-        await asyncio.sleep(LOOK)
 
 
 async def _until_closed(reader: asyncio.StreamReader) -> None:
