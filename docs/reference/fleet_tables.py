@@ -10,8 +10,8 @@ from pathlib import Path
 from docs.reference.protocol_tables import table
 from pioneer3.fleet.columns import CLOCK, COLUMNS, LIVE_COLUMNS
 from pioneer3.fleet.network import Network
-from pioneer3.fleet.schema import DefaultsTable, NetworkTable, OperatorTable, RobotTable
 from pioneer3.fleet.spec import Defaults, Operator, Robot
+from pioneer3.tables import keys
 
 PAGE = Path(__file__).parent / "fleet.md"
 BLOCK = re.compile(r"<!-- made: ([\w ]+) -->\n.*?<!-- end -->\n", re.DOTALL)
@@ -44,7 +44,7 @@ def robot() -> str:
     """Return the keys of `[[robot]]`."""
     told, usual = meanings(Robot), Defaults()
     rows = []
-    for key in RobotTable.__struct_encode_fields__:
+    for key in keys(Robot):
         default = getattr(usual, key, "")
         shown = USUAL.get(key, f"`{default}`" if default else "")
         rows.append((f"`{key}`", told[key], "needed" if key in {"name", "address"} else shown))
@@ -54,15 +54,14 @@ def robot() -> str:
 def operator() -> str:
     """Return the keys of `[operator]`."""
     told = meanings(Operator)
-    keys = OperatorTable.__struct_encode_fields__
-    return table(("key", "meaning"), [(f"`{key}`", told[key]) for key in keys])
+    return table(("key", "meaning"), [(f"`{key}`", told[key]) for key in keys(Operator)])
 
 
 def network() -> str:
     """Return the keys of `[[network]]`."""
-    told, usual = meanings(Network), Network()
+    told, usual = meanings(Network), Network(name="")
     rows = []
-    for key in NetworkTable.__struct_encode_fields__:
+    for key in keys(Network):
         default = getattr(usual, key)
         shown = f"`{default}`" if isinstance(default, str) and default else ""
         rows.append((f"`{key}`", told[key], "needed" if key == "name" else shown))
@@ -71,7 +70,7 @@ def network() -> str:
 
 def defaults() -> str:
     """Return the keys of `[defaults]`."""
-    return ", ".join(f"`{key}`" for key in DefaultsTable.__struct_encode_fields__)
+    return ", ".join(f"`{key}`" for key in keys(Defaults))
 
 
 def columns() -> str:

@@ -1,25 +1,38 @@
-"""TOML files whose tables msgspec checks: reading, writing, and errors that name their line.
+"""TOML files read into frozen dataclasses and written from them; errors name their line.
 
-An error is one line of text: the file, the line, the key, the problem and a hint. A type's `Meta`
-may carry words for it in `extra`: `expected` for a value of another type, and `missing`.
+A dataclass is a table, its fields are the keys, and msgspec checks their types. A `Meta` in an
+`Annotated` type says the range, and in its `extra` words for errors: `expected` for a wrong value,
+and `missing`. A :class:`Key` there is for a field that files have in another form.
+
+An error is one line of text: the file, the line, the key, the problem and a hint.
 """
 
 import re
-from collections.abc import Iterator
-from dataclasses import dataclass
+import tomllib
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import MISSING, Field, dataclass, fields, is_dataclass
 from difflib import get_close_matches
+from enum import Enum
+from functools import cache
+from math import degrees, radians
 from pathlib import Path
 from types import UnionType
-from typing import Any, TypeVar, Union, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, Final, TypeVar, Union, get_args, get_origin, get_type_hints
+
+import msgspec
 
 from pioneer3.errors import ConfigError
-from pioneer3.maps.text import one_line, shown, wrong
-from pioneer3.models.toml import load_toml
 from pioneer3.names import printable
+from pioneer3.text import one_line, shown
 
 Table = TypeVar("Table")
+Read = Callable[[Any], Any]
 
-LONGEST_KEY = 40
+LONGEST_KEY: Final = 40
+MOST_PARTS: Final = 16
+"""Parts of a dotted key. tomllib needs memory by their square: 8 GB for 50 thousand."""
+_PART = r"""(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+"""
+_LONG_KEY = re.compile(rf"""(?<![\w"'-])(?:{_PART}){{{MOST_PARTS}}}""")
 _EXPECTED = {
     "int": "a whole number",
     "float": "a number",
@@ -30,6 +43,37 @@ _EXPECTED = {
 }
 _AT_LINE = re.compile(r" ?\(at line (\d+)(?:, (column \d+))?\)$")
 _HEADING = re.compile(r"^\s*\[+\s*[\"']?[A-Za-z_]")
+_PLACE = re.compile(r"([^.\[]*)(?:\[(\d+)\])?[^.]*\.?([^.\[]*)")
+
+
+@dataclass(frozen=True, slots=True)
+class Key:
+    """The form that files have a field in.
+
+    Attributes:
+        name: The key; empty for a field that is in no file.
+        type: Its type in the file; `None` for that of the field.
+        read: Makes the field from the value in the file.
+        write: Makes the value in the file from the field.
+        spread: Whether `type` is a dataclass whose keys stand among those beside the field.
+    """
+
+    name: str = ""
+    type: Any = None
+    read: Read = lambda value: value
+    write: Read = lambda value: value
+    spread: bool = False
+
+
+def in_degrees(name: str, low: float, high: float) -> Key:
+    """Return the key of an angle or a turn rate that is from `low` to `high` [rad, rad/s]."""
+    limits = msgspec.Meta(ge=degrees_of(low), le=degrees_of(high))
+    return Key(name, Annotated[float, limits], radians, degrees_of)
+
+
+def degrees_of(angle: float) -> float:
+    """Return an angle as files have it."""
+    return round(degrees(angle), 12)
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,13 +92,13 @@ class Source:
         """Return the one-line error about the key at `place`, such as `box[1].size`."""
         line = self.line(place)
         where = f"{self.name}:{line}" if line else self.name
-        return ConfigError(f"{where}: {place}: {problem}")
+        return ConfigError(": ".join(filter(None, (where, printable(place), problem))))
 
     def line(self, place: str) -> int | None:
         """Return the line of a key, or of its table; `None` where neither is found."""
-        table, _, rest = place.partition(".")
-        name, _, index = table.rstrip("]").partition("[")
-        key = re.split(r"[.\[]", rest)[0]
+        if not place:
+            return None
+        name, index, key = _PLACE.findall(place)[0]
         lines = self.text.split("\n")
         quoted = rf"[\"']?{re.escape(name)}[\"']?"
         heading = re.compile(rf"^\s*\[\[?\s*{quoted}\s*\]\]?\s*(#.*)?$")
@@ -71,51 +115,83 @@ class Source:
         return head + 1
 
 
-def load(path: Path, text: str) -> dict[str, object]:
-    """Return the tables in the text of a file.
+def load(source: Source) -> dict[str, Any]:
+    """Return the tables of a file.
 
     Raises:
         ConfigError: It is not valid TOML; names file and line.
     """
-    try:
-        return load_toml(text)
-    except ValueError as error:
-        problem = str(error)
-        place = _AT_LINE.search(problem)
-        line = place[1] if place else text.rstrip("\n").count("\n") + 1
-        column = f" ({place[2]})" if place and place[2] else ""
-        told = one_line(_AT_LINE.sub("", problem)) + column
-        raise wrong(path, f"{line}: not valid TOML: {told}") from None
+    if long := _LONG_KEY.search(source.text):
+        line = source.text.count("\n", 0, long.start()) + 1
+        problem = f"a key of more than {MOST_PARTS} parts (at line {line})"
+    else:
+        try:
+            return tomllib.loads(source.text)
+        except RecursionError:
+            problem = "nested too deeply"
+        except ValueError as error:
+            problem = str(error)
+    place = _AT_LINE.search(problem)
+    at = place[1] if place else source.text.rstrip("\n").count("\n") + 1
+    column = f" ({place[2]})" if place and place[2] else ""
+    told = one_line(_AT_LINE.sub("", problem)) + column
+    raise ConfigError(f"{source.name}:{at}: not valid TOML: {told}")
 
 
-def converted(source: Source, data: dict[str, object], kind: type[Table]) -> Table:
-    """Return `data` as the table `kind`.
+def converted(
+    source: Source, table: Mapping[str, Any], kind: type[Table], place: str = ""
+) -> Table:
+    """Return the table at `place` as the dataclass `kind`.
 
     Raises:
         ConfigError: A key is missing or unknown, or a value is wrong.
     """
-    import msgspec
-
-    if unknown := _unknown_key(source, "", data, kind):
-        raise unknown  # here, as msgspec names no place in the topmost table
+    known = keys(kind)
+    for name in table:
+        if name not in known:
+            named = name if name.isprintable() and 0 < len(name) <= LONGEST_KEY else shown(name)
+            keys_of = {field.name: key.name for field, _, key in _keyed(kind)}
+            advice = nearest(keys_of.get(name, name), known)
+            raise source.wrong(_below(place, named), f"unknown key, {advice}")
+    values = {}
+    for field, hint, key in _keyed(kind):
+        at = _below(place, key.name)
+        if key.spread:
+            own = {name: table[name] for name in keys(key.type) if name in table}
+            values[field.name] = key.read(converted(source, own, key.type, place))
+        elif key.name in table:
+            values[field.name] = key.read(_value(source, at, table[key.name], key.type or hint))
+        elif field.default is MISSING and field.default_factory is MISSING:
+            raise source.wrong(at, _extra(hint, "missing") or "missing, add it")
     try:
-        table = msgspec.convert(data, kind)
-    except msgspec.ValidationError as error:
-        problem, _, path = str(error).rpartition(" - at `$")
-        place = path.rstrip("`").lstrip(".") if problem else ""
-        raise _complaint(source, data, kind, place, problem or str(error)) from None
-    for place, text in _texts(msgspec.to_builtins(table)):
-        if not text.isprintable():
-            raise source.wrong(place, f"{shown(text)} cannot be printed on one line")
+        return kind(**values)
+    except ConfigError as error:
+        raise source.wrong(place, str(error)) from None
+
+
+def keys(kind: type[Any]) -> tuple[str, ...]:
+    """Return the keys of the table that a dataclass is."""
+    named = (keys(key.type) if key.spread else (key.name,) for _, _, key in _keyed(kind))
+    return tuple(name for names in named for name in names)
+
+
+def table_of(value: object) -> dict[str, Any]:
+    """Return the table that a dataclass is; defaults are left out."""
+    table: dict[str, Any] = {}
+    for field, _, key in _keyed(type(value)):
+        item = getattr(value, field.name)
+        usual = field.default if field.default_factory is MISSING else field.default_factory()
+        if key.spread:
+            table |= table_of(key.write(item))
+        elif item is not None and item != usual:
+            table[key.name] = _plain(key.write(item))
     return table
 
 
-def written(file: object) -> str:
-    """Return a table of tables as TOML; defaults are left out."""
-    from msgspec import to_builtins
-
+def written(tables: Mapping[str, Any]) -> str:
+    """Return tables, and lists of tables, as TOML."""
     blocks: list[str] = []
-    for key, value in to_builtins(file).items():
+    for key, value in tables.items():
         heading = f"[{key}]" if isinstance(value, dict) else f"[[{key}]]"
         for table in [value] if isinstance(value, dict) else value:
             entries = (f"{name} = {_written(entry)}\n" for name, entry in table.items())
@@ -123,11 +199,32 @@ def written(file: object) -> str:
     return "\n".join(blocks)
 
 
-def nearest(name: str, known: Iterator[str] | tuple[str, ...]) -> str:
+def nearest(name: str, known: Iterable[str]) -> str:
     """Return the advice for a name that is not among those known."""
     names = tuple(known)
     close = get_close_matches(name[:LONGEST_KEY], names, n=1)
     return f"did you mean {close[0]}?" if close else f"known are {', '.join(names)}"
+
+
+def _keyed(kind: Any) -> tuple[tuple[Field[Any], Any, Key], ...]:
+    """Return the fields of a dataclass that files have, each with its type and key."""
+    return _found(kind)
+
+
+@cache
+def _found(kind: Any) -> tuple[tuple[Field[Any], Any, Key], ...]:
+    hints = get_type_hints(kind, include_extras=True)
+    found = []
+    for field in fields(kind):
+        notes = getattr(hints[field.name], "__metadata__", ())
+        key = next((note for note in notes if isinstance(note, Key)), Key(field.name))
+        if field.init and (key.name or key.spread):
+            found.append((field, hints[field.name], key))
+    return tuple(found)
+
+
+def _below(place: str, key: str) -> str:
+    return f"{place}.{key}" if place else key
 
 
 def _key_above_tables(lines: list[str], quoted: str) -> int | None:
@@ -141,34 +238,37 @@ def _key_above_tables(lines: list[str], quoted: str) -> int | None:
     return None
 
 
-def _complaint(
-    source: Source, data: dict[str, object], kind: type, place: str, problem: str
-) -> ConfigError:
-    """Return msgspec's `problem` with the key at `place` in the words of a person."""
-    value: Any = data
-    hint: Any = kind
-    for part in re.findall(r"\w+", place):
-        value = value[int(part) if part.isdecimal() else part]
-        hint = _element(hint, int(part)) if part.isdecimal() else _keys(hint)[part]
-    if problem.startswith("Object") and (unknown := _unknown_key(source, place, value, hint)):
-        return unknown
-    if missing := re.match(r"Object missing required field `(\w+)`", problem):
-        key = f"{place}.{missing[1]}".lstrip(".")
-        return source.wrong(key, _extra(_keys(hint)[missing[1]], "missing") or "missing, add it")
-    return source.wrong(place, _misfit(place, value, hint, problem))
+def _value(source: Source, place: str, value: object, hint: Any) -> Any:
+    """Return a value as the type `hint`: a table, a list of tables, or what msgspec knows."""
+    choices = _alternatives(hint)
+    table: Any = next(filter(is_dataclass, choices), None)
+    if table and isinstance(value, dict):
+        return converted(source, value, table, place)
+    item = next((get_args(each)[0] for each in choices if get_origin(each) is tuple), None)
+    if any(map(is_dataclass, _alternatives(item))):
+        if isinstance(value, list):
+            return tuple(
+                _value(source, f"{place}[{index}]", each, item) for index, each in enumerate(value)
+            )
+        hint = tuple[dict[str, Any], ...]
+    elif choices == (table,):
+        hint = dict[str, Any]
+    try:
+        checked = msgspec.convert(value, hint)
+    except msgspec.ValidationError as error:
+        raise _complaint(source, place, value, hint, str(error)) from None
+    for at, text in _texts(checked, place):
+        if not text.isprintable():
+            raise source.wrong(at, f"{shown(text)} cannot be printed on one line")
+    return checked
 
 
-def _unknown_key(
-    source: Source, place: str, table: dict[str, object], hint: object
-) -> ConfigError | None:
-    """Return the error about the first unknown key of a table, if there is one."""
-    known = _keys(hint)
-    key = next((key for key in table if key not in known), None)
-    if key is None:
-        return None
-    named = key if key.isprintable() and 0 < len(key) <= LONGEST_KEY else shown(key)
-    advice = nearest(key, tuple(known))
-    return source.wrong(f"{place}.{named}" if place else named, f"unknown key, {advice}")
+def _complaint(source: Source, place: str, value: Any, hint: Any, told: str) -> ConfigError:
+    """Return the error that msgspec told, in the words of a person."""
+    problem, _, path = told.rpartition(" - at `$")
+    for index in map(int, re.findall(r"\d+", path if problem else "")):
+        value, hint, place = value[index], _element(hint, index), f"{place}[{index}]"
+    return source.wrong(place, _misfit(place, value, hint, problem or told))
 
 
 def _misfit(place: str, value: object, hint: object, problem: str) -> str:
@@ -176,10 +276,11 @@ def _misfit(place: str, value: object, hint: object, problem: str) -> str:
     if expected := _extra(hint, "expected"):
         return f"expected {expected}, got {_said(value)}"
     if problem.startswith("Invalid enum value"):
-        choices = [part for part in _parts(hint) if isinstance(part, str)]
-        close = get_close_matches(str(value)[:LONGEST_KEY], choices, n=1)
+        choices = [part for part in _parts(hint) if isinstance(part, str | int)]
+        words = [choice for choice in choices if isinstance(choice, str)]
+        close = get_close_matches(str(value)[:LONGEST_KEY], words, n=1)
         meant = f", did you mean {close[0]}?" if close else ""
-        return f"{shown(str(value))} is not one of {', '.join(choices)}{meant}"
+        return f"{_said(value)} is not one of {', '.join(map(str, choices))}{meant}"
     if re.match(r"Expected `\w+` [<>]=|Number out of range", problem):
         low, high = next((p.ge, p.le) for p in _parts(hint) if getattr(p, "ge", None) is not None)
         return f"{_said(value)} is out of range, expected {low:g} to {high:g}"
@@ -198,23 +299,25 @@ def _extra(hint: Any, word: str) -> str:
 
 def _element(hint: Any, index: int) -> Any:
     """Return the hint of a list's element."""
-    items = next(get_args(part) for part in _parts(hint) if getattr(part, "__origin__", 0) is tuple)
+    items = next(get_args(part) for part in _parts(hint) if get_origin(part) is tuple)
     return items[0] if items[-1] is Ellipsis else items[index]
+
+
+def _alternatives(hint: Any) -> tuple[Any, ...]:
+    """Return the types of a union, or the one type, without annotations."""
+    if get_origin(hint) is Annotated:
+        return _alternatives(get_args(hint)[0])
+    if get_origin(hint) in {Union, UnionType}:
+        return tuple(each for part in get_args(hint) for each in _alternatives(part))
+    return (hint,)
 
 
 def _parts(hint: Any) -> Iterator[Any]:
     """Yield a type hint and all that it is made of."""
     yield hint
-    for part in (*getattr(hint, "__metadata__", ()), *get_args(hint)):
+    inner = tuple(hint) if isinstance(hint, type) and issubclass(hint, Enum) else get_args(hint)
+    for part in (*getattr(hint, "__metadata__", ()), *inner):
         yield from _parts(part)
-
-
-def _keys(hint: Any) -> dict[str, Any]:
-    """Return the keys of the table that a type hint names, and the hint of each."""
-    table = next(part for part in _parts(hint) if hasattr(part, "__struct_fields__"))
-    hints = get_type_hints(table, include_extras=True)
-    names = zip(table.__struct_encode_fields__, table.__struct_fields__, strict=True)
-    return {key: hints[name] for key, name in names}
 
 
 def _texts(value: object, place: str = "") -> Iterator[tuple[str, str]]:
@@ -240,6 +343,15 @@ def _said(value: object) -> str:
     if isinstance(value, str):
         return shown(value)
     return str(value) if isinstance(value, bool) or not isinstance(value, float) else f"{value:g}"
+
+
+def _plain(value: object) -> object:
+    """Return a value as TOML's types have it."""
+    if is_dataclass(value):
+        return table_of(value)
+    if isinstance(value, tuple):
+        return [_plain(each) for each in value]
+    return value.value if isinstance(value, Enum) else value
 
 
 def _written(value: object) -> str:

@@ -12,7 +12,7 @@ MODULES = {
     ".".join(path.relative_to(SOURCE).with_suffix("").parts).removesuffix(".__init__"): path
     for path in (SOURCE / "pioneer3").rglob("*.py")
 }
-UNTYPED = ("models.toml", "sim.worldfile", "tables", "gym")
+UNTYPED = ("sim.worldfile", "tables", "gym")
 """Readers of files, where anything may stand under any name; and Gymnasium's own interface."""
 
 

@@ -74,8 +74,8 @@ def export(
     """
     from pioneer3.cli.process import write_line
     from pioneer3.errors import ConfigError
-    from pioneer3.maps.text import shown, write_bytes
     from pioneer3.models import load_model
+    from pioneer3.text import shown, write_bytes
 
     text = WRITERS[format_](load_model(name))
     if output is None:

@@ -10,8 +10,8 @@ from pioneer3.errors import ConfigError
 from pioneer3.fleet.network import Network
 from pioneer3.fleet.spec import ALL, Defaults, Operator, Robot
 from pioneer3.links.urls import split_host, split_url
-from pioneer3.maps.text import shown
 from pioneer3.tables import Source, nearest
+from pioneer3.text import shown
 
 GROUP = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,61}")
 MODEL_FILES = (".toml", ".p")

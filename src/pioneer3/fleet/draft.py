@@ -2,14 +2,14 @@
 
 import socket
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from pioneer3.errors import ConfigError
 from pioneer3.fleet.inventory import parse_fleet, to_toml
 from pioneer3.fleet.reach import address_towards
-from pioneer3.fleet.schema import usual_bridge
-from pioneer3.fleet.spec import Defaults, Fleet, Operator, Robot, usual_node
-from pioneer3.maps.text import shown
+from pioneer3.fleet.spec import Defaults, Fleet, Operator, Robot, usual
+from pioneer3.text import shown
 
 DOCUMENTATION_ADDRESS = "192.0.2.1"
 """An address that no computer has (RFC 5737)."""
@@ -24,20 +24,8 @@ def robot_of(word: str, defaults: Defaults) -> Robot:
     name, equals, address = (part.strip() for part in word.partition("="))
     if not (name and equals and address):
         raise ConfigError(f"{shown(word)}: expected NAME=ADDRESS, such as p3at-1=192.168.1.113")
-    return Robot(
-        name=name,
-        host=name,
-        address=address,
-        port=defaults.port,
-        bridge=usual_bridge(defaults, defaults.port, defaults.ros),
-        user=defaults.user,
-        model=defaults.model,
-        laser=defaults.laser,
-        camera=defaults.camera,
-        ros=defaults.ros,
-        network=defaults.network,
-        node=usual_node(name, defaults.ros),
-    )
+    robot = Robot(name=name, address=address, port=defaults.port, ros=defaults.ros)
+    return replace(robot, **usual(robot, defaults))
 
 
 def draft(path: Path, operator: Operator, defaults: Defaults, robots: Sequence[str]) -> Fleet:

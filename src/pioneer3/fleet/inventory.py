@@ -4,16 +4,17 @@
 """
 
 from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import MappingProxyType
-from typing import Final
+from typing import Any, Final
 
 from pioneer3.errors import ConfigError
 from pioneer3.fleet import checks
-from pioneer3.fleet.network import check_networks
-from pioneer3.fleet.spec import ALL, Defaults, Fleet, Operator, Robot
-from pioneer3.maps.text import decoded, read_bytes
-from pioneer3.tables import Source, converted, load, written
+from pioneer3.fleet.network import Network, check_networks
+from pioneer3.fleet.spec import ALL, Defaults, Fleet, Operator, Robot, usual
+from pioneer3.tables import Source, converted, keys, load, table_of, written
+from pioneer3.text import decoded, read_bytes
 
 __all__ = [
     "ALL",
@@ -76,19 +77,12 @@ def parse_fleet(path: Path, text: str) -> Fleet:
     Raises:
         ConfigError: It is wrong; names file, line and key.
     """
-    from pioneer3.fleet.schema import FileTable  # imports msgspec
-
     source = Source.of(path, text)
-    file = converted(source, load(path, text), FileTable)
-    operator = file.operator.operator() if file.operator else Operator()
-    defaults = file.defaults.defaults() if file.defaults else Defaults()
-    lines = (source.line(f"robot[{index}]") or 0 for index in range(len(file.robot)))
-    robots = tuple(
-        table.robot(defaults, line) for table, line in zip(file.robot, lines, strict=True)
-    )
+    file = converted(source, load(source), _Tables)
+    operator, defaults, networks = file.operator, file.defaults, file.network
+    robots = tuple(_robot(source, *row, defaults) for row in enumerate(file.robot))
     checks.check_operator(source, operator)
     checks.check_hardware(source, "defaults", path.parent, defaults)
-    networks = tuple(table.network() for table in file.network)
     check_networks(source, networks)
     checks.check_members(source, networks, defaults, robots)
     checks.check_robots(source, path.parent, robots)
@@ -105,6 +99,39 @@ def parse_fleet(path: Path, text: str) -> Fleet:
 
 def to_toml(fleet: Fleet) -> str:
     """Return the text of a fleet file; defaults are left out."""
-    from pioneer3.fleet.schema import FileTable  # imports msgspec
+    tables = {
+        "operator": table_of(fleet.operator),
+        "defaults": table_of(fleet.defaults),
+        "network": [table_of(network) for network in fleet.networks],
+        "robot": [_table(robot, fleet.defaults) for robot in fleet.robots],
+        "groups": dict(fleet.groups),
+    }
+    return written({name: table for name, table in tables.items() if table})
 
-    return written(FileTable.of(fleet))
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Tables:
+    """All tables of a fleet file; :mod:`pioneer3.fleet.checks` checks the groups."""
+
+    operator: Operator = field(default_factory=Operator)
+    defaults: Defaults = field(default_factory=Defaults)
+    network: tuple[Network, ...] = ()
+    robot: tuple[dict[str, object], ...] = ()
+    groups: dict[str, object] = field(default_factory=dict)
+
+
+def _robot(source: Source, index: int, table: Mapping[str, Any], defaults: Defaults) -> Robot:
+    """Return the robot of a table, with the usual values of keys that it does not give."""
+    place = f"robot[{index}]"
+    robot = converted(source, table, Robot, place)
+    port, ros = table.get("port", defaults.port), table.get("ros", defaults.ros)
+    robot = replace(robot, port=port, ros=ros, line=source.line(place) or 0)
+    missing = {key: value for key, value in usual(robot, defaults).items() if key not in table}
+    return replace(robot, **missing)
+
+
+def _table(robot: Robot, defaults: Defaults) -> dict[str, object]:
+    """Return the table of a robot, without usual values."""
+    known = usual(robot, defaults)
+    values = {key: getattr(robot, key) for key in keys(Robot)}
+    return {key: value for key, value in values.items() if value != known.get(key, "")}

@@ -3,7 +3,9 @@
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Final
+from typing import Annotated, Final
+
+from msgspec import Meta
 
 from pioneer3.errors import ConfigError
 from pioneer3.tables import Source, nearest
@@ -13,6 +15,41 @@ OF_ZENOH: Final = ("connect", "zenoh_config", "ca", "certificate", "key", "crede
 FILES: Final = ("zenoh_config", "ca", "certificate", "key", "credentials")
 FOREIGN: Final = {"dds": OF_ZENOH, "zenoh": OF_DDS, "rclpy": (*OF_DDS, *OF_ZENOH)}
 """Keys that a backend does not know."""
+
+
+LABEL: Final = r"[A-Za-z0-9]([A-Za-z0-9-]{0,61}[A-Za-z0-9])?"
+"""A host name without a domain (RFC 1123, 2.1)."""
+Name = Annotated[
+    str,
+    Meta(
+        pattern=rf"\A{LABEL}\Z",
+        extra={"expected": "a host name: letters, digits and - between them, such as p3at-1"},
+    ),
+]
+Backend = Annotated[
+    str,
+    Meta(
+        pattern=r"\A(auto|rclpy|dds|zenoh)\Z",
+        extra={"expected": '"dds", "zenoh", "rclpy" or "auto"'},
+    ),
+]
+Distro = Annotated[
+    str,
+    Meta(
+        pattern=r"\A(humble|jazzy|kilted|lyrical)?\Z",
+        extra={"expected": '"humble", "jazzy", "kilted" or "lyrical"'},
+    ),
+]
+Domain = Annotated[
+    int, Meta(ge=0, le=232, extra={"expected": "the number of a domain, from 0 to 232"})
+]
+Endpoint = Annotated[
+    str,
+    Meta(
+        pattern=r"\A[a-z]+/\S+:[0-9]+\S*\Z",
+        extra={"expected": "a Zenoh router such as tls/fleet.example.org:7447"},
+    ),
+]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -39,14 +76,14 @@ class Network:
         credentials: File with a line `user:password` for Zenoh, readable by its owner only.
     """
 
-    name: str = ""
-    backend: str = "auto"
-    distro: str = ""
-    domain: int | None = None
+    name: Name
+    backend: Backend = "auto"
+    distro: Distro = ""
+    domain: Domain | None = None
     interface: tuple[str, ...] = ()
     peer: tuple[str, ...] = ()
     dds_services: bool = False
-    connect: tuple[str, ...] = ()
+    connect: tuple[Endpoint, ...] = ()
     zenoh_config: str = ""
     ca: str = ""
     certificate: str = ""
@@ -84,7 +121,7 @@ def network_of(networks: Iterable[Network], name: str) -> Network:
         ConfigError: There is no such network.
     """
     known = list(networks)
-    found = [each for each in known if each.name == name] if name else [*known, Network()]
+    found = [each for each in known if each.name == name] if name else [*known, Network(name="")]
     if not found:
         raise ConfigError(f"no network {name!r}, {nearest(name, tuple(n.name for n in known))}")
     return found[0]

@@ -1,20 +1,50 @@
 """The contents of a fleet file: robots, their computers, the operator's, groups; frozen."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from types import MappingProxyType
-from typing import Final
+from typing import Annotated, Any, Final
+
+from msgspec import Meta
 
 from pioneer3.errors import ConfigError
-from pioneer3.fleet.network import Network, network_of
+from pioneer3.fleet.network import LABEL, Name, Network, network_of
 from pioneer3.links.urls import split_host, split_url
-from pioneer3.tables import nearest
+from pioneer3.tables import Key, nearest
 
 ALL: Final = "all"
 """The name of the group of all robots."""
 USER: Final = "pioneer"
 DEVICE: Final = "/dev/ttyUSB0"
+
+Host = Annotated[
+    str,
+    Meta(
+        pattern=rf"\A{LABEL}(\.{LABEL})*\Z",
+        max_length=253,
+        extra={"expected": "a host name such as p3at-1 or p3at-1.local"},
+    ),
+]
+User = Annotated[
+    str,
+    Meta(
+        pattern=r"\A[A-Za-z_][A-Za-z0-9_.-]{0,31}\Z",
+        extra={"expected": "the name of a user such as pioneer"},
+    ),
+]
+Bridge = Annotated[
+    int,
+    Meta(ge=0, le=65535, extra={"expected": "a TCP port such as 8101, or 0 for no bridge"}),
+]
+Ros = Annotated[str, Meta(pattern=r"\A[12]?\Z", extra={"expected": '"1" or "2", or "" for none'})]
+Node = Annotated[
+    str,
+    Meta(
+        pattern=r"\A/?[A-Za-z][A-Za-z0-9_]*(/[A-Za-z][A-Za-z0-9_]*)*\Z",
+        extra={"expected": "the name of a ROS node such as RosAria_p3at_1 or p3at_1/pioneer3"},
+    ),
+]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -23,8 +53,8 @@ class Robot:
 
     Attributes:
         name: Of the robot, a host name without a domain.
-        host: Name of its computer in the network.
         address: IP address of its computer.
+        host: Name of its computer in the network.
         port: The robot's port: a device of its computer, or an address that others reach.
         bridge: TCP port at which its computer lets others reach the device; 0 for none.
         user: The account on its computer.
@@ -39,20 +69,20 @@ class Robot:
         line: In the file; 0 for a robot that is in none.
     """
 
-    name: str
-    host: str
+    name: Name
     address: str
+    host: Host = ""
     port: str = DEVICE
-    bridge: int = 0
-    user: str = USER
+    bridge: Bridge = 0
+    user: User = USER
     model: str = ""
     laser: str = ""
     camera: str = ""
-    ros: str = ""
+    ros: Ros = ""
     network: str = ""
-    node: str
+    node: Node = ""
     note: str = ""
-    line: int = field(default=0, compare=False)
+    line: Annotated[int, Key()] = field(default=0, compare=False)
 
     @property
     def is_device(self) -> bool:
@@ -77,22 +107,22 @@ class Operator:
         user: The account there; empty for that of the person at the terminal.
     """
 
-    name: str = ""
+    name: Name = ""
     address: str = ""
-    user: str = ""
+    user: User = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Defaults:
     """Fields of all robots that do not give their own."""
 
-    user: str = USER
+    user: User = USER
     port: str = DEVICE
-    bridge: int = 0
+    bridge: Bridge = 0
     model: str = ""
     laser: str = ""
     camera: str = ""
-    ros: str = ""
+    ros: Ros = ""
     network: str = ""
 
 
@@ -159,6 +189,23 @@ class Fleet:
         if not known:
             raise ConfigError(f"{self.path}: it has no robot yet; add one as [[robot]]")
         raise ConfigError(f"{self.path}: no robot {name!r}, {nearest(name, known)}")
+
+
+def usual(robot: Robot, defaults: Defaults) -> Mapping[str, Any]:
+    """Return the values of keys that a robot with this name, port and ROS need not give.
+
+    A node of ROS has the device to itself, and a port of the network needs no bridge.
+    """
+    try:
+        bridged = robot.is_device and not robot.ros
+    except ConfigError:  # the port is checked later
+        bridged = False
+    return {
+        **asdict(defaults),
+        "host": robot.name,
+        "bridge": defaults.bridge if bridged else 0,
+        "node": usual_node(robot.name, robot.ros),
+    }
 
 
 def is_device(port: str) -> bool:

@@ -14,7 +14,7 @@ from pioneer3.errors import ConfigError
 from pioneer3.maps.aria_objects import object_types, parse_object
 from pioneer3.maps.grid import grid_of, outline
 from pioneer3.maps.line_map import LineMap, MapObject, OccupancyGrid, solid_walls
-from pioneer3.maps.text import LARGEST_MM, Line, lines_of, shown, wrong
+from pioneer3.text import LARGEST_MM, Line, lines_of, shown, wrong
 from pioneer3.units import MM
 
 Float = NDArray[np.float64]

@@ -20,7 +20,7 @@ from types import MappingProxyType
 
 from pioneer3.geometry import Pose2, wrap
 from pioneer3.maps.line_map import MapObject
-from pioneer3.maps.text import Line, shown
+from pioneer3.text import Line, shown
 from pioneer3.units import MM
 
 STANDARD_LINES = frozenset({"ForbiddenLine", "Reflector", "Sim.Reflector"})

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from pioneer3.errors import ConfigError
 from pioneer3.maps.grid import MOST_CELLS
-from pioneer3.maps.text import one_line, read_bytes, wrong
+from pioneer3.text import one_line, read_bytes, wrong
 
 if TYPE_CHECKING:
     from PIL.ImageFile import ImageFile

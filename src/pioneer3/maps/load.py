@@ -9,7 +9,7 @@ from pioneer3.maps.aria import AriaFile, parse_aria
 from pioneer3.maps.image import SIGNATURES
 from pioneer3.maps.line_map import LineMap
 from pioneer3.maps.map_server import LARGEST_YAML, MapServerFile, parse_map_server
-from pioneer3.maps.text import decoded, read_bytes, wrong
+from pioneer3.text import decoded, read_bytes, wrong
 
 PICTURES = (".pgm", ".png")
 YAMLS = (".yaml", ".yml")

@@ -29,7 +29,7 @@ from pioneer3.maps.line_map import (
     OccupancyGrid,
     States,
 )
-from pioneer3.maps.text import Line, one_line, shown, wrong
+from pioneer3.text import Line, one_line, shown, wrong
 
 if TYPE_CHECKING:
     from yaml import Node

@@ -15,7 +15,7 @@ from pioneer3.maps.image import to_pgm
 from pioneer3.maps.line_map import FREE as FREE_CELL
 from pioneer3.maps.line_map import OCCUPIED as OCCUPIED_CELL
 from pioneer3.maps.line_map import Bounds, LineMap, MapObject, OccupancyGrid, solid_walls
-from pioneer3.maps.text import write_bytes
+from pioneer3.text import write_bytes
 from pioneer3.units import MM
 
 RESOLUTION = 0.05

@@ -24,8 +24,8 @@ from pioneer3.models.model import (
     RobotModel,
     UnknownModel,
 )
-from pioneer3.models.toml import parse_toml
 from pioneer3.names import printable
+from pioneer3.tables import Source, converted, load
 from pioneer3.units import MM
 
 _LASERS: Mapping[str, LaserMount] = MappingProxyType(
@@ -66,7 +66,7 @@ def find_model(subtype: str) -> RobotModel | None:
     for name in model_names():
         if wanted == name or (name.endswith("-sh") and wanted.startswith(f"{name}-")):
             resource = files(__package__) / f"{name}.toml"
-            model = parse_toml(resource.read_text(encoding="utf-8"), resource.name)
+            model = parse_model(resource.read_text(encoding="utf-8"), resource.name)
             return replace(model, laser=_LASERS.get(wanted, model.laser))
     return None
 
@@ -81,13 +81,27 @@ def load_model(name_or_path: str | Path) -> RobotModel:
     path = Path(name_or_path)
     match path.suffix.lower():
         case ".toml":
-            return parse_toml(_read(path), _shown(path))
+            return parse_model(_read(path), _shown(path))
         case ".p":
             return parse_aria(_read(path), _shown(path), _printable(path.stem))
     model = find_model(str(name_or_path))
     if model is None:
         raise ConfigError(_no_such_model(str(name_or_path)))
     return model
+
+
+def parse_model(text: str, name: str) -> RobotModel:
+    """Read the text of a model's TOML file: the fields of `RobotModel`, angles in degrees.
+
+    Args:
+        text: The whole file.
+        name: Its name, for messages.
+
+    Raises:
+        ConfigError: It is wrong; names file, line and key.
+    """
+    source = Source(name, text)
+    return converted(source, load(source), RobotModel)
 
 
 class Fallback(NamedTuple):

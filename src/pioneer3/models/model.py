@@ -8,10 +8,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from math import hypot, pi, radians, tau
 from types import MappingProxyType
-from typing import ClassVar, Literal, NamedTuple
+from typing import Annotated, ClassVar, Final, Literal, NamedTuple, get_args, get_type_hints
+
+from msgspec import Meta
 
 from pioneer3.errors import ConfigError
-from pioneer3.units import HEADING_UNIT, MM
+from pioneer3.geometry import wrap
+from pioneer3.tables import Key, degrees_of, in_degrees
+from pioneer3.units import DEGREE, HEADING_UNIT, MM
 
 Drive = Literal["skid", "differential"]
 
@@ -65,36 +69,6 @@ class Bounds:
         return f"{self.low / unit:g} to {self.high / unit:g}"
 
 
-_SIZE = Bounds(0.01, 10.0)
-_FACTOR = Bounds(1e-6, 0.1)
-_ACCELERATION = Bounds(0.001, 20.0)
-_TURN_ACCELERATION = Bounds(0.001, 200.0)
-
-BOUNDS: Mapping[str, Bounds] = MappingProxyType(
-    {
-        "radius": _SIZE,
-        "width": _SIZE,
-        "length_front": _SIZE,
-        "length_rear": _SIZE,
-        "wheel_base": _SIZE,
-        "max_speed": Bounds(0.01, 10.0),
-        "max_turn_rate": Bounds(0.01, 50.0),
-        "acceleration": _ACCELERATION,
-        "deceleration": _ACCELERATION,
-        "turn_acceleration": _TURN_ACCELERATION,
-        "turn_deceleration": _TURN_ACCELERATION,
-        "braking": _ACCELERATION,
-        "turn_braking": _TURN_ACCELERATION,
-        "distance_factor": _FACTOR,
-        "heading_factor": _FACTOR,
-        "speed_factor": _FACTOR,
-        "range_factor": _FACTOR,
-        "vel2_unit": Bounds(1e-4, 1.0),
-        "gyro_scaler": Bounds(0.001, 1000.0),
-    }
-)
-"""Bounds of each numeric field of `RobotModel` [SI]."""
-
 REACH = Bounds(-10.0, 10.0)
 """Bounds of a sensor's position along one axis [m]."""
 
@@ -107,17 +81,56 @@ HEADING = Bounds(-pi, pi)
 BUMPERS = Bounds(0, 7)
 """Segments on one side: a stall byte has bits 1 to 7 for them (protocol.md 4.7)."""
 
-SWITCH_SPEEDS = (0, 9600, 19200, 38400, 57600, 115200)
+SwitchSpeed = Literal[0, 9600, 19200, 38400, 57600, 115200]
 """Line speeds that HOSTBAUD can name [baud] (protocol.md 1.1); 0 means never switch."""
+SWITCH_SPEEDS: Final[tuple[int, ...]] = get_args(SwitchSpeed)
+
+_Word = Annotated[str, Meta(min_length=1, extra={"expected": "a text that is not empty"})]
+_Count = Annotated[int, Meta(ge=int(BUMPERS.low), le=int(BUMPERS.high))]
+_Reach = Annotated[float, Meta(ge=REACH.low, le=REACH.high)]
+_Point = Annotated[tuple[_Reach, _Reach], Meta(extra={"expected": "two numbers"})]
+_Size = Annotated[float, Meta(ge=0.01, le=10.0)]
+_Speed = Annotated[float, Meta(ge=0.01, le=10.0)]
+_TurnRate = Annotated[float, Meta(ge=0.01, le=50.0)]
+_Acceleration = Annotated[float, Meta(ge=0.001, le=20.0)]
+_TurnAcceleration = Annotated[float, Meta(ge=0.001, le=200.0)]
+_Factor = Annotated[float, Meta(ge=1e-6, le=0.1)]
+_Direction = Annotated[float, Meta(ge=-360.0, le=360.0)]
+_Sector = Annotated[
+    tuple[_Direction, _Direction],
+    Meta(extra={"expected": "two directions in degrees, such as [-135, -120]"}),
+]
+
+
+def _heading(angle_deg: float) -> float:
+    return wrap(angle_deg * DEGREE)
+
+
+_THETA = Key("theta_deg", _Direction, _heading, degrees_of)
+_MASKED = Key(
+    "masked_deg",
+    tuple[_Sector, ...],
+    lambda sectors: tuple((_heading(first), _heading(last)) for first, last in sectors),
+    lambda sectors: tuple((degrees_of(first), degrees_of(last)) for first, last in sectors),
+)
+_HEADING_UNITS = Key(
+    "heading_units",
+    Annotated[float, Meta(ge=64, le=1_000_000)],
+    lambda units: tau / units,
+    lambda factor: tau / factor,
+)
+_TABLE_IRS = Key(
+    "table_irs", tuple[_Point, ...], lambda points: tuple(IrMount(*point) for point in points)
+)
 
 
 @dataclass(frozen=True, slots=True)
 class SonarMount:
     """Position [m] and direction [rad] of a sonar transducer, in the robot's frame."""
 
-    x: float
-    y: float
-    theta: float
+    x: _Reach
+    y: _Reach
+    theta: Annotated[float, _THETA]
 
     def __post_init__(self) -> None:
         """Refuse a pose that is not on a robot."""
@@ -135,12 +148,12 @@ class LaserMount:
             laser's frame, seen from above, the first counter-clockwise to the second [rad].
     """
 
-    kind: str
-    x: float
-    y: float
-    theta: float
+    kind: _Word
+    x: _Reach
+    y: _Reach
+    theta: Annotated[float, _THETA]
     upside_down: bool = False
-    masked: tuple[tuple[float, float], ...] = ()
+    masked: Annotated[tuple[tuple[float, float], ...], _MASKED] = ()
 
     def __post_init__(self) -> None:
         """Refuse a pose that is not on a robot."""
@@ -203,32 +216,38 @@ class RobotModel:
         ConfigError: A number is out of its range.
     """
 
-    name: str
-    title: str
-    family: str = "Pioneer"
-    radius: float
-    width: float
-    length_front: float
-    length_rear: float
-    max_speed: float
-    max_turn_rate: float
-    wheel_base: float
-    distance_factor: float
-    heading_factor: float = HEADING_UNIT
-    speed_factor: float = MM
-    range_factor: float = MM
-    vel2_unit: float = VEL2_UNIT
-    acceleration: float = START_ACCELERATION
-    deceleration: float = START_ACCELERATION
-    turn_acceleration: float = START_TURN_ACCELERATION
-    turn_deceleration: float = START_TURN_ACCELERATION
-    braking: float = BRAKING
-    turn_braking: float = TURN_BRAKING
-    gyro_scaler: float = GYRO_SCALER
+    name: _Word
+    title: _Word
+    family: _Word = "Pioneer"
+    radius: _Size
+    width: _Size
+    length_front: _Size
+    length_rear: _Size
+    max_speed: _Speed
+    max_turn_rate: Annotated[_TurnRate, in_degrees("max_turn_rate_deg", 0.01, 50.0)]
+    wheel_base: _Size
+    distance_factor: _Factor
+    heading_factor: Annotated[_Factor, _HEADING_UNITS] = HEADING_UNIT
+    speed_factor: _Factor = MM
+    range_factor: _Factor = MM
+    vel2_unit: Annotated[float, Meta(ge=1e-4, le=1.0)] = VEL2_UNIT
+    acceleration: _Acceleration = START_ACCELERATION
+    deceleration: _Acceleration = START_ACCELERATION
+    turn_acceleration: Annotated[
+        _TurnAcceleration, in_degrees("turn_acceleration_deg", 0.001, 200.0)
+    ] = START_TURN_ACCELERATION
+    turn_deceleration: Annotated[
+        _TurnAcceleration, in_degrees("turn_deceleration_deg", 0.001, 200.0)
+    ] = START_TURN_ACCELERATION
+    braking: _Acceleration = BRAKING
+    turn_braking: Annotated[_TurnAcceleration, in_degrees("turn_braking_deg", 0.001, 200.0)] = (
+        TURN_BRAKING
+    )
+    gyro_scaler: Annotated[float, Meta(ge=0.001, le=1000.0)] = GYRO_SCALER
     sonars: tuple[SonarMount, ...] = ()
-    table_irs: tuple[IrMount, ...] = ()
-    front_bumpers: int = 0
-    rear_bumpers: int = 0
+    table_irs: Annotated[tuple[IrMount, ...], _TABLE_IRS] = ()
+    front_bumpers: _Count = 0
+    rear_bumpers: _Count = 0
     laser: LaserMount | None = None
     drive: Drive = "differential"
     has_move_command: bool = True
@@ -236,7 +255,7 @@ class RobotModel:
     settable_acceleration: bool = True
     request_io: bool = False
     request_encoders: bool = False
-    switch_speed: int = SWITCH_SPEED
+    switch_speed: Annotated[int, Key("switch_speed", SwitchSpeed)] = SWITCH_SPEED
 
     refusal: ClassVar[str | None] = None
     """The reason that nothing may drive it, or `None`."""
@@ -245,8 +264,6 @@ class RobotModel:
         """Refuse numbers out of range, naming the field."""
         for field, bounds in BOUNDS.items():
             _check(field, getattr(self, field), bounds)
-        for field in ("front_bumpers", "rear_bumpers"):
-            _check(field, getattr(self, field), BUMPERS)
         for field in ("name", "title", "family"):
             _check_word(field, getattr(self, field))
         for number, ir in enumerate(self.table_irs):
@@ -264,6 +281,17 @@ class RobotModel:
     def length(self) -> float:
         """From the rear end to the front end [m]."""
         return self.length_front + self.length_rear
+
+
+BOUNDS: Mapping[str, Bounds] = MappingProxyType(
+    {
+        name: Bounds(note.ge, note.le)
+        for name, hint in get_type_hints(RobotModel, include_extras=True).items()
+        for note in getattr(hint, "__metadata__", ())
+        if isinstance(note, Meta) and note.ge is not None and note.le is not None
+    }
+)
+"""Range of each numeric field of `RobotModel` [SI]."""
 
 
 class UnknownModel(RobotModel):

@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 
 from pioneer3.errors import ConfigError
 from pioneer3.maps import LineMap, write_aria_map, write_map_server
-from pioneer3.maps.text import read_bytes, write_bytes, wrong
 from pioneer3.nav.mapper import Mapper
 from pioneer3.sim.relief import FLAT, Relief
 from pioneer3.sim.worldfile import write_world
 from pioneer3.sim.worldfile.flattened import solids_in_words
 from pioneer3.sim.worldfile.on_map import not_on_map, split
+from pioneer3.text import read_bytes, write_bytes, wrong
 
 FORMATS = (".map", ".yaml", ".toml")
 """ARIA's map; map_server's YAML with a picture; a world on a map."""

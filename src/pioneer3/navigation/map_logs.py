@@ -10,13 +10,13 @@ from typing import Any, BinaryIO, cast
 
 from pioneer3.errors import ConfigError, DeviceError
 from pioneer3.links.tap import read_recording
-from pioneer3.maps.text import wrong
 from pioneer3.nav.beams import beams_of
 from pioneer3.nav.carmen import LoggedOdometry, read_carmen
 from pioneer3.nav.mapper import Mapper
 from pioneer3.navigation.map_builder import MapBuilder
 from pioneer3.runtime.connect import connect_robot
 from pioneer3.tasks import running
+from pioneer3.text import wrong
 
 Tell = Callable[[float], None]
 """Called with the share that is done, 0 to 1."""

@@ -2,13 +2,17 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
-from math import isfinite, pi
+from math import isfinite, pi, radians, tau
 from types import MappingProxyType
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
+
+from msgspec import Meta
 
 from pioneer3.errors import ConfigError
 from pioneer3.models import RobotModel
-from pioneer3.models.lasers import load_laser
+from pioneer3.models.lasers import LASERS, load_laser
+from pioneer3.models.model import BUMPERS
+from pioneer3.tables import Key, in_degrees
 
 Camera = Literal["vcc4", "sony"]
 TableWiring = Literal["old", "new"]
@@ -23,6 +27,14 @@ PICTURE_RANGES: Mapping[str, tuple[float, float]] = MappingProxyType(
     }
 )
 """Least and most of numbers of pictures."""
+_DRIFT = radians(100)
+"""Largest error of a gyro in a file [rad/s]."""
+_Port = Annotated[int, Meta(ge=1, le=LAST_PORT)]
+
+
+def _range(name: str) -> Meta:
+    low, high = PICTURE_RANGES[name]
+    return Meta(ge=low, le=high)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -127,22 +139,22 @@ class EquipmentOptions:
 
     gripper: bool | None = None
     compass: bool | None = None
-    gyro_type: int | None = None
-    bumpers: int | None = None
+    gyro_type: Annotated[int | None, Key("gyro", Annotated[int, Meta(ge=0, le=2)])] = None
+    bumpers: Annotated[int, Meta(ge=0, le=int(BUMPERS.high))] | None = None
     joystick: bool | None = None
     camera: Camera | Literal["none"] | None = None
-    camera_port: int | None = None
-    picture_port: int | None = None
-    picture_width: int | None = None
-    picture_height: int | None = None
-    picture_rate: float | None = None
-    laser: str | None = None
-    laser_port: int | None = None
+    camera_port: Annotated[int, Meta(ge=1, le=3)] | None = None
+    picture_port: _Port | None = None
+    picture_width: Annotated[int, _range("picture_width")] | None = None
+    picture_height: Annotated[int, _range("picture_height")] | None = None
+    picture_rate: Annotated[float, _range("picture_rate")] | None = None
+    laser: Annotated[str | None, Key("laser", Literal.__getitem__((*LASERS, "none")))] = None
+    laser_port: _Port | None = None
     table_ir: TableWiring | Literal["none"] | None = None
-    north: float | None = None
-    compass_noise: float | None = None
-    gyro_bias: float | None = None
-    gyro_noise: float | None = None
+    north: Annotated[float | None, in_degrees("north_deg", -tau, tau)] = None
+    compass_noise: Annotated[float | None, in_degrees("compass_noise_deg", 0, pi)] = None
+    gyro_bias: Annotated[float | None, in_degrees("gyro_bias_deg_s", -_DRIFT, _DRIFT)] = None
+    gyro_noise: Annotated[float | None, in_degrees("gyro_noise_deg_s", 0, _DRIFT)] = None
 
     def equipment_of(self, model: RobotModel) -> Equipment:
         """Return the equipment of a robot of this model."""

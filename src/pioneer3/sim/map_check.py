@@ -16,7 +16,6 @@ from pioneer3.maps.aria import AriaFile, Section, parse_aria
 from pioneer3.maps.line_map import Bounds, LineMap, MapObject, distances
 from pioneer3.maps.load import read_map_file
 from pioneer3.maps.map_server import KEYS, MapServerFile
-from pioneer3.maps.text import decoded, read_bytes
 from pioneer3.models import RobotModel, load_model
 from pioneer3.names import printable
 from pioneer3.sim.collision import footprint_hits
@@ -25,6 +24,7 @@ from pioneer3.sim.placement.free_space import FreeGrid
 from pioneer3.sim.placement.spawn import SpawnedRobot, spawn_robots
 from pioneer3.sim.relief import Mesh, Ramp
 from pioneer3.sim.worldfile import RobotSpec, WorldFile, load_world
+from pioneer3.text import decoded, read_bytes
 
 MOST = 10
 """Findings of one kind that are listed; the rest is counted."""

@@ -9,13 +9,13 @@ import numpy as np
 
 from pioneer3.errors import ConfigError
 from pioneer3.maps import LineMap, write_aria_map, write_map_server
-from pioneer3.maps.text import write_bytes
 from pioneer3.models import load_model
 from pioneer3.names import printable
 from pioneer3.sim.map_check import Finding, Severity, check_world
 from pioneer3.sim.worldfile import WorldFile, load_world, write_world
 from pioneer3.sim.worldfile.drawing import Drawing, draw, to_picture, to_svg
 from pioneer3.sim.worldfile.flattened import solids_in_words
+from pioneer3.text import write_bytes
 
 FORMATS = (".map", ".yaml", ".toml", ".svg", ".png")
 

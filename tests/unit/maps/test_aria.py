@@ -9,7 +9,7 @@ import pytest
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
 from pioneer3.maps import LineMap, empty_map, read_map
-from pioneer3.maps.text import LARGEST_FILE
+from pioneer3.text import LARGEST_FILE
 
 SQUARE = "2D-Map\nLINES\n0 0 1000 0\n1000 0 1000 2000\n"
 

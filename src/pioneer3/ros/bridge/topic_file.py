@@ -13,26 +13,26 @@
 
 import re
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import partial
 from itertools import permutations
 from pathlib import Path
 from typing import Final, Literal
 
-import msgspec
-
 from pioneer3.errors import ConfigError
-from pioneer3.maps.text import decoded, read_bytes
 from pioneer3.ros.bridge.conversion import Converter
 from pioneer3.ros.bridge.rows import Row, Way
 from pioneer3.ros.ros2.names import checked_topic
 from pioneer3.tables import Source, converted, load
+from pioneer3.text import decoded, read_bytes
 
 LARGEST: Final = 1 << 20
 """Larger files are not read [bytes]."""
 ARGUMENT: Final = re.compile(r"(/[^:]+):([^:/]+(?:/msg)?/[^:/]+)")
 
 
-class TopicTable(msgspec.Struct, frozen=True, kw_only=True):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TopicTable:
     """A row as it is written; see this module."""
 
     ros1: str
@@ -43,7 +43,8 @@ class TopicTable(msgspec.Struct, frozen=True, kw_only=True):
     reliable: bool = True
 
 
-class FileTable(msgspec.Struct, frozen=True, kw_only=True):
+@dataclass(frozen=True, slots=True)
+class FileTable:
     """A file of rows."""
 
     topic: tuple[TopicTable, ...] = ()
@@ -57,7 +58,7 @@ def read_topics(path: Path, converter: Converter) -> tuple[Row, ...]:
     """
     text = decoded(read_bytes(path, LARGEST, kind="topics"))
     source = Source.of(path, text)
-    tables = converted(source, load(path, text), FileTable).topic
+    tables = converted(source, load(source), FileTable).topic
     rows = []
     for index, table in enumerate(tables):
         ros2 = table.ros2 or table.ros1

@@ -7,13 +7,13 @@ from math import cos, sin
 from typing import Any
 
 from pioneer3.errors import ConfigError
-from pioneer3.maps.text import one_line
 from pioneer3.models import RobotModel, physics_of
 from pioneer3.models.description.tree import wheel_joint_names
 from pioneer3.sim.physics.groups import PARTS, THINGS
 from pioneer3.sim.relief import Carpet, Relief, Solid
 from pioneer3.sim.relief.mesh_file import Triangles
 from pioneer3.sim.relief.shapes import Block, Column, Hull, Shape, Terrain, Wedge
+from pioneer3.text import one_line
 
 SOLID = 1
 """Bit of contact with solids."""

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from pioneer3.maps.text import decoded, numbered, read_bytes, wrong
+from pioneer3.text import decoded, numbered, read_bytes, wrong
 
 Float = NDArray[np.float64]
 Int = NDArray[np.int64]

@@ -8,17 +8,19 @@ from dataclasses import dataclass
 from functools import cached_property
 from math import pi
 from pathlib import Path
-from typing import ClassVar, Protocol
+from typing import Annotated, ClassVar, Protocol
 
 import numpy as np
+from msgspec import Meta
 from numpy.typing import NDArray
 
 from pioneer3.geometry import Pose2
 from pioneer3.maps.image import read_image
-from pioneer3.maps.text import wrong
+from pioneer3.sim.relief.keys import CENTER, FILE, PLACED, Elevation, Friction, Height, Size, Slope
 from pioneer3.sim.relief.mesh_file import read_mesh
 from pioneer3.sim.relief.outlines import NONE, outer, rectangle, ring
 from pioneer3.sim.relief.shapes import FARTHEST, Block, Column, Hull, Part, Terrain, Wedge
+from pioneer3.text import wrong
 
 Float = NDArray[np.float64]
 
@@ -94,10 +96,10 @@ class GroundSolid:
     """
 
     is_ground: ClassVar[bool] = True
-    pose: Pose2
-    size: tuple[float, float]
-    height: float
-    z: float = 0.0
+    pose: Annotated[Pose2, PLACED]
+    size: Size
+    height: Slope
+    z: Elevation = 0.0
 
     @property
     def block(self) -> Block:
@@ -149,8 +151,8 @@ class Carpet(GroundSolid):
     """
 
     table: ClassVar[str] = "carpet"
-    friction: float = CARPET_FRICTION
-    height: float = CARPET_HEIGHT
+    friction: Friction = CARPET_FRICTION
+    height: Annotated[float, Meta(ge=0.006, le=0.05)] = CARPET_HEIGHT
 
     @property
     def parts(self) -> tuple[Part, ...]:
@@ -171,10 +173,10 @@ class Cylinder:
 
     table: ClassVar[str] = "cylinder"
     is_ground: ClassVar[bool] = False
-    pose: Pose2
-    radius: float
-    height: float
-    z: float = 0.0
+    pose: Annotated[Pose2, CENTER]
+    radius: Annotated[float, Meta(ge=0.005, le=500)]
+    height: Height
+    z: Elevation = 0.0
 
     @property
     def parts(self) -> tuple[Part, ...]:
@@ -211,13 +213,13 @@ class Table:
 
     table: ClassVar[str] = "table"
     is_ground: ClassVar[bool] = False
-    pose: Pose2
-    size: tuple[float, float]
-    height: float
-    thickness: float = TOP_THICKNESS
-    leg_width: float = LEG_WIDTH
-    back: float = 0.0
-    z: float = 0.0
+    pose: Annotated[Pose2, PLACED]
+    size: Size
+    height: Height
+    thickness: Annotated[float, Meta(ge=0.002, le=1)] = TOP_THICKNESS
+    leg_width: Annotated[float, Meta(ge=0.005, le=1)] = LEG_WIDTH
+    back: Annotated[float, Meta(ge=0, le=10)] = 0.0
+    z: Elevation = 0.0
 
     @property
     def parts(self) -> tuple[Part, ...]:
@@ -268,7 +270,7 @@ class HeightField(GroundSolid):
     """
 
     table: ClassVar[str] = "heightfield"
-    file: Path
+    file: Annotated[Path, FILE]
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:
@@ -304,10 +306,10 @@ class Mesh:
 
     table: ClassVar[str] = "mesh"
     is_ground: ClassVar[bool] = False
-    file: Path
-    pose: Pose2
-    z: float = 0.0
-    scale: float = 1.0
+    file: Annotated[Path, FILE]
+    pose: Annotated[Pose2, PLACED]
+    z: Annotated[float, Meta(ge=-100.0, le=100.0)] = 0.0
+    scale: Annotated[float, Meta(ge=1e-6, le=1e6)] = 1.0
 
     @cached_property
     def hull(self) -> Hull:

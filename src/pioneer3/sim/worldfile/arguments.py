@@ -6,11 +6,11 @@ from pathlib import PurePath
 
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2, wrap
-from pioneer3.maps.text import shown
 from pioneer3.sim.equipment import NO_OPTIONS, EquipmentOptions
 from pioneer3.sim.relief.shapes import FARTHEST
 from pioneer3.sim.worldfile.spec import RobotSpec, Start, WorldFile
 from pioneer3.sim.worldfile.toml import MODEL_FILES
+from pioneer3.text import shown
 from pioneer3.units import ANGLE, LENGTH
 
 LONGEST_NAME = 40

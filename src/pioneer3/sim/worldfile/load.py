@@ -5,9 +5,9 @@ from pathlib import Path
 
 from pioneer3.errors import ConfigError
 from pioneer3.maps import LineMap, shipped_maps
-from pioneer3.maps.text import shown
 from pioneer3.sim.worldfile.spec import WorldFile
 from pioneer3.sim.worldfile.toml import is_world, read_world
+from pioneer3.text import shown
 
 LONGEST_PATH = 300
 

@@ -4,15 +4,16 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from math import atan2, cos, hypot, pi, sin
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
+from msgspec import Meta
 from numpy.typing import NDArray
 
 from pioneer3.geometry import Pose2
+from pioneer3.sim.relief.keys import Point
 
 Float = NDArray[np.float64]
-Point = tuple[float, float]
 
 RADIUS = 0.25
 """Radius of a standing person with arms at the sides [m]."""
@@ -47,12 +48,15 @@ class Person:
         name: On screen.
     """
 
-    path: tuple[Point, ...]
-    speed: float = SPEED
-    radius: float = RADIUS
+    path: Annotated[
+        tuple[Point, ...],
+        Meta(min_length=1, extra={"expected": "a list of 1 or more points [x, y]"}),
+    ]
+    speed: Annotated[float, Meta(ge=0.01, le=10)] = SPEED
+    radius: Annotated[float, Meta(ge=0.05, le=2)] = RADIUS
     loop: bool = True
-    pause: float = 0.0
-    patience: float = PATIENCE
+    pause: Annotated[float, Meta(ge=0, le=3600)] = 0.0
+    patience: Annotated[float, Meta(ge=0, le=1e9)] = PATIENCE
     name: str = ""
     _legs: tuple[_Leg, ...] = field(init=False, repr=False, compare=False)
 

@@ -6,9 +6,10 @@ from itertools import pairwise
 from math import cos, sin
 from pathlib import Path
 from types import MappingProxyType
-from typing import ClassVar, Literal
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
+from msgspec import Meta
 from numpy.typing import NDArray
 
 from pioneer3.geometry import Pose2
@@ -17,9 +18,21 @@ from pioneer3.maps.line_map import solid_walls
 from pioneer3.maps.materials import Codes, Material, codes_of
 from pioneer3.sim.equipment import NO_OPTIONS, EquipmentOptions
 from pioneer3.sim.relief import SOLIDS, WALL_HEIGHT, Relief, Solid
+from pioneer3.sim.relief.keys import (
+    PLACED,
+    Angle,
+    Coordinate,
+    Elevation,
+    Friction,
+    Height,
+    Point,
+    Size,
+    pose_of,
+)
 from pioneer3.sim.relief.shapes import Block, Part
 from pioneer3.sim.relief.solids import SENSOR_HEIGHT
-from pioneer3.sim.worldfile.person import Person, Point
+from pioneer3.sim.worldfile.person import Person
+from pioneer3.tables import Key, degrees_of
 
 Float = NDArray[np.float64]
 Start = Pose2 | Literal["random", "outside", "home"]
@@ -36,6 +49,35 @@ PHYSICS_STEP = 0.002
 """Step of physics [s]."""
 Physics = Literal["planar", "mujoco"]
 """How robots move: on a plane, by numbers for slip; or with mass, motors and tires, by MuJoCo."""
+
+
+@dataclass(frozen=True, slots=True)
+class _At:
+    """The pose that a robot starts at, in a file."""
+
+    x: Coordinate
+    y: Coordinate
+    theta_deg: Angle = 0.0
+
+
+_START = Key(
+    "start",
+    Annotated[
+        _At | Literal["random", "outside", "home"],
+        Meta(extra={"expected": '{x, y, theta_deg} or "random" or "outside" or "home"'}),
+    ],
+    lambda at: pose_of(at.x, at.y, at.theta_deg) if isinstance(at, _At) else at,
+    lambda start: (
+        _At(start.x, start.y, degrees_of(start.theta)) if isinstance(start, Pose2) else start
+    ),
+)
+_STEP = Key(
+    "physics_step_ms",
+    Annotated[float, Meta(ge=0.5, le=2.5)],
+    lambda milliseconds: round(milliseconds / 1000, 9),
+    lambda seconds: round(seconds * 1000, 6),
+)
+_IN_NO_FILE = Key()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -55,9 +97,9 @@ class RobotSpec:
 
     model: str = "p3at-sh"
     name: str = ""
-    start: Start = "home"
-    port: int | None = None
-    host: str = ""
+    start: Annotated[Start, _START] = "home"
+    port: Annotated[int, Meta(ge=1, le=65535)] | None = None
+    host: Annotated[str, _IN_NO_FILE] = ""
     equipment: EquipmentOptions = NO_OPTIONS
 
 
@@ -79,15 +121,15 @@ class Box:
 
     table: ClassVar[str] = "box"
     is_ground: ClassVar[bool] = False
-    pose: Pose2
-    size: tuple[float, float]
+    pose: Annotated[Pose2, PLACED]
+    size: Size
     movable: bool = False
     name: str = ""
     material: Material = Material.PLAIN
-    height: float | None = None
-    z: float = 0.0
-    mass: float = BOX_MASS
-    friction: float = BOX_FRICTION
+    height: Height | None = None
+    z: Elevation = 0.0
+    mass: Annotated[float, Meta(ge=0.01, le=1000)] = BOX_MASS
+    friction: Friction = BOX_FRICTION
 
     @property
     def block(self) -> Block:
@@ -138,10 +180,13 @@ class Wall:
     Its height [m] is the world's where none is given.
     """
 
-    points: tuple[Point, ...]
+    points: Annotated[
+        tuple[Point, ...],
+        Meta(min_length=2, extra={"expected": "a list of 2 or more points [x, y]"}),
+    ]
     closed: bool = False
     material: Material = Material.PLAIN
-    height: float | None = None
+    height: Height | None = None
 
     @property
     def segments(self) -> Float:
@@ -182,19 +227,19 @@ class WorldFile:
     """
 
     name: str
-    map: str | Path = "empty"
-    seed: int | None = None
+    map: Annotated[str | Path, Key("map", str)] = "empty"
+    seed: Annotated[int, Meta(ge=0, le=2**63 - 1)] | None = None
     keep_session: bool = False
     physics: Physics = "planar"
-    physics_step: float = PHYSICS_STEP
-    wall_height: float = WALL_HEIGHT
-    robots: tuple[RobotSpec, ...] = ()
-    boxes: tuple[Box, ...] = ()
-    walls: tuple[Wall, ...] = ()
-    places: tuple[Place, ...] = ()
-    people: tuple[Person, ...] = ()
-    solids: tuple[Solid, ...] = ()
-    source: str = field(default="", compare=False)
+    physics_step: Annotated[float, _STEP] = PHYSICS_STEP
+    wall_height: Height = WALL_HEIGHT
+    robots: Annotated[tuple[RobotSpec, ...], _IN_NO_FILE] = ()
+    boxes: Annotated[tuple[Box, ...], _IN_NO_FILE] = ()
+    walls: Annotated[tuple[Wall, ...], _IN_NO_FILE] = ()
+    places: Annotated[tuple[Place, ...], _IN_NO_FILE] = ()
+    people: Annotated[tuple[Person, ...], _IN_NO_FILE] = ()
+    solids: Annotated[tuple[Solid, ...], _IN_NO_FILE] = ()
+    source: Annotated[str, _IN_NO_FILE] = field(default="", compare=False)
 
     def __post_init__(self) -> None:
         """Sort the solids as a file has them."""

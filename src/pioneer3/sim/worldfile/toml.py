@@ -1,21 +1,38 @@
-"""Reads and writes world files: TOML with the tables of :mod:`pioneer3.sim.worldfile.schema`.
+"""Reads and writes world files: TOML with a table for each object of a world.
 
-:mod:`pioneer3.tables` checks them, and words the errors.
+The keys and their ranges are the fields of those objects, and :mod:`pioneer3.tables` reads them.
 """
 
-from dataclasses import replace
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from itertools import chain
 from os.path import relpath
 from pathlib import Path
-from typing import Any, get_type_hints
+from typing import Annotated, Any, get_type_hints
+
+from msgspec import Meta
 
 from pioneer3.maps import shipped_maps
 from pioneer3.maps.materials import Material
-from pioneer3.maps.text import decoded, read_bytes, shown, write_bytes
+from pioneer3.names import printable
 from pioneer3.sim.equipment import EquipmentOptions
-from pioneer3.sim.relief import SOLIDS, HeightField, Mesh
+from pioneer3.sim.relief import (
+    SOLIDS,
+    Carpet,
+    Cylinder,
+    HeightField,
+    Mesh,
+    Ramp,
+    Solid,
+    Step,
+    Table,
+)
+from pioneer3.sim.relief.keys import Angle, Coordinate, pose_of
+from pioneer3.sim.worldfile.person import Person
 from pioneer3.sim.worldfile.solid_checks import check_solids
-from pioneer3.sim.worldfile.spec import PHYSICS_STEP, Box, Place, RobotSpec, WorldFile
-from pioneer3.tables import Source, converted, load, written
+from pioneer3.sim.worldfile.spec import Box, Place, RobotSpec, Wall, WorldFile
+from pioneer3.tables import Source, converted, degrees_of, keys, load, table_of, written
+from pioneer3.text import decoded, read_bytes, shown, write_bytes
 
 LARGEST_WORLD = 1 << 20
 """Larger files are not read [bytes]; tomllib takes seconds for them."""
@@ -47,30 +64,25 @@ def parse_world(path: Path, text: str) -> WorldFile:
     Raises:
         ConfigError: It is wrong; names file, line and key.
     """
-    from pioneer3.sim.worldfile.schema import FileTable  # imports msgspec
-
     source = Source.of(path, text)
-    file = converted(source, load(path, text), FileTable)
-    robots = tuple(_model_beside(path, table.robot()) for table in file.robot)
+    tables = load(source)
+    if isinstance(tables.get("world"), dict):
+        tables["world"].setdefault("name", printable(path.stem))
+    file = converted(source, tables, Tables)
+    robots = tuple(_model_beside(path, robot) for robot in file.robot)
     _refuse_doubles(source, robots)
-    boxes = tuple(table.box() for table in file.box)
-    _refuse_movable_glass(source, boxes)
-    tables = {"goal": file.goal, "dock": file.dock, "home": file.home}
-    solids = [getattr(file, kind.table) for kind in SOLIDS]
-    world = WorldFile(
-        name=path.stem if file.world.name is None else file.world.name,
-        map=_map(source, path, file.world.map),
-        seed=file.world.seed,
-        keep_session=file.world.keep_session,
-        physics=file.world.physics,
-        physics_step=round(file.world.physics_step_ms / 1000, 9),
-        wall_height=file.world.wall_height,
+    _refuse_movable_glass(source, file.box)
+    world = replace(
+        file.world,
+        map=_map(source, path, str(file.world.map)),
         robots=robots,
-        boxes=boxes,
-        walls=tuple(table.wall() for table in file.wall),
-        places=tuple(table.place(KINDS[key]) for key in KINDS for table in tables[key]),
-        people=tuple(table.person() for table in file.person),
-        solids=tuple(table.solid(path.parent) for kind in solids for table in kind),
+        boxes=file.box,
+        walls=file.wall,
+        places=tuple(
+            table.place(kind) for key, kind in KINDS.items() for table in getattr(file, key)
+        ),
+        people=file.person,
+        solids=tuple(_file_beside(path, solid) for solid in file.solids),
         source=source.name,
     )
     check_solids(source, world)
@@ -83,8 +95,6 @@ def parse_equipment(text: str) -> EquipmentOptions:
     Raises:
         ConfigError: A word is unknown, or its value is wrong.
     """
-    from pioneer3.sim.worldfile.schema import EquipmentTable  # imports msgspec
-
     switches = get_type_hints(EquipmentOptions).items()
     alone = {name: "true" for name, kind in switches if kind == bool | None} | _ALONE
     source = Source("--fit", "")
@@ -92,12 +102,12 @@ def parse_equipment(text: str) -> EquipmentOptions:
     for word in filter(None, (word.strip() for word in text.split(","))):
         key, equals, value = (part.strip() for part in word.partition("="))
         key = key.replace("-", "_")
-        if key in EquipmentTable.__struct_encode_fields__ and not equals and key not in alone:
+        if key in keys(EquipmentOptions) and not equals and key not in alone:
             value = _EXAMPLES.get(key, "1")
             example = f"{key.replace('_', '-')}={value}"
             raise source.wrong(key, f"needs a value, such as {example}")
         said[key] = _scalar(value if equals else alone.get(key, "true"))
-    return converted(source, said, EquipmentTable).options()
+    return converted(source, said, EquipmentOptions)
 
 
 def write_world(world: WorldFile, path: Path) -> None:
@@ -111,49 +121,77 @@ def write_world(world: WorldFile, path: Path) -> None:
 
 def to_toml(world: WorldFile, folder: Path) -> str:
     """Return the text of a world file that lies in `folder`; defaults are left out."""
-    from pioneer3.sim.worldfile import schema  # imports msgspec
-
-    places = {key: tuple(p for p in world.places if _key(p) == key) for key in KINDS}
-    file = schema.FileTable(
-        world=schema.WorldTable(
-            name=world.name,
-            map=_relative(world.map, folder) if isinstance(world.map, Path) else world.map,
-            seed=world.seed,
-            keep_session=world.keep_session,
-            physics=world.physics,
-            physics_step_ms=(
-                schema.STEP_MS
-                if world.physics_step == PHYSICS_STEP
-                else round(world.physics_step * 1000, 6)
-            ),
-            wall_height=world.wall_height,
-        ),
-        robot=tuple(schema.RobotTable.of(_relative_model(r, folder)) for r in world.robots),
-        box=tuple(map(schema.BoxTable.of, world.boxes)),
-        wall=tuple(map(schema.WallTable.of, world.walls)),
-        goal=tuple(map(schema.PlaceTable.of, places["goal"])),
-        dock=tuple(map(schema.PlaceTable.of, places["dock"])),
-        home=tuple(map(schema.PlaceTable.of, places["home"])),
-        person=tuple(map(schema.PersonTable.like, world.people)),
-        **_solid_tables(world, folder),
-    )
-    return written(file)
-
-
-def _solid_tables(world: WorldFile, folder: Path) -> dict[str, Any]:
-    """Return the tables of all solids, by kind."""
-    from pioneer3.sim.worldfile.solid_tables import TABLES
-
-    return {
-        table.kind.table: tuple(
-            table.of(solid, file=_relative(solid.file, folder))
+    map_name = _relative(world.map, folder) if isinstance(world.map, Path) else world.map
+    solids: dict[str, Any] = {
+        kind.table: tuple(
+            replace(solid, file=Path(_relative(solid.file, folder)))
             if isinstance(solid, HeightField | Mesh)
-            else table.of(solid)
+            else solid
             for solid in world.solids
-            if isinstance(solid, table.kind)
+            if isinstance(solid, kind)
         )
-        for table in TABLES
+        for kind in SOLIDS
     }
+    tables = Tables(
+        world=replace(world, map=map_name),
+        robot=tuple(_relative_model(robot, folder) for robot in world.robots),
+        box=world.boxes,
+        wall=world.walls,
+        goal=_places(world, "goal"),
+        dock=_places(world, "dock"),
+        home=_places(world, "home"),
+        person=world.people,
+        **solids,
+    )
+    return written(table_of(tables))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _PlaceTable:
+    """`[[goal]]`, `[[dock]]` or `[[home]]`; a goal with `theta_deg` has a heading."""
+
+    x: Coordinate
+    y: Coordinate
+    theta_deg: Angle | None = None
+    name: str = ""
+
+    def place(self, kind: str) -> Place:
+        """Return the place; `kind` is ARIA's type."""
+        if kind == "Goal" and self.theta_deg is not None:
+            kind = "GoalWithHeading"
+        return Place(kind=kind, pose=pose_of(self.x, self.y, self.theta_deg or 0.0), name=self.name)
+
+    @classmethod
+    def of(cls, place: Place) -> "_PlaceTable":
+        """Return the table of a place."""
+        heading = None if place.kind == "Goal" else degrees_of(place.pose.theta)
+        return cls(x=place.pose.x, y=place.pose.y, theta_deg=heading, name=place.name)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Tables:
+    """All tables of a world file."""
+
+    world: Annotated[WorldFile, Meta(extra={"missing": "missing; a world starts with [world]"})]
+    robot: tuple[RobotSpec, ...] = ()
+    box: tuple[Box, ...] = ()
+    wall: tuple[Wall, ...] = ()
+    goal: tuple[_PlaceTable, ...] = ()
+    dock: tuple[_PlaceTable, ...] = ()
+    home: tuple[_PlaceTable, ...] = ()
+    person: tuple[Person, ...] = ()
+    step: tuple[Step, ...] = ()
+    ramp: tuple[Ramp, ...] = ()
+    carpet: tuple[Carpet, ...] = ()
+    cylinder: tuple[Cylinder, ...] = ()
+    table: tuple[Table, ...] = ()
+    heightfield: tuple[HeightField, ...] = ()
+    mesh: tuple[Mesh, ...] = ()
+
+    @property
+    def solids(self) -> Iterator[Solid]:
+        """All solids, by kind."""
+        return chain.from_iterable(getattr(self, kind.table) for kind in SOLIDS)
 
 
 def _map(source: Source, path: Path, name: str) -> str | Path:
@@ -177,6 +215,13 @@ def _model_beside(path: Path, robot: RobotSpec) -> RobotSpec:
     """Return `robot` with the path of its model's file, which is relative to the world file."""
     is_file = Path(robot.model).suffix.lower() in MODEL_FILES
     return replace(robot, model=str(path.parent / robot.model)) if is_file else robot
+
+
+def _file_beside(path: Path, solid: Solid) -> Solid:
+    """Return `solid` with the path of its file, if it has one."""
+    if isinstance(solid, HeightField | Mesh):
+        return replace(solid, file=path.parent / solid.file)
+    return solid
 
 
 def _refuse_doubles(source: Source, robots: tuple[RobotSpec, ...]) -> None:
@@ -209,8 +254,11 @@ def _scalar(text: str) -> object:
     return text
 
 
-def _key(place: Place) -> str:
-    return {"Dock": "dock", "RobotHome": "home"}.get(place.kind, "goal")
+def _places(world: WorldFile, key: str) -> tuple[_PlaceTable, ...]:
+    """Return the places of one table; those of unknown kinds are goals."""
+    keys_of = {kind: key for key, kind in KINDS.items()}
+    places = (place for place in world.places if keys_of.get(place.kind, "goal") == key)
+    return tuple(map(_PlaceTable.of, places))
 
 
 def _relative_model(robot: RobotSpec, folder: Path) -> RobotSpec:

@@ -1,4 +1,4 @@
-"""Lines and numbers of a map file, with the line numbers of errors."""
+"""Text files: reading and writing them, their lines and numbers, and errors with line numbers."""
 
 import os
 import re

@@ -1,5 +1,6 @@
 """TOML model files: what is wrong is named by file and key."""
 
+import re
 from importlib.resources import files
 from math import pi, radians
 from pathlib import Path
@@ -10,7 +11,7 @@ from hypothesis import strategies as st
 
 from pioneer3.errors import ConfigError
 from pioneer3.models import RobotModel, load_model
-from pioneer3.models.toml import parse_toml
+from pioneer3.models.catalog import parse_model
 
 SHIPPED = files("pioneer3.models").joinpath("p3at-sh.toml").read_text(encoding="utf-8")
 MINIMAL = """
@@ -34,7 +35,7 @@ def test_a_file_is_read_by_its_path(tmp_path: Path) -> None:
 
 
 def test_what_every_modern_robot_shares_may_be_left_out() -> None:
-    model = parse_toml(MINIMAL, "lab.toml")
+    model = parse_model(MINIMAL, "lab.toml")
     assert (model.radius, model.max_turn_rate) == (1.0, radians(90))
     assert (model.heading_factor, model.vel2_unit) == (2 * pi / 4096, 0.02)
     assert (model.sonars, model.laser, model.drive) == ((), None, "differential")
@@ -42,7 +43,7 @@ def test_what_every_modern_robot_shares_may_be_left_out() -> None:
 
 def test_a_backward_sonar_is_wrapped_like_every_angle() -> None:
     text = MINIMAL + "sonars = [{ x = 0, y = 0, theta_deg = -180 }]"
-    assert parse_toml(text, "lab.toml").sonars[0].theta == pi
+    assert parse_model(text, "lab.toml").sonars[0].theta == pi
 
 
 @pytest.mark.parametrize(
@@ -51,7 +52,7 @@ def test_a_backward_sonar_is_wrapped_like_every_angle() -> None:
         ("radius = 0.5", "radius = 500", "radius: 500 is out of range, expected 0.01 to 10"),
         ("radius = 0.5", "radius = -0.5", "radius: -0.5 is out of range, expected 0.01 to 10"),
         ("radius = 0.5", "radius = nan", "radius: nan is out of range, expected 0.01 to 10"),
-        ("radius = 0.5", 'radius = "5"', "radius: Expected float, got str"),
+        ("radius = 0.5", 'radius = "5"', "radius: expected a number, got '5'"),
         ("radius = 0.5", "raduis = 0.5", "raduis: unknown key, did you mean radius?"),
         ("radius = 0.5", "", "radius: missing, add it"),
         ("max_turn_rate_deg = 300", "max_turn_rate_deg = 1e9", "max_turn_rate_deg: 1e+09 is out"),
@@ -72,35 +73,47 @@ def test_a_backward_sonar_is_wrapped_like_every_angle() -> None:
             "heading_factor = 0.0015",
             "heading_factor: unknown key, did you mean heading_units?",
         ),
-        ('"skid"', '"tank"', "drive: Invalid enum value 'tank', expected skid or differential"),
-        ('"p3at-sh"', '""', "name: '' is empty or not printable"),
+        ('"skid"', '"tank"', "drive: 'tank' is not one of skid, differential"),
+        ('"p3at-sh"', '""', "name: expected a text that is not empty, got ''"),
         ("= 38400", "= 4800", "switch_speed: 4800 is not one of 0, 9600"),
         ("front_bumpers = 0", "front_bumpers = 8", "front_bumpers: 8 is out of range"),
-        ("front_bumpers = 0", "front_bumpers = 2.5", "front_bumpers: Expected int, got float"),
-        ("request_io = false", "request_io = 0", "request_io: Expected bool, got int"),
+        (
+            "front_bumpers = 0",
+            "front_bumpers = 2.5",
+            "front_bumpers: expected a whole number, got 2.5",
+        ),
+        ("request_io = false", "request_io = 0", "request_io: expected true or false, got 0"),
         ("x = 0.147,", "", "sonars[0].x: missing, add it"),
-        ("x = 0.147,", "z = 0.147,", "sonars[0].z: unknown key, expected one of x, y, theta_deg"),
-        ("x = 0.193,", "x = 193,", "sonars[1]: x: 193 is out of range, expected -10 to 10"),
+        ("x = 0.147,", "z = 0.147,", "sonars[0].z: unknown key, known are x, y, theta_deg"),
+        ("x = 0.193,", "x = 193,", "sonars[1].x: 193 is out of range, expected -10 to 10"),
         ("theta_deg = 50", "theta_deg = 500", "sonars[1].theta_deg: 500 is out of range"),
-        ("sonars = [", "sonars = [7,", "sonars[0]: Expected object, got int"),
+        ("sonars = [", "sonars = [7,", "sonars[0]: expected a table, got 7"),
         ("sonars = [", "sonars = 7\nsonar = [", "sonar: unknown key, did you mean sonars?"),
-        ("front_bumpers = 0", "table_irs = [[1]]", "table_irs[0]: Expected array of length 2"),
-        ("front_bumpers = 0", "table_irs = [[1, 20]]", "table_irs[0].y: 20 is out of range"),
-        ("kind =", "type =", "laser.type: unknown key, expected one of kind, x, y, theta_deg"),
-        ('"lms2xx"', '""', "laser: kind: '' is empty or not printable"),
-        ("family =", '"\\u001b" =', r"\x1b: unknown key"),
-        ("radius = 0.5", "radius =", "not valid TOML: Invalid value (at line "),
+        ("front_bumpers = 0", "table_irs = [[1]]", "table_irs[0]: expected two numbers"),
+        ("front_bumpers = 0", "table_irs = [[1, 20]]", "table_irs[0][1]: 20 is out of range"),
+        ("kind =", "type =", "laser.type: unknown key, known are kind, x, y, theta_deg"),
+        ('"lms2xx"', '""', "laser.kind: expected a text that is not empty, got ''"),
+        ("family =", '"\\u001b" =', r"'\x1b': unknown key"),
+        ("radius = 0.5", "radius =", "not valid TOML: Invalid value (column "),
         ("radius = 0.5", "radius = " + "[" * 5000, "not valid TOML: "),
         ("radius = 0.5", "radius = 1" + "0" * 400, "radius: "),
-        ("_rate_deg = 300", "_rate_deg = 1" + "0" * 400, "max_turn_rate_deg: this number is out"),
+        ("_rate_deg = 300", "_rate_deg = 1" + "0" * 400, "max_turn_rate_deg: a huge number is out"),
     ],
 )
 def test_what_is_wrong_is_named(old: str, new: str, message: str) -> None:
     assert old in SHIPPED
     with pytest.raises(ConfigError) as caught:
-        parse_toml(SHIPPED.replace(old, new, 1), "my.toml")
-    assert str(caught.value).startswith(f"my.toml: {message}")
+        parse_model(SHIPPED.replace(old, new, 1), "my.toml")
+    place, said = str(caught.value).split(" ", maxsplit=1)
+    assert re.fullmatch(r"my\.toml:(\d+:)?", place)
+    assert said.startswith(message)
     assert str(caught.value).isprintable()
+
+
+def test_what_is_wrong_is_found_by_its_line() -> None:
+    result = outcome(MINIMAL.replace("width = 0.5", "width = 500"))
+    assert result == "my.toml:5: width: 500 is out of range, expected 0.01 to 10"
+    assert str(outcome("name = 1")).startswith("my.toml:1: name: expected a text")
 
 
 JUNK = st.one_of(
@@ -117,11 +130,11 @@ def test_any_mixture_of_lines_gives_a_model_or_names_the_file(
 ) -> None:
     text = "\n".join(s if v is None else f"{s.partition('=')[0]} = {v}" for s, v in lines)
     result = outcome(text)
-    assert isinstance(result, RobotModel) or result.startswith("my.toml: ")
+    assert isinstance(result, RobotModel) or result.startswith("my.toml:")
 
 
 def outcome(text: str) -> RobotModel | str:
     try:
-        return parse_toml(text, "my.toml")
+        return parse_model(text, "my.toml")
     except ConfigError as error:
         return str(error)
