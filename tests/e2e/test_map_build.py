@@ -116,7 +116,12 @@ async def test_a_stop_ends_the_exploration_also_while_it_looks_for_the_next_edge
             assert sim.body.speeds[0] == 0.0
 
 
-async def test_without_its_laser_it_stands_and_ends(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("drives", [True, False])
+async def test_without_its_laser_it_stands_and_ends(
+    drives: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if not drives:  # it looks for the next edge all the time
+        monkeypatch.setattr(MapBuilder, "_head_for", lambda *_: None)
     async with in_the_rooms() as (sim, _, builder):
         exploring = asyncio.ensure_future(builder.explore())
         await asyncio.sleep(6.0)

@@ -113,7 +113,7 @@ class FollowWay(Action):
             return None
         if unsure := self.unsure():
             self._best, self._since = inf, None
-            return Desire(v=0.0, w=0.0, lacks=True, reason=f"not sure where it is: {unsure}")
+            return stand_unsure(unsure)
         if self.arrived or self.waits:
             self._best, self._since = inf, None
             return Desire(v=0.0, w=0.0, reason=self.waits or "has arrived there")
@@ -245,6 +245,11 @@ class FollowWay(Action):
                 _standing(self.sightings.echoes.bodies(now), BODY_RADIUS),
             ]
         )
+
+
+def stand_unsure(unsure: str) -> Desire:
+    """Return the desire to stand until it is known again where the robot is."""
+    return Desire(v=0.0, w=0.0, lacks=True, reason=f"not sure where it is: {unsure}")
 
 
 def _standing(points: Float, radius: float) -> Float:

@@ -165,7 +165,8 @@ class MapBuilder:
 
     def mode(self, speed: float | None = None) -> Stack:
         """Return the mode that explores, at `speed` [m/s] at most."""
-        action, top = Explore(), self._robot.info.limits.max_speed
+        action = Explore(unsure=lambda: self._robot.laser.lost)
+        top = self._robot.info.limits.max_speed
         mode = follow_way(action, "explore", "drives where the map ends")
         self._trip = _Trip(mode, action, min(speed or top, top), Exploration())
         return mode
@@ -299,7 +300,7 @@ class MapBuilder:
         trip.action.leg = FollowWay(
             follower=follower,
             odom_in_map=lambda: self.mapper.odom_in_map,
-            unsure=lambda: self._robot.laser.lost,
+            unsure=trip.action.unsure,
             sightings=sightings,
             walls=walls,
             top_speed=trip.top_speed,
