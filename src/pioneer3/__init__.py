@@ -6,8 +6,7 @@ with connect("tcp://localhost:8101") as robot:
 robot.move(1.0)
 """
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+TYPE_CHECKING = False  # the module typing takes a while, in which Ctrl-C is not quiet yet
 
 if TYPE_CHECKING:
     from pioneer3.errors import (
@@ -84,8 +83,10 @@ __all__ = [
 ]
 
 
-def __getattr__(name: str) -> Any:
+def __getattr__(name: str) -> object:
     """Import public names when they are first used (PEP 562)."""
+    from importlib import import_module
+
     if name not in _HOME:
         raise AttributeError(f"module 'pioneer3' has no attribute {name!r}")
     return getattr(import_module(f"pioneer3.{_HOME[name]}"), name)

@@ -47,6 +47,11 @@ def test_importing_the_package_loads_nothing_heavy() -> None:
     assert loaded_after("import pioneer3").isdisjoint(HEAVY)
 
 
+def test_a_command_handles_ctrl_c_before_it_imports_any_other_module() -> None:
+    own = loaded_after("import pioneer3.__main__") - loaded_after("pass")
+    assert own == {"pioneer3", "pioneer3.__main__"}
+
+
 def test_the_help_needs_neither_numpy_nor_a_web_server_nor_an_event_loop() -> None:
     heavy = {"numpy", "serialx", "starlette", "uvicorn", "asyncio", "rich.markdown"}
     assert loaded_after("import pioneer3.cli.main").isdisjoint(heavy)

@@ -228,6 +228,45 @@ async def test_a_signal_ends_a_command_with_its_own_code_and_no_traceback(
         assert await started.end(number) == (code, "")
 
 
+INTERRUPTED = """
+import os, sys
+module, how = sys.argv[1:3]
+del sys.argv[1:3]
+
+class Interrupt:
+    def __del__(self):
+        os.kill(os.getpid(), 2)
+
+def watch(event, arguments):
+    if event == "import" and arguments[0] == module:
+        if how == "destructor":
+            Interrupt()
+        else:
+            os.kill(os.getpid(), 2)
+
+sys.addaudithook(watch)
+from pioneer3.__main__ import main
+main()
+"""
+"""Starts a command that gets Ctrl-C while it imports a module, or in a destructor meanwhile."""
+
+
+@pytest.mark.parametrize("how", ["import", "destructor"])
+@pytest.mark.parametrize("module", ["pioneer3.cli.main", "cyclopts", "asyncio"])
+def test_ctrl_c_while_a_command_starts_ends_it_quietly(module: str, how: str) -> None:
+    start = (sys.executable, "-c", INTERRUPTED, module, how)
+    ended = subprocess.run(
+        [*start, "wander", "--port", "localhost:1"],
+        stdin=subprocess.DEVNULL,
+        capture_output=True,
+        text=True,
+        timeout=PATIENCE,
+        env=environment(),
+        check=False,
+    )
+    assert (ended.returncode, ended.stdout, ended.stderr) == (130, "", "")
+
+
 async def test_the_simulator_says_what_it_simulates_and_how_to_drive_it() -> None:
     async with running("sim", "-p", "0", "--robot", "p3dx-sh") as sim:
         first, second = await sim.line(), await sim.line()

@@ -4,7 +4,7 @@ import logging
 import signal
 import sys
 from collections.abc import Callable, Coroutine, Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from types import FrameType
 from typing import TYPE_CHECKING, Any
 
@@ -34,6 +34,13 @@ def run_until_told_to_leave(
         command: The command.
         loop_factory: Makes the event loop.
     """
+    with closing(command):  # Ctrl-C may come before it begins
+        return _run(command, loop_factory)
+
+
+def _run(
+    command: Coroutine[Any, Any, int | None], loop_factory: "Callable[[], AbstractEventLoop]"
+) -> int:
     import asyncio  # 40 ms that `--help` need not wait
 
     received: list[int] = []
