@@ -1,23 +1,34 @@
 """Stops of the robot, and the rule for commands after one. Pure.
 
-Rules:
+A command counts if it began after the last :class:`Stop`; :class:`Freshness` decides this for all
+commands, of inputs, programs and modes:
 
-1. Each of these is a :class:`Stop` with a number of its own: a stop by a user or program, the
-   emergency stop and its reset, a stall, the robot's stop button, motors that went off or do not
-   come on, a lost link and its return, a program that was suspended.
-2. A command moves the robot only if it *began* after the last stop. A command that is held all the
-   time must be released first. :class:`~pioneer3.behaviors.actions.Hold` knows its beginning.
-3. After a stall, a command also begins when it :func:`leads_away` from the one before: no release
-   is needed to leave a wall. A command back into the wall then begins anew, too.
+| after                                  | held on     | let go, again | other way | a mode  |
+|----------------------------------------|-------------|---------------|-----------|---------|
+| stalled wheels, a bumper held for 2 s  | ignored     | obeyed        | obeyed    | answers |
+| somebody else's stop, the motor switch | ignored     | obeyed        | ignored   | ends    |
+| emergency stop and reset, stop button  | ignored     | obeyed        | ignored   | ends    |
+| a lost link and its return, motors off | ignored     | obeyed        | ignored   | ends    |
+| a raw command, a program that slept    | ignored     | obeyed        | ignored   | ends    |
+| silence of the page that drove         | ignored     | obeyed        | obeyed    |         |
+| silence of the publisher that drove    | once steady | obeyed        | obeyed    |         |
+| an input that comes first              | ignored     | obeyed        | ignored   |         |
+
+1. Let go is what was released or set to zero; a single command also by silence, which
+   :class:`~pioneer3.behaviors.actions.Hold` knows. A stream that falls silent has failed instead.
+2. A turn on the spot is another way, too (:func:`leads_away`). The way back counts as new then.
+3. A publisher of ROS is steady after 0.3 s (:mod:`pioneer3.ros.node.command_order`).
+4. A mode answers a stall if it frees the wheels; else it ends, as a single motion always does.
 """
 
 from dataclasses import dataclass
+from typing import Final
 
 from pioneer3.errors import Refusal
 from pioneer3.geometry import Twist2
 
-LET_GO = "let go, then ask again"
-LEAVE = "drive the other way or turn on the spot, or let go and ask again"
+LET_GO: Final = "let go, then ask again"
+LEAVE: Final = "drive the other way or turn on the spot, or let go and ask again"
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,8 +50,55 @@ class Stop:
         """The refusal of a command that began before, with advice for the next one."""
         return Refusal(f"{self.why}; {LET_GO if self.stalled is None else LEAVE}")
 
+    def outdates(self, after: int) -> bool:
+        """Return whether this came after what began `after` the stop of that number."""
+        return after < self.number
 
-NO_STOP = Stop()
+
+NO_STOP: Final = Stop()
+
+
+@dataclass(slots=True)
+class Freshness:
+    """Tells whether a command counts, from when it began and what came between."""
+
+    _began_after: int = 0
+    _answered_after: int = 0
+    _silent: str | None = None
+    _overruled: str | None = None
+
+    @classmethod
+    def new(cls, last: Stop) -> "Freshness":
+        """Return that of a command that begins after the stop `last`."""
+        return cls(last.number, last.number)
+
+    def answer(self, last: Stop) -> None:
+        """Lead away from what was in the way, or free the wheels, after the stop `last`."""
+        self._answered_after, self._silent = last.number, None
+
+    def fall_silent(self, why: str) -> None:
+        """Count no more, for the reason `why`, until it is answered or resumed."""
+        self._silent = why
+
+    def resume(self) -> None:
+        """Count although it fell silent; what else stopped it still counts."""
+        self._silent = None
+
+    def overrule(self, why: str) -> None:
+        """Count no more, for the reason `why`."""
+        self._overruled = why
+
+    @property
+    def is_silent(self) -> bool:
+        """Whether it fell silent, and goes on."""
+        return self._silent is not None
+
+    def ignored(self, last: Stop) -> Refusal | None:
+        """Return the refusal of the command after the stop `last`, or `None`."""
+        if why := self._overruled or self._silent:
+            return Refusal(f"{why}; {LET_GO}")
+        since = self._began_after if last.stalled is None else self._answered_after
+        return last.told if last.outdates(since) else None
 
 
 def leads_away(twist: Twist2, before: Twist2) -> bool:

@@ -6,8 +6,7 @@ Rules:
 2. A twist is repeated while the robot moves or should: a lost frame costs 0.2 s at most.
 3. Motors are switched on when a command needs them, and only then, again and again until a
    snapshot confirms it. Motors are switched off when the robot stands: without power it rolls on.
-4. A command that began before the last :class:`~pioneer3.stops.Stop` is ignored. The exception: a
-   command that answers a stall (:class:`StallRecover`) goes on.
+4. A command from before the last stop is ignored (:mod:`pioneer3.stops`).
 5. The emergency stop latches. Resetting it leaves the motors off.
 6. Only the newest of each kind waits for the link (:class:`MotionRequest`), never a queue. A
    changed twist does not wait for the repetition of an old one.
@@ -58,7 +57,7 @@ class VelocityCommand:
     Attributes:
         twist: [m/s, rad/s].
         until: Latest time of expiry [s, loop time].
-        after: Number of the last stop when this began.
+        after: Number of the last stop when this was decided.
         answers_stall: Whether this frees stalled wheels.
         accelerations: The robot's own if `None`.
     """
@@ -156,10 +155,9 @@ class Pilot:
             return self.forbidden
         if self._snapshot is None:
             return self.last_stop.told if self._blocked else NO_ROBOT
-        twist, stalled = command.twist, self.last_stop.stalled
-        is_answer = command.answers_stall and stalled is not None
-        if command.after < self.last_stop.number and not is_answer:
+        if self.last_stop.outdates(command.after):
             return self.last_stop.told
+        twist, stalled = command.twist, self.last_stop.stalled
         self._blocked, self._left_to_raw_commands = None, False
         if (
             stalled is not None

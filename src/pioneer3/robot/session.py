@@ -124,7 +124,7 @@ class Session:
                 robot that nothing drives, or the link has taken nothing for long.
         """
         if refusal := self._refusal(command):
-            raise CommandError(refusal)
+            raise CommandError(refusal.text)
         if self._host.state is not State.OPEN:
             raise CommandError(f"cannot send {type(command).__name__}: no session is open")
         if len(self._waiting) >= MAX_WAITING:

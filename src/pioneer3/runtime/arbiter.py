@@ -25,7 +25,7 @@ from pioneer3.robot.explain import Reason
 from pioneer3.robot.pilot import STOPPED, Pilot, VelocityCommand
 from pioneer3.robot.supervisor import Feed, RobotInfo, Status
 from pioneer3.state import Snapshot
-from pioneer3.stops import Stop
+from pioneer3.stops import Freshness, Stop
 
 GAMEPAD = 100
 KEYBOARD = 90
@@ -103,12 +103,12 @@ class _Part:
     """A stack that takes part in driving.
 
     Attributes:
-        after: Number of the last stop before it began, or that it answered.
-        is_held: Whether an input or a program holds it: a :class:`Hold` knows when it began.
+        freshness: Of its motion; a :class:`Hold` has its own.
+        is_held: Whether an input or a program holds it.
     """
 
     stack: Stack
-    after: int
+    freshness: Freshness
     is_held: bool = field(init=False)
 
     def __post_init__(self) -> None:
@@ -229,11 +229,11 @@ class Arbiter:
 
     def _end_motions(self) -> None:
         """Remove motions that began before the last stop and cannot answer it."""
-        last = self.last_stop.number
+        last = self.last_stop
         self._parts = [
             part
             for part in self._parts
-            if part.is_held or part.stack is self.mode or part.after >= last
+            if part.is_held or part.stack is self.mode or part.freshness.ignored(last) is None
         ]
 
     def _why_mode_ends(self, decision: Decision) -> str | None:
@@ -246,9 +246,9 @@ class Arbiter:
         if forbidden := self._supervisor.pilot.forbidden:
             return forbidden.text
         part = next(part for part in self._parts if part.stack is self.mode)
-        if decision.answers_stall and self.last_stop.stalled is not None:
-            part.after = self.last_stop.number
-        return None if part.after >= self.last_stop.number else self.last_stop.why
+        if decision.answers_stall:
+            part.freshness.answer(self.last_stop)
+        return self.last_stop.why if part.freshness.ignored(self.last_stop) else None
 
     def _stand(self) -> Refusal | None:
         return self._supervisor.drive(VelocityCommand(STILL, after=self.last_stop.number))
@@ -272,7 +272,7 @@ class Arbiter:
 
     def _join(self, stack: Stack) -> None:
         self.remembers |= not all(isinstance(ranked.action, Hold) for ranked in stack.actions)
-        self._parts.append(_Part(stack, self.last_stop.number))
+        self._parts.append(_Part(stack, Freshness.new(self.last_stop)))
 
     def start(self, mode: Stack) -> Refusal | None:
         """Stop, then let `mode` drive in place of the one before."""

@@ -13,8 +13,7 @@ Rules:
    One of them drives. The other has to be let go and held anew before it counts: no input drives
    again by itself because another one was let go.
 
-Whether a command is fresh after a stop is decided in :class:`~pioneer3.behaviors.actions.Hold`;
-this module asks it.
+Whether a command counts after a stop is decided in :mod:`pioneer3.stops`.
 """
 
 import asyncio

@@ -6,7 +6,7 @@ from typing import Final
 from pioneer3.behaviors.action import Action, Desire, Situation
 from pioneer3.errors import Refusal
 from pioneer3.geometry import STILL, Twist2
-from pioneer3.stops import LET_GO, Stop, leads_away
+from pioneer3.stops import Freshness, Stop, leads_away
 
 NEVER: Final = float("-inf")
 LETTING_GO: Final = 0.6
@@ -18,12 +18,12 @@ class Hold(Action):
     """Wants the last twist set, for as long as that lasts.
 
     A command begins when the one before was let go of: released, set to zero, or not renewed in
-    time. A stream says when it lets go. One that falls silent instead has failed, and what comes
-    afterwards is still the old command, until it says zero or leads away.
+    time. A stream says when it lets go; one that falls silent instead has failed.
 
     Attributes:
         name: Shown to people.
         streams: Whether commands come as a stream, from a page or a topic.
+        freshness: Of the command.
     """
 
     name: str
@@ -32,22 +32,18 @@ class Hold(Action):
     _until: float = field(default=NEVER, init=False)
     _set_at: float = field(default=NEVER, init=False)
     _renewed: bool = field(default=False, init=False)
-    _began_after: int = field(default=0, init=False)
-    _turned_after: int = field(default=0, init=False)
-    _overruled: str | None = field(default=None, init=False)
-    _lapsed: bool = field(default=False, init=False)
+    freshness: Freshness = field(default_factory=Freshness, init=False)
 
     def set(self, twist: Twist2, now: float, seconds: float, last: Stop) -> None:
         """Want `twist` for `seconds` from `now` [s, monotonic]; `last` is the stop before that."""
         if self._begins(twist, now):
-            self._began_after = self._turned_after = last.number
-            self._renewed = self._lapsed = False
-            self._overruled = None
+            self.freshness, self._renewed = Freshness.new(last), False
         else:
             self._renewed = True
-            self._lapsed |= now >= self._until
+            if now >= self._until:
+                self.freshness.fall_silent(f"{self.name} fell silent while it drove")
             if leads_away(twist, self._twist):
-                self._turned_after, self._lapsed = last.number, False
+                self.freshness.answer(last)
         self._twist, self._set_at, self._until = twist, now, now + seconds
 
     def release(self) -> None:
@@ -57,31 +53,15 @@ class Hold(Action):
     def overrule(self, why: str, now: float) -> None:
         """Want nothing until what is held at `now`, if anything, has been let go of."""
         if now < self._until and not self._twist.is_zero:
-            self._overruled = why
+            self.freshness.overrule(why)
 
     def ignored(self, last: Stop) -> Refusal | None:
         """Return the refusal of this after the stop `last`, or `None`."""
-        if self._twist.is_zero:
-            return None
-        if self._overruled:
-            return Refusal(f"{self._overruled}; {LET_GO}")
-        if self._lapsed:
-            return Refusal(f"{self.name} fell silent while it drove; {LET_GO}")
-        since = self._began_after if last.stalled is None else self._turned_after
-        return None if since >= last.number else last.told
-
-    @property
-    def lapsed(self) -> bool:
-        """Whether this is a stream that fell silent and goes on."""
-        return self._lapsed
-
-    def resume(self) -> None:
-        """Let a stream that fell silent go on; what else stopped it still counts."""
-        self._lapsed = False
+        return None if self._twist.is_zero else self.freshness.ignored(last)
 
     def fell_silent(self, now: float) -> bool:
         """Return whether this is a stream that has just stopped coming without letting go."""
-        is_late = now >= self._until and not self._lapsed
+        is_late = now >= self._until and not self.freshness.is_silent
         return self.streams and self._renewed and is_late and not self._twist.is_zero
 
     def holds(self, now: float, last: Stop) -> bool:
