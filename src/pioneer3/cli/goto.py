@@ -10,9 +10,11 @@ from pioneer3.cli.live import carry_out
 from pioneer3.cli.options import (
     LINK,
     MOTION,
+    NAVIGATION,
     Flag,
     LinkOptions,
     MotionOptions,
+    NavigationOptions,
     Speed,
 )
 from pioneer3.cli.places import MapName, StartPlace, numbers_of, pose_of, require_place
@@ -31,6 +33,7 @@ def goto(
     speed: Speed = 0.3,
     max_speed: Speed | None = None,
     motion: MotionOptions = MOTION,
+    navigation: NavigationOptions = NAVIGATION,
 ) -> int:
     """Drive to a place and stop.
 
@@ -59,6 +62,7 @@ def goto(
         speed: At most.
         max_speed: Keep below this in any case.
         motion: Bounds.
+        navigation: Settings.
     """
     from pioneer3.navigation.simulator_map import OF_SIMULATOR
 
@@ -81,6 +85,7 @@ def goto(
         max_speed=max_speed,
         line_map=map_ or OF_SIMULATOR,
         start=None if start is None else pose_of(start, "goto"),
+        navigation=navigation,
     )
 
 

@@ -6,7 +6,7 @@ from collections.abc import AsyncIterator, Callable, Coroutine
 from math import degrees, inf
 from typing import TYPE_CHECKING, Any
 
-from pioneer3.cli.options import LinkOptions, MotionOptions
+from pioneer3.cli.options import NAVIGATION, LinkOptions, MotionOptions, NavigationOptions
 from pioneer3.cli.process import (
     rewrite_line,
     run_until_told_to_leave,
@@ -45,6 +45,7 @@ def carry_out(
     max_speed: float | None = None,
     line_map: "str | Path | None" = None,
     start: "Pose2 | str | None" = None,
+    navigation: NavigationOptions = NAVIGATION,
 ) -> int:
     """Connect, run `motion` and show it, until it ends or Ctrl-C; then stop. Return the exit code.
 
@@ -58,10 +59,13 @@ def carry_out(
         max_speed: Bound of the connection [m/s].
         line_map: To navigate on.
         start: Where the robot is on it.
+        navigation: How it navigates.
     """
 
     async def command() -> None:
-        connection = link.connect(max_speed=max_speed, line_map=line_map, start=start)
+        connection = link.connect(
+            max_speed=max_speed, line_map=line_map, start=start, navigation=navigation
+        )
         async with connection as robot:
             tell_cuts(robot.info.limits, speed, turn_rate)
             announce(robot, f"{words}; {how_to_stop()}", json=options.json)

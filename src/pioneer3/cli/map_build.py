@@ -1,8 +1,9 @@
 """`pioneer3 map build`: make a map while somebody drives, or while the robot explores."""
 
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import AbstractAsyncContextManager, contextmanager
 from dataclasses import dataclass
+from functools import partial
 from math import radians
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -10,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import Parameter
 
 from pioneer3.cli.live import announce, how_to_stop, line, rewrite, show_while, tell_cuts
-from pioneer3.cli.options import LINK, Flag, LinkOptions, Speed
+from pioneer3.cli.options import LINK, NAVIGATION, Flag, LinkOptions, NavigationOptions, Speed
 from pioneer3.cli.process import busy_sign, run_until_told_to_leave, write_line, write_warning
 
 if TYPE_CHECKING:
@@ -21,9 +22,12 @@ if TYPE_CHECKING:
     from pioneer3.maps.line_map import MapObject
     from pioneer3.nav.exploring import GivenUp
     from pioneer3.nav.mapper import Mapper
+    from pioneer3.nav.settings import NavigationSettings
     from pioneer3.navigation.map_builder import MapBuilder
     from pioneer3.runtime.driven import Driven
     from pioneer3.runtime.robot import Robot
+
+    Connect = Callable[[], AbstractAsyncContextManager[Robot]]
 
 SPEED = 0.4
 """Speed of the keys [m/s]."""
@@ -47,6 +51,7 @@ def build(
     speed: Speed = SPEED,
     max_speed: Speed | None = None,
     force: Flag = False,
+    navigation: NavigationOptions = NAVIGATION,
 ) -> int:
     """Make a map with the laser while you drive by the keys, or the robot explores.
 
@@ -72,20 +77,22 @@ def build(
         speed: Of the forward key, or at most.
         max_speed: Keep below this in any case.
         force: Write over files that are there.
+        navigation: Settings.
     """
     from pioneer3.navigation.connect import require_navigation
 
     require_navigation()
     target = _target(output, continue_, force=force)
     if from_ is not None:
-        return _from_file(from_, target, link)
+        return _from_file(from_, target, link, navigation.settings)
     begin = _Begin.of(continue_, start)
     keeper = _Keeper(target)
+    connect = partial(link.connect, max_speed=max_speed, navigation=navigation)
     with keeper.saved_at_the_end():
         return run_until_told_to_leave(
-            _explore(keeper, begin, link, speed, max_speed)
+            _explore(keeper, begin, connect, speed)
             if explore
-            else _drive(keeper, begin, link, speed, max_speed)
+            else _drive(keeper, begin, connect, speed)
         )
 
 
@@ -147,7 +154,7 @@ class _Begin:
         mapper = None
         if self.line_map is not None and self.state is not None:
             here = self.start or await whereabouts(robot, self.line_map, patience)
-            mapper = Mapper.of(self.state, here)
+            mapper = Mapper.of(self.state, here, robot.settings.mapper)
         return MapBuilder(robot, mapper, objects=self.objects)
 
 
@@ -199,9 +206,7 @@ class _Keeper:
         return f"{state.driven:.0f} m, {state.area:.0f} m², {state.loops} loops{edges}  "
 
 
-async def _drive(
-    keeper: _Keeper, begin: _Begin, link: LinkOptions, speed: float, max_speed: float | None
-) -> None:
+async def _drive(keeper: _Keeper, begin: _Begin, connect: "Connect", speed: float) -> None:
     from math import inf
 
     from pioneer3.tasks import running
@@ -211,7 +216,7 @@ async def _drive(
 
     await _prepare()
     with raw_terminal() as terminal:
-        async with link.connect(max_speed=max_speed) as robot:
+        async with connect() as robot:
             _require_laser(robot)
             limits = robot.info.limits
             tell_cuts(limits, speed, None)
@@ -229,13 +234,11 @@ async def _drive(
     write_line("")
 
 
-async def _explore(
-    keeper: _Keeper, begin: _Begin, link: LinkOptions, speed: float, max_speed: float | None
-) -> None:
+async def _explore(keeper: _Keeper, begin: _Begin, connect: "Connect", speed: float) -> None:
     from pioneer3.tasks import running
 
     await _prepare()
-    async with link.connect(max_speed=max_speed) as robot:
+    async with connect() as robot:
         _require_laser(robot)
         tell_cuts(robot.info.limits, speed, None)
         announce(robot, f"explores; {how_to_stop()}")
@@ -268,7 +271,9 @@ def _require_laser(robot: "Robot") -> None:
         raise DeviceError(f"a map needs a laser: {robot.laser.presence}")
 
 
-def _from_file(source: Path, target: Path, link: LinkOptions) -> int:
+def _from_file(
+    source: Path, target: Path, link: LinkOptions, settings: "NavigationSettings"
+) -> int:
     from pioneer3.nav.rendering import drawn
     from pioneer3.navigation.map_logs import is_recording, map_log, map_recording
     from pioneer3.runtime.fast_time import FastTimeLoop
@@ -283,16 +288,16 @@ def _from_file(source: Path, target: Path, link: LinkOptions) -> int:
 
             async def play() -> None:
                 await _prepare()
-                made.append(await map_recording(source, progress, link.lasers.laser))
+                made.append(await map_recording(source, progress, link.lasers.laser, settings))
 
             code = run_until_told_to_leave(play(), FastTimeLoop)
             if code:
                 return code
         else:
-            made.append(map_log(source, progress))
+            made.append(map_log(source, progress, settings))
         (mapper,) = made
         tell("drawing the map")
-        line_map = drawn(mapper.survey, ROOM, objects=_Begin().objects)
+        line_map = drawn(mapper.survey, ROOM, settings.mapper.cell, objects=_Begin().objects)
     return 0 if _save(line_map, mapper, target) else 1
 
 

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from pioneer3.fleet.inventory import Fleet
     from pioneer3.geometry import Pose2
     from pioneer3.models import GivenModel
+    from pioneer3.nav.settings import NavigationSettings
     from pioneer3.robot.lasers.spec import LaserSpec
     from pioneer3.runtime.robot import Robot
     from pioneer3.sim.worldfile import RobotSpec
@@ -332,6 +333,7 @@ class LinkOptions(RobotOptions):
         auto_enable: bool = True,
         line_map: str | Path | None = None,
         start: "Pose2 | str | None" = None,
+        navigation: "NavigationOptions | None" = None,
     ) -> "AsyncIterator[Robot]":
         """Connect during the block; after it the connection is closed and the robot stands."""
         from pioneer3.navigation.connect import connect_async
@@ -348,12 +350,40 @@ class LinkOptions(RobotOptions):
             camera=self.camera or self.fleet_camera,
             line_map=line_map,
             start=start,
+            settings=(navigation or NAVIGATION).settings,
         )
         async with connection as robot:
             yield robot
 
 
 LINK = LinkOptions()
+
+
+@Parameter(name="*")
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NavigationOptions:
+    """The settings of navigation.
+
+    Attributes:
+        set_: GROUP.NAME=VALUE of a setting of navigation, such as planner.margin=5cm; once for
+            each.
+    """
+
+    set_: Annotated[tuple[str, ...], Parameter(name="--set", metavar="SETTING"), SEVERAL] = ()
+
+    @property
+    def settings(self) -> "NavigationSettings":
+        """The settings.
+
+        Raises:
+            ConfigError: There is no such setting, or the value is out of range.
+        """
+        from pioneer3.nav.settings import AS_SHIPPED
+
+        return AS_SHIPPED.with_texts(self.set_)
+
+
+NAVIGATION = NavigationOptions()
 
 
 @Parameter(name="*")

@@ -6,7 +6,16 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter, validators
 
 from pioneer3.cli.live import carry_out
-from pioneer3.cli.options import LINK, MOTION, Flag, LinkOptions, MotionOptions, Speed
+from pioneer3.cli.options import (
+    LINK,
+    MOTION,
+    NAVIGATION,
+    Flag,
+    LinkOptions,
+    MotionOptions,
+    NavigationOptions,
+    Speed,
+)
 from pioneer3.cli.places import MapName, StartPlace, destination_of, pose_of, require_place
 from pioneer3.errors import ConfigError
 
@@ -24,6 +33,7 @@ def patrol(
     speed: Speed = 0.3,
     max_speed: Speed | None = None,
     motion: MotionOptions = MOTION,
+    navigation: NavigationOptions = NAVIGATION,
 ) -> int:
     """Drive from place to place, and begin anew after the last one.
 
@@ -46,6 +56,7 @@ def patrol(
         speed: At most.
         max_speed: Keep below this in any case.
         motion: Bounds.
+        navigation: Settings.
     """
     from pioneer3.navigation.simulator_map import OF_SIMULATOR
 
@@ -68,4 +79,5 @@ def patrol(
         max_speed=max_speed,
         line_map=map_ or OF_SIMULATOR,
         start=None if start is None else pose_of(start, "patrol"),
+        navigation=navigation,
     )

@@ -15,6 +15,7 @@ from pioneer3.models import RobotModel
 from pioneer3.nav.kernels import CACHE
 from pioneer3.nav.kernels.fields import nearest_wall
 from pioneer3.nav.raster import Raster
+from pioneer3.nav.settings import AS_SHIPPED, PlannerSettings
 
 Float = NDArray[np.float64]
 Float32 = NDArray[np.float32]
@@ -22,14 +23,6 @@ Bool = NDArray[np.bool_]
 
 COST_CELL = 0.05
 """Side of a cell [m]."""
-MARGIN = 0.07
-"""Kept on either side of the robot in the narrowest places [m]: it has to be in line."""
-TURNING = 0.03
-"""Kept around a robot that turns [m]."""
-COMFORTABLE = 0.35
-"""More room than this beside the robot is worth no detour [m]."""
-NARROW = 3.0
-"""A metre without any room beside the robot costs so many metres in the open, and one more."""
 SQUEEZE_COST = 60.0
 """Cost of a metre where the robot does not fit [m in the open]: it may get out of there."""
 PEOPLE_COST = 2.0
@@ -59,6 +52,7 @@ class CostMap:
         needed: The clearance that the robot needs to pass [m].
         turning: The clearance that it needs to turn to any heading [m].
         top_speed: Of the robot [m/s].
+        settings: What a detour is worth, and the room that is kept.
     """
 
     raster: Raster
@@ -69,17 +63,26 @@ class CostMap:
     needed: float
     turning: float
     top_speed: float
+    settings: PlannerSettings
     busy: Float32 | None = None
 
     @classmethod
-    def of(cls, line_map: LineMap, model: RobotModel, cell: float = COST_CELL) -> Self:
+    def of(
+        cls,
+        line_map: LineMap,
+        model: RobotModel,
+        settings: PlannerSettings = AS_SHIPPED.planner,
+        cell: float = COST_CELL,
+    ) -> Self:
         """Return the costs of a map for a robot.
 
         A robot is as wide as it is: it turns towards its way before a narrow place.
         """
         raster = Raster.around(_extent(line_map), cell)
-        needed = min(model.width / 2, model.length_front, model.length_rear) + MARGIN
-        clearance = np.full(raster.shape, max(needed, model.corner) + COMFORTABLE, dtype=np.float32)
+        needed = min(model.width / 2, model.length_front, model.length_rear)
+        needed += settings.margin
+        reach = max(needed, model.corner) + settings.comfort
+        clearance = np.full(raster.shape, reach, dtype=np.float32)
         lines = [side for item in line_map.objects if item.forbidden for side in item.sides]
         walls = np.concatenate([line_map.walls, np.array(lines).reshape(-1, 4)])
         fast(nearest_wall, CACHE)(walls, raster.x, raster.y, cell, clearance)
@@ -98,8 +101,9 @@ class CostMap:
             forbidden=tuple(o for o in line_map.objects if o.forbidden and len(o.outline) > 2),
             speeds=speeds,
             needed=needed,
-            turning=model.corner + TURNING,
+            turning=model.corner + settings.turning_margin,
             top_speed=model.max_speed,
+            settings=settings,
         )
 
     def with_obstacles(self, points: Float) -> Self:
@@ -116,7 +120,7 @@ class CostMap:
         """Return the costs with lines on which people come, (L, 4) [m]: best left to them."""
         if not len(lines):
             return self
-        apart = np.float32(self.needed - MARGIN + PASSING_DISTANCE)
+        apart = np.float32(self.needed - self.settings.margin + PASSING_DISTANCE)
         away = np.full(self.raster.shape, apart + np.float32(PEOPLE_FADE), dtype=np.float32)
         fast(nearest_wall, CACHE)(lines, self.raster.x, self.raster.y, self.raster.cell, away)
         return replace(self, busy=np.clip((apart - away) / np.float32(PEOPLE_FADE) + 1, 0, 1))
@@ -128,9 +132,9 @@ class CostMap:
 
     def costs(self) -> Float32:
         """Return the cost of crossing each cell from side to side [m in the open], shape (H, W)."""
-        room = (self.clearance - np.float32(self.needed)) / np.float32(COMFORTABLE)
+        room = (self.clearance - np.float32(self.needed)) / np.float32(self.settings.comfort)
         tight = np.clip(1 - room, 0, 1)
-        factors = 1 + np.float32(NARROW) * tight * tight
+        factors = 1 + np.float32(self.settings.narrow_cost) * tight * tight
         factors *= np.maximum(1, np.float32(self.top_speed) / self.speeds)
         if self.busy is not None:
             factors += np.float32(PEOPLE_COST) * self.busy

@@ -12,13 +12,12 @@ from pioneer3.maps.line_map import FREE
 from pioneer3.nav.costs import COST_CELL, CostMap
 from pioneer3.nav.frontiers import Frontier, find_frontiers
 from pioneer3.nav.planner import NoWay, Way, plan
+from pioneer3.nav.settings import AS_SHIPPED, MapperSettings
 
 Float = NDArray[np.float64]
 
 SAME_EDGE = 0.5
 """Distance within which two edges, seen one after the other, are the same [m]."""
-EDGE_PATIENCE = 45.0
-"""Time without growth of the map after which the edge that the robot drives to is given up [s]."""
 GROWTH = 0.3
 """New ground below which the map has not grown [m^2]."""
 MOST_TRIED = 8
@@ -69,9 +68,11 @@ class Exploration:
     """The edges of a map that a robot has been to, and those that it gave up.
 
     Attributes:
+        settings: How long the robot tries to get to an edge.
         given_up: In the order in which they were.
     """
 
+    settings: MapperSettings = AS_SHIPPED.mapper
     given_up: list[GivenUp] = field(default_factory=list)
     _target: Frontier | None = field(default=None, init=False)
     _tried_again: bool = field(default=False, init=False)
@@ -139,7 +140,7 @@ class Exploration:
         area = float((grid.states == FREE).sum()) * grid.resolution**2
         if area > self._area + GROWTH:
             self._area, self._grew = area, now
-        elif self._target is not None and now - self._grew > EDGE_PATIENCE:
+        elif self._target is not None and now - self._grew > self.settings.patience:
             self.give_up("the robot did not get there")
 
 

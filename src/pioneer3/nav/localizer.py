@@ -18,26 +18,13 @@ from pioneer3.nav.hypotheses import Hypotheses
 from pioneer3.nav.likelihood import LAST_SCALES, ScanLikelihood, Verdict, WallField
 from pioneer3.nav.likelihood_sonar import EchoMap, Pings
 from pioneer3.nav.particles import MotionErrors, array_of, pose_of
+from pioneer3.nav.settings import AS_SHIPPED, LocalizerSettings
 from pioneer3.nav.tracking import Fix, LaserTrack, SonarTrack, is_known
 
 Float = NDArray[np.float64]
 
-UPDATE_WAY = 0.1
-"""Way after which readings count [m]."""
-UPDATE_TURN = 0.1
-"""Turn after which readings count [rad]."""
-UNCOUNTED = np.diag([UPDATE_WAY**-2, UPDATE_WAY**-2, UPDATE_TURN**-2])
-"""Information of the pose since the last reading that counted, shape (3, 3)."""
 LOOK_PERIOD = 1.0
 """Time between two looks whether the map still agrees, even if the robot stands [s]."""
-AGREES = 0.9
-"""Share of the beams that agree with the map where a robot becomes sure of a place that it has
-found."""
-TOLD_AGREES = 0.75
-"""Share of the beams that agree where a robot becomes sure of a place that it was told: things that
-are not on the map hide walls."""
-CONTRADICTS = 0.7
-"""Share of the beams that agree below which the map contradicts the robot."""
 CONTRADICTIONS = 3
 """Contradictions in turn after which the robot was carried away."""
 JUMP_SPEED = 3.0
@@ -120,8 +107,7 @@ class Localizer:
         line_map: The map.
         model: Of the robot.
         rng: Draws all that is random.
-        particles: Number of particles that track a robot.
-        errors: Of the odometry.
+        settings: How many particles track it, and how exactly the map has to agree.
 
     Attributes:
         line_map: The same.
@@ -132,13 +118,13 @@ class Localizer:
         line_map: LineMap,
         model: RobotModel,
         rng: Generator,
-        *,
-        particles: int = 500,
-        errors: MotionErrors | None = None,
+        settings: LocalizerSettings = AS_SHIPPED.localizer,
     ) -> None:
         self.line_map = line_map
-        self._model, self._rng, self._count = model, rng, particles
-        self._errors = errors or MotionErrors()
+        self._model, self._rng, self._settings = model, rng, settings
+        self._errors = MotionErrors(way_share=settings.way_error, turn_share=settings.turn_error)
+        way, turn = settings.way**-2, settings.turn**-2
+        self._uncounted = np.diag([way, way, turn])  # information since the last that counted
         self._beams: Beams | None = None
         self._odom: Pose2 | None = None
         self._stamp = inf
@@ -198,7 +184,7 @@ class Localizer:
                 fix, verdict = now.laser.take(ScanLikelihood.of(self._walls, beams))
                 self._place(fix)
                 if not whirls and _tells(verdict):
-                    self._watch(contradicts=fix.agreement < CONTRADICTS)
+                    self._watch(contradicts=fix.agreement < self._settings.contradiction)
         elif beams.stamp >= now.looked + LOOK_PERIOD:
             self._look_again(beams)
 
@@ -208,7 +194,9 @@ class Localizer:
         self._follow(pings.robot_in_odom, pings.stamp)
         if now.start is not None:
             begin = now.start
-            now.sonar = SonarTrack(self._echoes, begin, self._count, self._rng, self._errors)
+            now.sonar = SonarTrack(
+                self._echoes, begin, self._settings.particles, self._rng, self._errors
+            )
             now.start, now.at = None, self._odom
             now.reason = "has to drive a little"
             self._odom_in_map = pose_of(begin[0]) @ pings.robot_in_odom.inverse()
@@ -297,8 +285,8 @@ class Localizer:
 
     def _has_moved(self) -> bool:
         assert self._odom is not None
-        motion = (self._now.at or self._odom).inverse() @ self._odom
-        return hypot(motion.x, motion.y) >= UPDATE_WAY or abs(motion.theta) >= UPDATE_TURN
+        motion, settings = (self._now.at or self._odom).inverse() @ self._odom, self._settings
+        return hypot(motion.x, motion.y) >= settings.way or abs(motion.theta) >= settings.turn
 
     def _whirls(self, beams: Beams) -> bool:
         """Whether the robot has turned fast since the last scan."""
@@ -333,11 +321,13 @@ class Localizer:
         certain = hypotheses.share >= CERTAIN_SHARE or (
             now.told and deviation_of(now.fix.covariance) < SURE_DEVIATION
         )
-        agrees = agreement >= AGREES or (
-            now.told and agreement >= TOLD_AGREES and not self._sees_through(hypotheses.poses[0])
+        agrees = agreement >= self._settings.agreement or (
+            now.told
+            and agreement >= self._settings.told_agreement
+            and not self._sees_through(hypotheses.poses[0])
         )
         if certain and agrees and (now.told or now.driven >= SURE_WAY):
-            poses = hypotheses.drawn(self._count, self._rng)
+            poses = hypotheses.drawn(self._settings.particles, self._rng)
             now.laser, now.hypotheses = LaserTrack(poses, self._rng, self._errors), None
             now.stage, now.reason, now.low = "sure", "sees what the map shows", 0
             return
@@ -347,7 +337,7 @@ class Localizer:
             now.reason = "sees things that the map does not show"
         else:
             now.reason = "has to drive a little"
-        self._watch(contradicts=agreement < CONTRADICTS)
+        self._watch(contradicts=agreement < self._settings.contradiction)
 
     def _sees_through(self, pose: Float) -> bool:
         """Whether the latest scan sees through walls from a pose: things hide walls, no more."""
@@ -365,7 +355,8 @@ class Localizer:
         if now.laser is not None:
             # it may have turned by less than counts, or have been pushed: a beam through a wall
             # tells of another place only if no pose nearby explains it
-            pose = likelihood.refined(pose[None], UNCOUNTED, LAST_SCALES, all_points=True)[0][0]
+            held = self._uncounted
+            pose = likelihood.refined(pose[None], held, LAST_SCALES, all_points=True)[0][0]
         verdict = likelihood.judged(pose[None])
         agreement = float(verdict.agreement[0])
         if now.hypotheses is not None and now.told:
@@ -374,7 +365,7 @@ class Localizer:
             now.fix = replace(now.fix, agreement=agreement)
             crowded = _share_through(verdict) < THROUGH_SHARE
             if _tells(verdict):
-                self._watch(contradicts=agreement < CONTRADICTS and not crowded)
+                self._watch(contradicts=agreement < self._settings.contradiction and not crowded)
 
     def _watch(self, *, contradicts: bool) -> None:
         """Give up a place that has contradicted the readings several times in turn."""

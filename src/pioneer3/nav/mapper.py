@@ -16,22 +16,13 @@ from numpy.typing import NDArray
 from pioneer3.geometry import ORIGIN, Pose2
 from pioneer3.nav.beams import Beams
 from pioneer3.nav.frames import Edge, KeyFrame, Survey
-from pioneer3.nav.loops import Improvement, Snapshot, certainty
+from pioneer3.nav.loops import RECENT_FRAMES, Improvement, Snapshot, certainty
 from pioneer3.nav.matching import Cloud, Match, Prior, Submap
+from pioneer3.nav.settings import AS_SHIPPED, MapperSettings
 from pioneer3.nav.survey_arrays import arrays_of, survey_of
 
 Float = NDArray[np.float64]
 
-KEY_FRAME_WAY = 0.25
-"""Way after which a key frame is made [m]."""
-KEY_FRAME_TURN = 0.25
-"""Turn after which a key frame is made [rad]."""
-RECENT = 30
-"""Scans are matched against so many key frames."""
-SLIP = 0.03
-"""Error of a way by odometry, as a share of it."""
-TURN_SLIP = 0.1
-"""Error of a turn by odometry, as a share of it: twice that of skid steering."""
 BEND = 0.05
 """Turn that odometry does not tell, by the way [rad/m]: that of wheels one of which is 2 % larger.
 """
@@ -110,9 +101,11 @@ class Mapper:
 
     Args:
         start: Where the robot begins, in the map.
+        settings: Which scans are kept, and how far odometry is trusted.
     """
 
-    def __init__(self, start: Pose2 = ORIGIN) -> None:
+    def __init__(self, start: Pose2 = ORIGIN, settings: MapperSettings = AS_SHIPPED.mapper) -> None:
+        self._settings = settings
         self._survey = Survey((), (), ())
         self._recent: tuple[int, ...] = ()
         self._submap = Submap((), ())
@@ -126,20 +119,26 @@ class Mapper:
         self._mounting = _Mounting()
 
     @classmethod
-    def of(cls, state: Mapping[str, NDArray[Any]], start: Pose2 | None = None) -> Self:
+    def of(
+        cls,
+        state: Mapping[str, NDArray[Any]],
+        start: Pose2 | None = None,
+        settings: MapperSettings = AS_SHIPPED.mapper,
+    ) -> Self:
         """Return a mapper that goes on with a map.
 
         Args:
             state: As of :attr:`state`.
             start: Where the robot is now, roughly; if not given, where it was last.
+            settings: Of the mapper.
         """
         survey, looked, waiting = survey_of(state)
-        mapper = cls(start or (survey.poses[-1] if survey.poses else ORIGIN))
+        mapper = cls(start or (survey.poses[-1] if survey.poses else ORIGIN), settings)
         mapper._survey, mapper._looked, mapper._waiting = survey, looked, waiting
         if survey.frames:
             mapper._way, mapper._turn = survey.frames[-1].way, survey.frames[-1].turn
             away = [hypot(p.x - mapper._here.x, p.y - mapper._here.y) for p in survey.poses]
-            mapper._recall(tuple(np.argsort(away)[:RECENT].tolist()))
+            mapper._recall(tuple(np.argsort(away)[:RECENT_FRAMES].tolist()))
         for edge in survey.edges:
             if not edge.loop and edge.second == edge.first + 1:
                 first, second = survey.frames[edge.first], survey.frames[edge.second]
@@ -230,17 +229,16 @@ class Mapper:
         key = self._survey.frames[-1]
         since_key = key.beams.robot_in_odom.inverse() @ beams.robot_in_odom
         odometry = self._mounting.seen(since_key, beams.origin)
-        prior = _expected(
-            self._survey.poses[-1], odometry, self._way - key.way, self._turn - key.turn
-        )
+        slip = self._slip(self._way - key.way, self._turn - key.turn)
+        prior = _expected(self._survey.poses[-1], odometry, *slip)
         odometry = odom_of_scan.inverse() @ beams.robot_in_odom
         odometry = self._mounting.seen(odometry, beams.origin)
         guess = self._here @ odometry
         way, turn = self._way - self._way_of_scan, self._turn - self._turn_of_scan
+        sigma, sigma_theta = self._slip(way, turn)
         if self._way_of_scan + self._turn_of_scan > key.way + key.turn:
             # nothing that walks along with the robot is to take it with it in small steps
-            prior = prior.joined(_expected(self._here, odometry, way, turn))
-        sigma, sigma_theta = _slip(way, turn)
+            prior = prior.joined(_expected(self._here, odometry, sigma, sigma_theta))
         aside = hypot(odometry.x, odometry.y) * sigma_theta
         way, turn = SEARCHED_SIGMAS * (sigma + aside / 2), SEARCHED_SIGMAS * sigma_theta
         if way > WIDE_WAY or turn > WIDE_TURN:
@@ -251,11 +249,19 @@ class Mapper:
             match = Match(pose=prior.pose, information=np.zeros((3, 3)), inliers=match.inliers)
         self._here = match.pose
         step = self._survey.poses[-1].inverse() @ self._here
-        if hypot(step.x, step.y) >= KEY_FRAME_WAY or abs(step.theta) >= KEY_FRAME_TURN:
+        if hypot(step.x, step.y) >= self._settings.way or abs(step.theta) >= self._settings.turn:
             self._mounting.take(since_key, step)
             number = len(self._survey.frames)
             edge = Edge(number - 1, number, step, certainty(match, prior.information))
             self._keep(KeyFrame.of(beams, cloud, self._way, self._turn), (edge,))
+
+    def _slip(self, way: float, turn: float) -> tuple[float, float]:
+        """Return the standard deviations of odometry [m, rad] after a way and a turn."""
+        errors = self._settings
+        return (
+            STILL_ERROR + errors.way_error * way + LEVER * turn,
+            STILL_TURN_ERROR + errors.turn_error * turn + BEND * way,
+        )
 
     def _continue(self, beams: Beams, cloud: Cloud) -> None:
         """Find the robot near where it is said to be on a map that was made before."""
@@ -277,7 +283,7 @@ class Mapper:
         self._survey = Survey(
             (*survey.frames, frame), (*survey.poses, self._here), survey.edges + edges
         )
-        self._recall((*self._recent, number)[-RECENT:])
+        self._recall((*self._recent, number)[-RECENT_FRAMES:])
 
     def _recall(self, numbers: tuple[int, ...]) -> None:
         """Match against these key frames from now on."""
@@ -306,13 +312,12 @@ def prepare() -> None:
     Mapper.of(mapper.state).add(beams)
 
 
-def _expected(begin: Pose2, odometry: Pose2, way: float, turn: float) -> Prior:
-    """Return where odometry leads to.
+def _expected(begin: Pose2, odometry: Pose2, sigma: float, sigma_theta: float) -> Prior:
+    """Return where odometry leads to, with its errors `sigma` [m] and `sigma_theta` [rad].
 
     An error of the heading that arises somewhere on the way puts the robot aside of its end, by
     between none and all of it, and half of it if it arises evenly.
     """
-    sigma, sigma_theta = _slip(way, turn)
     end = begin @ odometry
     aside = np.array([begin.y - end.y, end.x - begin.x])
     even = sigma_theta * np.array([*(aside / 2), 1.0])
@@ -320,8 +325,3 @@ def _expected(begin: Pose2, odometry: Pose2, way: float, turn: float) -> Prior:
     covariance[:2, :2] += np.outer(aside, aside) * sigma_theta**2 / 12
     covariance += np.diag([sigma**2, sigma**2, 0.0])
     return Prior(end, np.linalg.inv(covariance).astype(np.float64))
-
-
-def _slip(way: float, turn: float) -> tuple[float, float]:
-    """Return the standard deviations of odometry [m, rad] after a way and a turn."""
-    return STILL_ERROR + SLIP * way + LEVER * turn, STILL_TURN_ERROR + TURN_SLIP * turn + BEND * way

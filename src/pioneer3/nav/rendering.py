@@ -19,11 +19,10 @@ from pioneer3.nav.frames import Survey
 from pioneer3.nav.kernels import CACHE
 from pioneer3.nav.kernels.rays import hit_cells, passed_cells
 from pioneer3.nav.matching import lines_at, rotation
+from pioneer3.nav.settings import AS_SHIPPED
 
 Float = NDArray[np.float64]
 
-MAP_CELL = 0.025
-"""Side of a cell [m]: the outlines of walls then lie within 5 cm of them."""
 WALL_HITS = 2
 """Scans that end in a cell from which on it is a wall: people who walked by were in a cell for a
 scan or two."""
@@ -94,7 +93,7 @@ class Renderer:
         cell: Side of a cell [m].
     """
 
-    def __init__(self, cell: float = MAP_CELL) -> None:
+    def __init__(self, cell: float = AS_SHIPPED.mapper.cell) -> None:
         self._cell = cell
         self._corner = np.zeros(2, dtype=np.int64)
         self._hits, self._misses, self._seen = (np.zeros((0, 0), dtype=np.int32) for _ in range(3))
@@ -190,7 +189,7 @@ class Renderer:
         self._hits, self._misses, self._seen = larger
 
 
-def render(survey: Survey, cell: float = MAP_CELL) -> OccupancyGrid:
+def render(survey: Survey, cell: float = AS_SHIPPED.mapper.cell) -> OccupancyGrid:
     """Return the map of a survey as cells."""
     renderer = Renderer(cell)
     renderer.update(survey)
@@ -198,17 +197,23 @@ def render(survey: Survey, cell: float = MAP_CELL) -> OccupancyGrid:
 
 
 def drawn(
-    survey: Survey, room: float, *, name: str = "map", objects: Sequence[MapObject] = ()
+    survey: Survey,
+    room: float,
+    cell: float = AS_SHIPPED.mapper.cell,
+    *,
+    name: str = "map",
+    objects: Sequence[MapObject] = (),
 ) -> LineMap:
     """Return the map of a survey.
 
     Args:
         survey: The survey.
         room: Of what is free around the robot's places [m].
+        cell: Side of a cell [m].
         name: Of the map.
         objects: Of the map.
     """
-    return line_map_of(trodden(render(survey), survey.poses, room), name, objects)
+    return line_map_of(trodden(render(survey, cell), survey.poses, room), name, objects)
 
 
 def trodden(grid: OccupancyGrid, places: Sequence[Pose2], radius: float) -> OccupancyGrid:

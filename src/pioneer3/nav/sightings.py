@@ -10,7 +10,7 @@ from pioneer3.geometry import Pose2, wrap
 from pioneer3.jit import fast
 from pioneer3.nav.beams import Beams
 from pioneer3.nav.clusters import has_company
-from pioneer3.nav.costs import MARGIN, CostMap
+from pioneer3.nav.costs import CostMap
 from pioneer3.nav.echoes import UNSURE_END, WALL_ECHO, Echoes, transducers_in_map
 from pioneer3.nav.kernels import CACHE
 from pioneer3.nav.kernels.sightings import clear_beams, mark_echoes
@@ -67,7 +67,8 @@ class Sightings:
         self._raster, self._clearance = costs.raster, costs.clearance
         self._seen: Float = np.zeros(costs.raster.shape)
         self._counts = np.zeros(costs.raster.shape, dtype=np.uint8)
-        self._under = (costs.needed - MARGIN) * sqrt(0.5)  # half of a square within the robot
+        narrow = costs.needed - costs.settings.margin
+        self._under = narrow * sqrt(0.5)  # half of a square within the robot
         self._before: Beams | None = None
         self._scan_before = self._latest = -inf, np.empty((0, 2))
 

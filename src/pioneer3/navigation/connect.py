@@ -10,6 +10,7 @@ from pioneer3.errors import ConfigError, how_to_get
 from pioneer3.geometry import Pose2
 from pioneer3.links import Opener
 from pioneer3.models import GivenModel
+from pioneer3.nav.settings import AS_SHIPPED, NavigationSettings
 from pioneer3.runtime.blocking import BlockingRobot
 from pioneer3.runtime.connect import connect_robot
 from pioneer3.runtime.robot import Robot
@@ -41,6 +42,7 @@ async def connect_async(
     camera: str | None = None,
     line_map: "LineMap | str | Path | None" = None,
     start: Pose2 | str | None = None,
+    settings: NavigationSettings = AS_SHIPPED,
 ) -> AsyncIterator[Robot]:
     """Connect to a robot or simulator; stop it and close the session on every way out.
 
@@ -65,6 +67,7 @@ async def connect_async(
             asks the simulator for its own; needs a laser.
         start: Where the robot is on the map: a pose, the name of a place, `"unknown"`, or `None`
             for the map's home; without a home the robot has to be found.
+        settings: Of its navigation.
 
     Raises:
         LinkError: the port does not open.
@@ -86,6 +89,7 @@ async def connect_async(
         camera=camera,
     )
     async with connection as robot:
+        robot.settings = settings
         if line_map is None:
             yield robot
             return
@@ -107,6 +111,7 @@ def connect(
     camera: str | None = None,
     line_map: "LineMap | str | Path | None" = None,
     start: Pose2 | str | None = None,
+    settings: NavigationSettings = AS_SHIPPED,
 ) -> "BlockingRobot":
     """Connect to a robot or simulator, and wait until it says something.
 
@@ -127,6 +132,7 @@ def connect(
             camera=camera,
             line_map=line_map,
             start=start,
+            settings=settings,
         )
     )
 

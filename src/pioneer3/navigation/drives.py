@@ -20,18 +20,10 @@ from pioneer3.nav.traffic import Traveller, meeting, passing_place
 from pioneer3.navigation.follow_way import FollowWay, follow_way
 from pioneer3.navigation.localization import InThread, Localizable, Localization
 from pioneer3.navigation.traffic import Traffic
-from pioneer3.navigation.ways import HELD_UP_TIME, NOWHERE, Ways
+from pioneer3.navigation.ways import NOWHERE, Ways
 
 log = logging.getLogger(__name__)
 
-REPLAN_EVERY = 1.0
-"""Time between two plans [s]."""
-BLOCKED_FOR = 15.0
-"""Time after which a way that is closed is given up [s]."""
-BLOCKED_BY_PEOPLE = 90.0
-"""Time after which a way that is closed is given up while people are about [s]."""
-PAUSE = 3.0
-"""A robot on patrol stands so long at each place [s]."""
 APART_EVERY = 0.3
 """Time between two looks whether others come near [s]."""
 WAITING_GAP = 0.4
@@ -153,7 +145,7 @@ class Drives:
     async def steer(self) -> None:
         """Look for a better way again and again, and send the robot on where it has arrived."""
         while True:
-            await asyncio.sleep(REPLAN_EVERY)
+            await asyncio.sleep(self._costs.settings.period)
             async with self._changing:
                 drive = self.present
                 if drive is None or drive.aside or not self._localization.estimate.sure:
@@ -220,10 +212,10 @@ class Drives:
         return speed * speed / (2 * self.robot.info.limits.deceleration)
 
     async def _replan(self, drive: Drive) -> None:
-        now = self._clock()
+        now, settings = self._clock(), self._costs.settings
         people = self._sightings.are_people_about(now)
         here = self._localization.estimate.robot_in_map
-        if drive.action.held_up(now) > HELD_UP_TIME and not people and here is not None:
+        if drive.action.held_up(now) > settings.held_up and not people and here is not None:
             self.ways.avoid(drive.way, here)
         way = await self.plan(drive.goal)
         if isinstance(way, Way):
@@ -233,7 +225,9 @@ class Drives:
         drive.closed = way.why
         if drive.closed_since is None:
             drive.closed_since = now
-        elif now - drive.closed_since > (BLOCKED_BY_PEOPLE if people else BLOCKED_FOR):
+        elif now - drive.closed_since > (
+            settings.blocked_by_people if people else settings.blocked
+        ):
             if drive.is_last:
                 drive.action.failed = way.why
             else:
@@ -246,7 +240,7 @@ class Drives:
         now = self._clock()
         if drive.arrived is None:
             drive.arrived, drive.skipped = now, 0
-        elif now - drive.arrived >= PAUSE:
+        elif now - drive.arrived >= self._costs.settings.pause:
             drive.go_on()
             await self._begin_leg(drive)
 

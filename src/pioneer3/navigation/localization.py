@@ -16,6 +16,7 @@ from pioneer3.nav.beams import Beams, beams_of
 from pioneer3.nav.estimate import Estimate
 from pioneer3.nav.likelihood_sonar import Pings
 from pioneer3.nav.localizer import Localizer
+from pioneer3.nav.settings import NavigationSettings
 from pioneer3.robot.devices.laser import LaserSource
 from pioneer3.robot.supervisor import Feed
 from pioneer3.runtime.driven import Driven
@@ -38,6 +39,10 @@ class Localizable(Driven, Protocol):
     @property
     def laser(self) -> LaserSource:
         """The laser that it looks through, if it is there."""
+
+    @property
+    def settings(self) -> NavigationSettings:
+        """The settings of its navigation."""
 
 
 class Localization:
@@ -70,7 +75,7 @@ class Localization:
     ) -> Self:
         """Return the localization of a robot on a map; it may be anywhere."""
         by_laser = bool(robot.laser.presence.there)
-        localizer = Localizer(line_map, robot.info.model, rng)
+        localizer = Localizer(line_map, robot.info.model, rng, robot.settings.localizer)
         await in_thread(partial(localizer.prepare, sonar=not by_laser))
         return cls(robot, localizer, in_thread, by_laser=by_laser)
 

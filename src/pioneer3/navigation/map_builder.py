@@ -9,7 +9,7 @@ import gc
 from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import dataclass
 from math import hypot, inf
-from typing import Any, Protocol
+from typing import Any
 
 from pioneer3.behaviors.action import Stack
 from pioneer3.errors import MotionError
@@ -29,32 +29,21 @@ from pioneer3.nav.rendering import Renderer, drawn, line_map_of, trodden
 from pioneer3.nav.sightings import Sightings
 from pioneer3.navigation.explore import Explore
 from pioneer3.navigation.follow_way import FollowWay, follow_way
+from pioneer3.navigation.localization import Localizable
 from pioneer3.navigation.navigator import Navigator
-from pioneer3.robot.devices.laser import LaserSource
 from pioneer3.robot.supervisor import Feed
-from pioneer3.runtime.driven import Driven
 from pioneer3.runtime.motions import run_mode
 from pioneer3.state import Snapshot
 from pioneer3.tasks import running
 
 AT_HOME = 3.0
 """Longest wait for a robot that stands at the map's home to find that [s]."""
-DRAW_EVERY = 1.0
-"""Pause between two drawings of the map [s]."""
 SHARE = 2.0
 """A drawing that took long is followed by a pause so many times as long."""
 BENT_BY = 0.1
 """Distance by which a map was bent above which the robot waits until that is drawn [m]."""
 SAME_GOAL = 0.3
 """A place to look from that has moved by less than this is driven to without a break [m]."""
-
-
-class Scanned(Driven, Protocol):
-    """A robot with a laser that can be driven."""
-
-    @property
-    def laser(self) -> LaserSource:
-        """The laser that it looks through."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -121,19 +110,19 @@ class MapBuilder:
 
     def __init__(
         self,
-        robot: Scanned,
+        robot: Localizable,
         mapper: Mapper | None = None,
         *,
         name: str = "map",
         objects: Sequence[MapObject] = (),
         in_thread: Callable[..., Awaitable[Any]] = asyncio.to_thread,
     ) -> None:
-        self.mapper = mapper or Mapper()
+        self.mapper = mapper or Mapper(settings=robot.settings.mapper)
         self.state: Feed[MapState] = Feed()
         self._robot, self._in_thread = robot, in_thread
         self._name, self._objects = name, tuple(objects)
         self._named: list[tuple[str, int, Pose2]] = []
-        self._renderer = Renderer()
+        self._renderer = Renderer(robot.settings.mapper.cell)
         self._drawing: _Drawing | None = None
         self._sightings: Sightings | None = None
         self._trip: _Trip | None = None
@@ -168,7 +157,8 @@ class MapBuilder:
         action = Explore(unsure=lambda: self._robot.laser.lost)
         top = self._robot.info.limits.max_speed
         mode = follow_way(action, "explore", "drives where the map ends")
-        self._trip = _Trip(mode, action, min(speed or top, top), Exploration())
+        exploration = Exploration(self._robot.settings.mapper)
+        self._trip = _Trip(mode, action, min(speed or top, top), exploration)
         return mode
 
     def name_place(self, name: str) -> None:
@@ -202,7 +192,8 @@ class MapBuilder:
         """Close the last loops and return the map. This takes a while."""
         self.mapper.apply(self.mapper.snapshot.improve())
         room = self._robot.info.model.corner
-        return drawn(self.mapper.survey, room, name=self._name, objects=self.objects)
+        cell = self._robot.settings.mapper.cell
+        return drawn(self.mapper.survey, room, cell, name=self._name, objects=self.objects)
 
     def _take(self, snapshot: Snapshot) -> None:
         """Look at the newest scan."""
@@ -237,7 +228,9 @@ class MapBuilder:
                 await self._improve()
                 self._drawing = await self._in_thread(self._draw, self.mapper.survey)
                 await self._choose()
-            await asyncio.sleep(max(DRAW_EVERY, SHARE * (self._clock() - began)))
+            await asyncio.sleep(
+                max(self._robot.settings.mapper.period, SHARE * (self._clock() - began))
+            )
 
     async def _improve(self) -> None:
         before = self.mapper.odom_in_map
@@ -266,7 +259,9 @@ class MapBuilder:
         elif arbiter.driver not in {None, trip.action.name}:
             trip.exploration.wait(now)
         seen = self._sightings.points(now) if self._sightings is not None else None
-        costs: CostMap = await self._in_thread(CostMap.of, drawing.line_map, self._robot.info.model)
+        costs: CostMap = await self._in_thread(
+            CostMap.of, drawing.line_map, self._robot.info.model, self._robot.settings.planner
+        )
         around = costs if seen is None else costs.with_obstacles(seen)
         outlook: Outlook = await self._in_thread(
             trip.exploration.choose, drawing.grid, around, self.mapper.robot_in_map, now
@@ -308,7 +303,7 @@ class MapBuilder:
 
 
 async def whereabouts(
-    robot: Scanned,
+    robot: Localizable,
     line_map: LineMap,
     patience: float,
     in_thread: Callable[..., Awaitable[Any]] = asyncio.to_thread,

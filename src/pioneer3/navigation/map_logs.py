@@ -13,6 +13,7 @@ from pioneer3.links.tap import read_recording
 from pioneer3.nav.beams import beams_of
 from pioneer3.nav.carmen import LoggedOdometry, read_carmen
 from pioneer3.nav.mapper import Mapper
+from pioneer3.nav.settings import AS_SHIPPED, NavigationSettings
 from pioneer3.navigation.map_builder import MapBuilder
 from pioneer3.runtime.connect import connect_robot
 from pioneer3.tasks import running
@@ -39,13 +40,13 @@ def is_recording(path: Path) -> bool:
         return next(iter(lines), "").startswith(RECORDING)
 
 
-def map_log(path: Path, tell: Tell) -> Mapper:
+def map_log(path: Path, tell: Tell, settings: NavigationSettings = AS_SHIPPED) -> Mapper:
     """Return the map of a log of CARMEN, which may be compressed by gzip.
 
     Raises:
         ConfigError: The file cannot be read, or has no scans.
     """
-    mapper, scans = Mapper(), 0
+    mapper, scans = Mapper(settings=settings.mapper), 0
     size = max(1, path.stat().st_size) if path.exists() else 1
     with _opened(path) as (lines, raw):
         for entry in read_carmen(lines):
@@ -63,13 +64,19 @@ def map_log(path: Path, tell: Tell) -> Mapper:
     return mapper
 
 
-async def map_recording(path: Path, tell: Tell, lasers: Sequence[str] = ()) -> Mapper:
+async def map_recording(
+    path: Path,
+    tell: Tell,
+    lasers: Sequence[str] = (),
+    settings: NavigationSettings = AS_SHIPPED,
+) -> Mapper:
     """Return the map of a recording; for a :class:`.FastTimeLoop`.
 
     Args:
         path: Of the robot's bytes; those of its laser lie beside it, unless they are in the same.
         tell: Called with the progress.
         lasers: Other recordings of lasers, as `replay:FILE`.
+        settings: Of the mapper.
 
     Raises:
         ConfigError: The file is no recording.
@@ -85,6 +92,7 @@ async def map_recording(path: Path, tell: Tell, lasers: Sequence[str] = ()) -> M
 
     clock = asyncio.get_running_loop().time
     async with connect_robot(f"replay:{path}", lasers=found) as robot:
+        robot.settings = settings
         builder = MapBuilder(robot, in_thread=at_once)
 
         async def watch() -> None:

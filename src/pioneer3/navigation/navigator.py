@@ -147,7 +147,7 @@ class Navigator:
             name: Of the robot, for the drivers of the others.
         """
         await in_thread(warm_up)
-        costs = await in_thread(CostMap.of, line_map, robot.info.model)
+        costs = await in_thread(CostMap.of, line_map, robot.info.model, robot.settings.planner)
         drawn = rng or np.random.default_rng()
         localization = await Localization.on(robot, line_map, drawn, in_thread)
         navigator = cls(robot, costs, localization, in_thread=in_thread, traffic=traffic, name=name)

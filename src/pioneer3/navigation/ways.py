@@ -17,8 +17,6 @@ from pioneer3.navigation.localization import InThread
 
 log = logging.getLogger(__name__)
 
-HELD_UP_TIME = 6.0
-"""Time without coming nearer after which a robot takes another way, if there is one [s]."""
 HELD_UP_WAY = 1.0
 """Way within which the place is that holds a robot up [m]."""
 AVOIDED = 120.0
@@ -73,7 +71,7 @@ class Ways:
         A way for a disk may bend too sharply for a robot that is longer than it is wide.
         """
         now = self._clock()
-        if any(now - when < HELD_UP_TIME for *_, when in self._avoided):
+        if any(now - when < self._costs.settings.held_up for *_, when in self._avoided):
             return
         rest = way.rest_from(here.x, here.y)
         near = rest.points[rest.to_go[0] - rest.to_go < HELD_UP_WAY]

@@ -10,6 +10,7 @@ from pioneer3.behaviors.action import Stack
 from pioneer3.behaviors.actions import Hold, Move, Turn
 from pioneer3.behaviors.modes import goto
 from pioneer3.errors import CommandError, MotionError
+from pioneer3.nav.settings import AS_SHIPPED
 from pioneer3.robot.devices import Devices, PictureSource
 from pioneer3.robot.devices.laser import LaserSource
 from pioneer3.robot.explain import Reason
@@ -37,6 +38,7 @@ class Robot:
         lasers: The laser range finders at the computer, each on a link of its own; without any,
             that of a simulator, in the robot's own stream.
         navigator: Knows where it is on a map; `None` without a map.
+        settings: Of its navigation.
     """
 
     def __init__(
@@ -51,6 +53,7 @@ class Robot:
         self.devices = Devices(supervisor, pictures)
         self.lasers: tuple[LaserSource, ...] = (*lasers,) or (self.devices.laser,)
         self.navigator: Navigator | None = None
+        self.settings = AS_SHIPPED
         self._hold = Hold("program")
         arbiter.add(self._hold, PROGRAM)
         arbiter.lasers = self.lasers

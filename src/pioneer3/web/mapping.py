@@ -141,7 +141,10 @@ class RobotMapping:
         here = self._scene.robot_in_map(snapshot.odometry.robot_in_odom)
         home = MapObject(kind="RobotHome", name="Home", pose=self._scene.robot_in_map(ORIGIN))
         builder = self._builder = MapBuilder(
-            self._robot, Mapper(here), objects=(home,), in_thread=self.in_thread
+            self._robot,
+            Mapper(here, self._robot.settings.mapper),
+            objects=(home,),
+            in_thread=self.in_thread,
         )
         self._saved, self._name = "", "unfinished map"
         try:

@@ -10,14 +10,16 @@ from pioneer3.maps import OccupancyGrid
 from pioneer3.maps.line_map import FREE, OCCUPIED, UNKNOWN
 from pioneer3.models import load_model
 from pioneer3.nav.costs import CostMap
-from pioneer3.nav.exploring import EDGE_PATIENCE, Exploration, Outlook
+from pioneer3.nav.exploring import Exploration, Outlook
 from pioneer3.nav.frontiers import find_frontiers
 from pioneer3.nav.rendering import line_map_of, trodden
+from pioneer3.nav.settings import AS_SHIPPED
 from tests.unit.nav.test_frontiers import CELL, room
 
 LEFT, RIGHT = (0.6, 1.7), (2.4, 3.5)
 """Doors of a room [m]."""
 MODEL = load_model("p3dx-sh")
+PATIENCE = AS_SHIPPED.mapper.patience
 
 
 def look(exploration: Exploration, grid: OccupancyGrid, at: Pose2, now: float = 0.0) -> Outlook:
@@ -61,17 +63,17 @@ def test_where_it_could_not_get_is_tried_again_at_the_end_and_then_told() -> Non
 def test_an_edge_is_given_up_where_nothing_new_comes_to_light() -> None:
     exploration, grid = Exploration(), room(LEFT, RIGHT)
     look(exploration, grid, Pose2(3.0, 3.0), 0.0)
-    look(exploration, grid, Pose2(3.0, 3.0), EDGE_PATIENCE - 1.0)
+    look(exploration, grid, Pose2(3.0, 3.0), PATIENCE - 1.0)
     assert exploration.given_up == []
-    look(exploration, grid, Pose2(3.0, 3.0), EDGE_PATIENCE + 1.0)
+    look(exploration, grid, Pose2(3.0, 3.0), PATIENCE + 1.0)
     assert [each.why for each in exploration.given_up] == ["the robot did not get there"]
 
 
 def test_hands_that_drive_elsewhere_do_not_count_as_failure() -> None:
     exploration, grid = Exploration(), room(LEFT, RIGHT)
     look(exploration, grid, Pose2(3.0, 3.0), 0.0)
-    exploration.wait(EDGE_PATIENCE)
-    look(exploration, grid, Pose2(3.0, 3.0), EDGE_PATIENCE + 1.0)
+    exploration.wait(PATIENCE)
+    look(exploration, grid, Pose2(3.0, 3.0), PATIENCE + 1.0)
     assert exploration.given_up == []
 
 

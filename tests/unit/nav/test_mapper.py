@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from pioneer3.geometry import ORIGIN, Pose2
-from pioneer3.nav.mapper import RECENT, Mapper
+from pioneer3.nav.loops import RECENT_FRAMES
+from pioneer3.nav.mapper import Mapper
 from tests.unit.nav.halls import HALL, ROUND, look
 
 
@@ -128,7 +129,7 @@ def test_a_saved_map_is_continued_from_another_place() -> None:
     assert len(again.survey.frames) == len(mapper.survey.frames)
     assert again.survey.poses == mapper.survey.poses
     place = Pose2(6.0, 1.5, 0.0)
-    for number in range(RECENT + 20):
+    for number in range(RECENT_FRAMES + 20):
         step = Pose2(0.1 * number)
         true = place @ Pose2(min(step.x, 3.0))
         here = again.add(look(HALL, true, Pose2(min(step.x, 3.0)), count=181))
