@@ -94,11 +94,8 @@ class Body:
     """A robot in the world.
 
     Attributes:
-        model: Its sizes and limits.
         home: Where it starts, and :meth:`reset` brings it back [m, rad].
-        drive: Of the wheels.
         firing: The transducers that fire, in order; changed by `World.fire`.
-        battery: Of the motors and the controller.
     """
 
     def __init__(self, model: RobotModel, home: Pose2 = ORIGIN) -> None:
@@ -124,12 +121,8 @@ class Body:
     ) -> None:
         """Be a view of these numbers from now on; they describe this robot already.
 
-        Args:
-            drives: Of all robots.
-            outlines: Of all robots.
-            number: Of this robot.
-            bumpers: Returns the pressed segments.
-            speeds: Returns speed and turn rate by the wheels; those of the drive if not given.
+        `bumpers` returns the pressed segments, `speeds` the speed and the turn rate by the wheels;
+        if not given, those of the drive count.
         """
         self.drives, self.outlines, self.number = drives, outlines, number
         self.drive = Drive(drives, number)

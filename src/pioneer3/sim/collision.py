@@ -30,12 +30,8 @@ def footprint_hits(pose: Pose2, front: float, rear: float, half_width: float, wa
     the one at right angles to the segment. That needs no division, so zero-length and axis-parallel
     walls are no special cases.
 
-    Args:
-        pose: The robot in the frame of the walls.
-        front: From the pose forward to the front edge [m].
-        rear: From the pose back to the rear edge [m], positive.
-        half_width: From the pose to either side [m].
-        walls: Segments `x0, y0, x1, y1` [m], shape (W, 4).
+    Pose and walls are in one frame; walls are segments `x0, y0, x1, y1` [m], shape (W, 4). `front`,
+    `rear` and `half_width` lead from the pose to the edges, and are positive [m].
     """
     c, s = cos(pose.theta), sin(pose.theta)
     x0, y0 = walls[:, 0] - pose.x, walls[:, 1] - pose.y
@@ -58,10 +54,7 @@ def footprint_hits(pose: Pose2, front: float, rear: float, half_width: float, wa
 def pressed_segments(model: RobotModel, pose: Pose2, ends: Float) -> tuple[int, int]:
     """Return the pressed segments in front and behind, as bits from bit 1 on.
 
-    Args:
-        model: Has sizes and numbers of segments.
-        pose: Of the robot, in the frame of `ends`.
-        ends: Walls and outlines around, x0, y0, x1, y1 [m], shape (P, 4).
+    `ends` are walls and outlines around, x0, y0, x1, y1 [m], shape (P, 4), in the frame of `pose`.
     """
     inverse = pose.inverse()
     c, s = np.cos(inverse.theta), np.sin(inverse.theta)

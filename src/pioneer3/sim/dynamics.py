@@ -52,11 +52,8 @@ class Dynamics(Protocol):
     ) -> None:
         """Replace robots and obstacles; those that stay keep their state.
 
-        Args:
-            robots: In the order of `drives`.
-            obstacles: In the order of `outlines`, after the robots.
-            drives: Of the robots; a step changes them.
-            outlines: Poses and sizes; a step changes the poses.
+        `robots` are in the order of `drives`; `outlines` are those of robots, then of `obstacles`.
+        A step changes the drives and the poses of the outlines.
         """
         ...
 
@@ -67,10 +64,7 @@ class Dynamics(Protocol):
     def step(self, kernels: Kernels, dt: float, noise: Float | None) -> None:
         """Let `dt` [s] pass, at most `LONGEST`; then outlines and drives are up to date.
 
-        Args:
-            kernels: To compute with.
-            dt: [s].
-            noise: As for :meth:`Kernels.step <pioneer3.sim.kernels.Kernels.step>`.
+        `noise` is as for :meth:`Kernels.step <pioneer3.sim.kernels.Kernels.step>`.
         """
         ...
 

@@ -116,25 +116,8 @@ class Equipment:
 class EquipmentOptions:
     """Choices of :class:`Equipment`; `None` keeps the model's own.
 
-    Attributes:
-        gripper: Whether there is one.
-        bumpers: Segments in front, and as many behind; they belong to the model.
-        compass: Whether there is a TCM2.
-        gyro_type: 0 none, 1 the host corrects the heading, 2 the controller does.
-        joystick: Whether there is one at the robot.
-        camera: Canon VC-C4 or Sony EVI-D30.
-        camera_port: The AUX port it is connected to.
-        picture_port: TCP port of its pictures.
-        picture_width: [pixels].
-        picture_height: [pixels].
-        picture_rate: [Hz].
-        laser: Name of a laser range finder (:data:`pioneer3.models.lasers.LASERS`), or `none`.
-        laser_port: Its TCP port.
-        table_ir: The wiring of the table sensors.
-        north: Direction of magnetic north, counter-clockwise from the x axis [rad].
-        compass_noise: Standard deviation [rad].
-        gyro_bias: Added to every rate [rad/s].
-        gyro_noise: Standard deviation [rad/s].
+    Fields mean the same as there; `none` stands for no camera, laser or table sensors. `bumpers`
+    are the segments in front, and as many behind; they belong to the model.
     """
 
     gripper: bool | None = None

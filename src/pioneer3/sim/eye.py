@@ -75,12 +75,8 @@ class Patch:
 def look(world: World, body: Body, eye: Eye, pan: float = 0.0, tilt: float = 0.0) -> list[Patch]:
     """Return the visible part of each thing around `body`.
 
-    Args:
-        world: Where it is.
-        body: The robot that looks; the eye is above its front.
-        eye: The camera.
-        pan: Of the camera, to the left of straight ahead [rad].
-        tilt: Of the camera, upwards [rad].
+    The eye is above the front of the robot; `pan` is to the left of straight ahead, `tilt` up
+    [rad].
     """
     mount = Pose2(body.model.length_front, 0.0, pan)
     at = body.robot_in_world @ mount

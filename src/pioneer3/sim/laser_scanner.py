@@ -67,13 +67,8 @@ class Arc:
 class LaserScanner:
     """One laser on a robot.
 
-    Args:
-        world: Where the robot is.
-        body: The robot; the laser is where its model says, or at its pose.
-        model: The type of laser. Its errors are those of the world's realism.
-
-    Attributes:
-        model: The same.
+    It is where the model of `body` says, or at its pose; its errors are those of the world's
+    realism.
     """
 
     def __init__(self, world: World, body: Body, model: LaserModel) -> None:
@@ -178,8 +173,7 @@ class LaserScanner:
     def _spots(self, middle: NDArray[np.int64]) -> tuple[Float, Codes, Float, Float]:
         """Return range, material, depth of the surface [m] and share of light of each spot.
 
-        Args:
-            middle: The rays in the middle of the spots, shape (B,).
+        `middle` are the rays in the middle of the spots, shape (B,).
         """
         model, apart = self.model, self._arc.step / self._per_step
         nearest = self._ranges[middle].clip(min=1e-3)
@@ -206,8 +200,7 @@ class LaserScanner:
         The nearer surface wins if it fills half of the spot, or there is nothing behind it. Else
         the reading is anywhere between the two.
 
-        Args:
-            ranges: At the middle and both edges [m], shape (3, B).
+        `ranges` are those at the middle and both edges [m], shape (3, B).
         """
         near, far, which = ranges.min(axis=0), ranges.max(axis=0), ranges.argmin(axis=0)
         is_near = ranges - near <= (far - near) / 2

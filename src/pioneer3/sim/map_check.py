@@ -51,7 +51,6 @@ class Finding:
 
     Attributes:
         level: A map with an error cannot be used.
-        text: The problem in one line.
         line: In the file, from 1; `None` for problems of no single line.
     """
 
@@ -284,10 +283,7 @@ def check_places(
 ) -> Iterator[Finding]:
     """Yield the homes where the robot does not fit, and the goals that it cannot reach.
 
-    Args:
-        line_map: The map.
-        model: The robot.
-        lines: The line of the file of each object, by its index in the map, as far as known.
+    `lines` has the line of the file of each object, by its index in the map, as far as known.
     """
     known = lines or {}
     placed = [(item, known.get(at)) for at, item in enumerate(line_map.objects)]

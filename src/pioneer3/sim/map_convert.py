@@ -25,10 +25,7 @@ class MapInfo:
     """A map or world, and its contents.
 
     Attributes:
-        name: On screen.
-        drawing: Its drawing.
         size: Along x and y [m], of the walls.
-        walls: Their number.
         wall_length: All together [m].
         counts: Number of objects of each kind, with robots, boxes and people.
     """
@@ -92,11 +89,8 @@ def check(name_or_path: str, robot: str) -> tuple[tuple[Finding, ...], int]:
 def convert(source: str, target: Path, *, resolution: float, force: bool) -> Converted:
     """Write a map or world in the format that the ending of `target` names.
 
-    Args:
-        source: A shipped map, a map file or a world.
-        target: The new file; `.map`, `.yaml`, `.toml`, `.svg` or `.png`.
-        resolution: Side of a pixel of a map_server picture [m].
-        force: Write over files that are there.
+    `target` ends in `.map`, `.yaml`, `.toml`, `.svg` or `.png`. `resolution` is the side of a pixel
+    of a map_server picture [m]; `force` writes over files that are there.
 
     Raises:
         ConfigError: The source cannot be read, the ending is unknown, or the target is there.

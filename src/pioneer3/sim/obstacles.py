@@ -30,7 +30,6 @@ class Obstacle:
 
     Attributes:
         kind: What it was made from; a box of it can be moved.
-        pose: Where it is now.
     """
 
     def __init__(self, kind: Box | Person) -> None:
@@ -88,12 +87,7 @@ class Obstacle:
     def walk(self, dt: float, bodies: Float) -> bool:
         """Let `dt` [s] pass; who meets a robot waits until it is gone, or turns round.
 
-        Args:
-            dt: [s].
-            bodies: Of the robots what `Robots.state` has, (8, N).
-
-        Returns:
-            Whether they moved.
+        `bodies` is `Robots.state` of the robots, (8, N). Return whether they moved.
         """
         person = self.kind
         if not isinstance(person, Person) or not self.walks:
@@ -121,10 +115,7 @@ class Obstacle:
 def at_laser_height(outlines: Robots, obstacles: Sequence[Obstacle], kernels: Kernels) -> Robots:
     """Return the outlines that a laser meets: of people their legs, of all others the same.
 
-    Args:
-        outlines: Of robots, then of `obstacles`; placed.
-        obstacles: In the order of `outlines`.
-        kernels: Place the legs.
+    `outlines` are those of robots, then of `obstacles`, all placed.
 
     Returns:
         `outlines` itself where nobody is. Otherwise left legs take the places of people, right

@@ -227,9 +227,6 @@ class Realism:
     """All errors of a robot.
 
     Attributes:
-        odometry: Of the wheels.
-        sonar: Of the transducers.
-        range_finder: Of a fitted laser range finder.
         laser_noise: Standard deviation of a range of the in-band laser [m].
     """
 

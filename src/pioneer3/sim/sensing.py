@@ -100,11 +100,7 @@ class Sensing(Protocol):
 
 
 class PlanarSensing:
-    """`Sensing` on a plane: everything reaches from the floor to the ceiling.
-
-    Args:
-        sonar: Has the beam of the transducers.
-    """
+    """`Sensing` on a plane: everything reaches from the floor to the ceiling."""
 
     def __init__(self, sonar: SonarErrors) -> None:
         self._errors = sonar

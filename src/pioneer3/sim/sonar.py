@@ -85,11 +85,8 @@ class Sonars(Protocol):
 class SimultaneousSonars:
     """`Sonars` of which all transducers measure whenever they are asked.
 
-    Args:
-        errors: Turn exact ranges into measured ones.
-        cast: Returns exact ranges.
-        own: A random generator for each robot, so that asking one robot changes no other.
-        rng: The random generator if all robots are asked.
+    Each robot has a random generator in `own`, so that asking one changes no other; `rng` serves if
+    all are asked.
     """
 
     def __init__(
@@ -167,7 +164,6 @@ class FiringGroup:
     """All transducers that fire within a step.
 
     Attributes:
-        mounts: The transducers.
         parts: For each robot type of which any transducer fires.
     """
 
@@ -178,12 +174,7 @@ class FiringGroup:
 class FiringSchedule:
     """Computes firing groups, and keeps them, as they repeat.
 
-    Args:
-        mounts: All transducers.
-        firings: Of each type of robots in `mounts`.
-
-    Attributes:
-        mounts: All transducers.
+    `firings` has one for each type of robots in `mounts`.
     """
 
     def __init__(self, mounts: Mounts, firings: Sequence[Firing]) -> None:
@@ -217,11 +208,6 @@ class SequentialSonars:
 
     A robot that is new or was moved by hand measures with all transducers at once, so that no range
     of another place is ever reported.
-
-    Args:
-        errors: The length of a slot; turn exact ranges into measured ones.
-        cast: Returns exact ranges.
-        rng: The random generator.
     """
 
     def __init__(self, errors: SonarErrors, cast: Cast, rng: Generator) -> None:

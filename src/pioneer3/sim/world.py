@@ -55,8 +55,6 @@ class World:
 
     Args:
         line_map: What stands still; `None` is an empty plane.
-        relief: Of the map: its heights, for bodies with mass.
-        robots: What drives.
         kernels: Move robots and cast rays; if not given, Python runs them as they are.
         seed: Of everything random; the same seed and the same steps give the same world to the
             last bit. `None` takes another one each time.
@@ -64,12 +62,10 @@ class World:
         dynamics: How robots and boxes move; on a plane if not given.
 
     Attributes:
-        map: What stands still.
         relief: Its heights; a plane does not look at them.
         robots: What drives, in the order of the arrays.
         obstacles: What else may move.
         time: Since the beginning [s].
-        realism: How wrong wheels and sensors are.
         kernels: May be replaced at any time: all compute the same.
         drives: Of the robots, as arrays; (.., N).
         outlines: Poses and sizes of the N robots, then of the obstacles, as arrays. Who writes
@@ -122,12 +118,8 @@ class World:
 
         Meanwhile robots and obstacles may be put elsewhere, come and go.
 
-        Args:
-            dt: At most :data:`~pioneer3.sim.kernels.drives.LONGEST`.
-
-        Returns:
-            What is to be waited for before the end; `None` if it takes so little time that
-            :meth:`step` is better.
+        `dt` is at most :data:`~pioneer3.sim.kernels.drives.LONGEST`. Return `None` if it takes so
+        little time that :meth:`step` is better.
         """
         self._place()
         self._working = self._dynamics.start(self.kernels, dt)

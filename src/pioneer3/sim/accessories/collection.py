@@ -121,10 +121,8 @@ class Accessories:
     def reports(self, now: float, *, cycle: bool) -> Sequence[Report]:
         """Return the reports that are due at `now`.
 
-        Args:
-            now: [s].
-            cycle: Whether a standard report follows: then streams are due too. Without it only
-                answers: reports requested once, and bytes from an AUX port.
+        Answers are always due: reports requested once, and bytes from an AUX port. Streams are due
+        if `cycle` is true: a standard report follows.
         """
         return [report for accessory in self._all for report in accessory.reports(now, cycle=cycle)]
 

@@ -16,8 +16,6 @@ class PtzAxis:
     """One axis between two ends.
 
     Attributes:
-        low: Lower end.
-        high: Upper end.
         rate: Speed [1/s], positive.
     """
 

@@ -44,8 +44,6 @@ class Console:
     """Obeys the SIM commands of one robot's host.
 
     Attributes:
-        world: The simulated world.
-        body: The robot.
         equipment: The accessories that SIMINFO names besides drive, sonar and laser.
         client_maps: The maps that the host may load.
         tell: Takes MAP_CHANGED when the host has loaded, or failed to load, a map.

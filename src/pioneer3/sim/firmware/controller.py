@@ -58,10 +58,8 @@ class Firmware:
     """One robot's controller: feed it bytes and time, send :attr:`device`'s outgoing bytes.
 
     Attributes:
-        body: The robot.
         identity: The names in its answers to SYNC2 and CONFIG.
         device: Its end of the session with a host.
-        accessories: The devices connected to it.
         on_map_changed: Called when a host has loaded another map, or failed to. By default this
             tells only that host; a server with several robots calls :meth:`tell` of each.
     """
@@ -79,14 +77,10 @@ class Firmware:
     ) -> None:
         """Begin without a session.
 
-        Args:
-            world: Where the robot is.
-            body: The robot.
-            name: Its name for programs.
-            watchdog: Silence of the host that stops the robot [s], 0 for never.
-            own_name: Its name among people, for :meth:`use_own_name`; by default its model's.
-            equipment: Its accessories; by default those of its model.
-            client_maps: The maps for hosts; by default shipped ones and those here.
+        `name` is the robot's for programs, `own_name` that among people, for :meth:`use_own_name`,
+        by default its model's. `watchdog` is the silence of the host that stops the robot [s], 0
+        for never. The equipment is by default that of the model, and hosts find the shipped maps
+        and those here.
         """
         self.body = body
         self._world = world

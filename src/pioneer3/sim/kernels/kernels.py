@@ -49,9 +49,6 @@ class Kernels:
         threads: That share the work of 50 robots and more. They only pay with numba.
         compiled: Where numba is installed, compile each function at its first call ever, in
             seconds, and load it from the cache later; else Python runs it.
-
-    Attributes:
-        compiled: Whether the functions are compiled.
     """
 
     def __init__(self, threads: int = 1, *, compiled: bool = True) -> None:
@@ -83,14 +80,8 @@ class Kernels:
     ) -> Float:
         """Return the range to the nearest wall or robot along each ray [m], shape (R,).
 
-        Args:
-            grid: The walls.
-            robots: Seen where they were placed.
-            origins: Where rays start [m], shape (R, 2).
-            angles: Their directions [rad], shape (R,).
-            owner: The robot that each ray does not see, or -1, shape (R,).
-            limit: Longest range [m]; a ray that hits nothing returns this.
-            out: For the ranges, shape (R,).
+        Rays start at `origins` [m], shape (R, 2), at `angles` [rad], shape (R,), and end at `limit`
+        [m]. `owner` is the robot that each of them does not see, or -1, shape (R,).
         """
         count = len(angles)
         ranges = np.empty(count) if out is None else out
@@ -122,15 +113,9 @@ class Kernels:
         The nearest echo counts, of a transducer's rays or of an edge between them. No robot hears
         itself. Columns that a robot's type does not have read `limit`.
 
-        Args:
-            grid: The walls.
-            robots: Heard where they were placed.
-            mounts: The transducers of the robots, which may be the first few of `robots`.
-            limit: Longest range [m].
-            echoes: What walls and edges send back. What a ray meets first hides what is behind,
-                echo or not.
-            owners: The F robots that listen; `None` means all that `mounts` has.
-            out: For the ranges, shape (F, mounts.most).
+        `mounts` are the transducers of the first robots. What a ray meets first hides what is
+        behind, echo or not. `owners` are the F robots that listen; `None` means all that `mounts`
+        has.
         """
         poses, layout = robots.poses, mounts.arrays
         if owners is None:
@@ -164,13 +149,7 @@ class Kernels:
     ) -> Float:
         """Return the range per laser and beam [m], shape (F, B).
 
-        Args:
-            grid: The walls.
-            robots: Seen where they were placed.
-            fan: The beams, and where the laser sits on its robot.
-            limit: Longest range [m].
-            owners: The F robots that carry this laser; `None` means all N.
-            out: For the ranges, shape (F, B).
+        `owners` are the F robots that carry this laser; `None` means all N.
         """
         lasers = robots.everyone if owners is None else owners
         ranges = np.empty((len(lasers), fan.headings.shape[1])) if out is None else out
@@ -210,13 +189,9 @@ class Kernels:
         goes as far as is free, stands, and has its flag `STALLED` set. Poses, drives and outlines
         are those after the step.
 
-        Args:
-            grid: The walls.
-            robots: The robots, in the order of `drives`, then what else may be in the way.
-            drives: Of the robots.
-            dt: [s].
-            noise: Standard normal numbers, shape (3, N): for the way, for the turn, and for the
-                drift while driving; `None` without random errors.
+        `robots` are in the order of `drives`, then comes what else may be in the way. `noise` are
+        standard normal numbers, shape (3, N): for the way, for the turn, and for the drift while
+        driving; `None` without random errors.
         """
         errors = NO_NOISE if noise is None else noise
         self._step(dt, errors, drives.arrays, robots.state, grid.arrays, robots.arrays)

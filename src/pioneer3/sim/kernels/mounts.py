@@ -101,11 +101,8 @@ class Fan:
 def laser_fan(mount: tuple[float, float, float], start: float, step: float, count: int) -> Fan:
     """Lay out a laser for a kernel.
 
-    Args:
-        mount: x, y [m], theta [rad] on the robot.
-        start: First beam, from straight ahead of the laser [rad], counter-clockwise.
-        step: From one beam to the next [rad], positive.
-        count: Of beams.
+    `mount` is x, y [m], theta [rad] on the robot; `start` is the first beam, from straight ahead of
+    the laser, and `step` leads to the next, counter-clockwise [rad].
 
     Raises:
         ConfigError: The step is not positive, or there is no beam.

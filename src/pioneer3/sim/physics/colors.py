@@ -34,9 +34,7 @@ SKY_SIZE: Final = 16
 def paint(spec: Any, obstacles: Mapping[str, Obstacle]) -> None:
     """Colour floor, walls, boxes and people, and put a sky around them.
 
-    Args:
-        spec: MuJoCo's `MjSpec`, complete.
-        obstacles: By the names of their bodies.
+    `spec` is a complete `MjSpec` of MuJoCo; obstacles are by the names of their bodies.
     """
     import mujoco
 

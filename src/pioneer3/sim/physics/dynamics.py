@@ -108,9 +108,6 @@ class MujocoDynamics:
     The ramps of the firmware are those of the plane. The speeds at their ends go to a loop a side
     that turns the wheels with the motors' torque. Odometry counts the wheels.
 
-    Args:
-        step: Of the simulation [s].
-
     Raises:
         ConfigError: MuJoCo is not installed.
     """

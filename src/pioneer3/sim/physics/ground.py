@@ -29,9 +29,7 @@ def has_ground(relief: Relief) -> bool:
 class Ground:
     """The ground of a compiled world.
 
-    Args:
-        model: MuJoCo's.
-        data: Its places of what stands still are computed.
+    The places of what stands still are computed in `data`.
     """
 
     def __init__(self, model: Any, data: Any) -> None:

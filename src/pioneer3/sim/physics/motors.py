@@ -112,11 +112,8 @@ class Motors:
         brakes any speed, and none of its parts knows the ramp: the angle leads by what they need.
         Motors that lose their power brake until the wheels stand.
 
-        Args:
-            scene: The world.
-            begin: Speeds that they should have now, (2, N) [rad/s].
-            end: The same after `dt`.
-            dt: [s].
+        `begin` and `end` are the speeds that they should have now and after `dt` [s], (2, N)
+        [rad/s].
         """
         drives, angles = self._drives, self._angles
         self._released = (drives.flags[POWERED] == 0) & (self._released | self._stand())

@@ -66,10 +66,8 @@ class Places:
 def places_of(scene: Scene, outlines: Float, people: Float) -> Places:
     """Return the places in a scene whose kinematics are up to date.
 
-    Args:
-        scene: The world.
-        outlines: Middle and radius of the circle around each robot [m], shape (N, 3).
-        people: The same of each person, shape (P, 3).
+    `outlines` are middle and radius of the circle around each robot [m], shape (N, 3); `people` the
+    same of each person, shape (P, 3).
     """
     model, data = scene.model, scene.data
     at, turned = data.xpos[scene.bodies], data.xmat[scene.bodies].reshape(-1, 3, 3)
@@ -84,13 +82,9 @@ def cast(
 ) -> Hits:
     """Return the first hits of rays from one point.
 
-    Args:
-        scene: The world, whose kinematics are up to date.
-        origin: Of all rays [m], shape (3,).
-        ways: Unit vectors, shape (R, 3).
-        limit: Nothing is looked for beyond [m].
-        groups: Of the geoms that are looked for.
-        but: The body whose geoms are not met.
+    `origin` is that of all rays [m], shape (3,), and `ways` are unit vectors, shape (R, 3). They
+    meet the geoms of `groups` within `limit` [m], but none of the body `but`. The kinematics of
+    `scene` are up to date.
     """
     import mujoco
 

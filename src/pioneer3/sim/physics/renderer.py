@@ -235,9 +235,7 @@ class Renderer:
 def axes(pan: float, tilt: float) -> NDArray[np.float64]:
     """Return the axes of a camera of MuJoCo, as columns, that looks along minus its z axis.
 
-    Args:
-        pan: Of the direction, to the left of the robot's x axis [rad].
-        tilt: Up [rad].
+    It looks `pan` to the left of the robot's x axis, and `tilt` up [rad].
     """
     ahead = np.array([cos(tilt) * cos(pan), cos(tilt) * sin(pan), sin(tilt)])
     right = np.array([sin(pan), -cos(pan), 0.0])

@@ -105,12 +105,8 @@ def build(
 ) -> Scene:
     """Return a world of these parts, all at rest on the floor where they are now.
 
-    Args:
-        line_map: Its walls are the geoms `wall_0`, `wall_1`...
-        relief: Of the map; its solids are geoms of their names.
-        robots: With unique names.
-        obstacles: With unique names.
-        step: Of the simulation [s].
+    Walls are the geoms `wall_0`, `wall_1`..., solids geoms of their names; robots and obstacles
+    have unique names. `step` is that of the simulation [s].
 
     Raises:
         ConfigError: MuJoCo refuses a part, or the hull of a mesh is no likeness of it.

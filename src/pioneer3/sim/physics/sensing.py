@@ -37,9 +37,7 @@ MET = {"legs": LEGS, "bodies": BODIES}
 class MujocoSensing:
     """`Sensing` in three dimensions.
 
-    Args:
-        scene: Returns the compiled world, which the dynamics replace now and then.
-        sonar: Has the beam of the transducers.
+    `scene` returns the compiled world, which the dynamics replace now and then.
     """
 
     def __init__(self, scene: Callable[[], Scene], sonar: SonarErrors) -> None:
@@ -130,11 +128,8 @@ class MujocoSensing:
     def _doubtful(self, places: Places, number: int, table: Float, heard: Float) -> Iterator[int]:
         """Yield the transducers of a robot for which the walls of the plane may not be all.
 
-        Args:
-            places: Of everything.
-            number: Of the robot.
-            table: Of its transducers, as `Mounts.table`.
-            heard: What they hear of tall walls [m], shape (M,).
+        `table` has its transducers, as `Mounts.table`, and `heard` what they hear of tall walls
+        [m], shape (M,).
         """
         if not places.level[number]:
             yield from range(len(table))
@@ -159,11 +154,8 @@ class MujocoSensing:
     def _echo(self, places: Places, number: int, row: Float, of_walls: float) -> float:
         """Return the range that one transducer hears [m].
 
-        Args:
-            places: Of everything.
-            number: Of the robot.
-            row: Of the transducer, in `Mounts.table`.
-            of_walls: What it would hear if there were only tall walls, and it were level [m].
+        `row` is that of the transducer in `Mounts.table`, and `of_walls` what it would hear if
+        there were only tall walls, and it were level [m].
         """
         scene, turned = self._scene_now(), places.turned[number]
         origin = places.at[number] + turned @ (row[0], row[1], self._sonar_heights[number])
@@ -189,12 +181,8 @@ class MujocoSensing:
     ) -> tuple[Float, Codes]:
         """Return ranges [m] and materials of the beams of a laser.
 
-        Args:
-            number: Of the robot.
-            fan: Of the laser.
-            limit: Longest range [m].
-            of_walls: To tall walls that are not of glass, if the robot stands level [m], (B,).
-            people: The part of people that is met.
+        `of_walls` are the ranges of tall walls that are not of glass, if the robot stands level
+        [m], shape (B,); `limit` is the longest range [m].
         """
         places, ranges = self._places, of_walls
         assert places is not None

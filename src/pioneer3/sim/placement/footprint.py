@@ -40,10 +40,7 @@ def overlap(model: RobotModel, pose: Pose2, other: RobotModel, there: Pose2) -> 
 def stands_in(model: RobotModel, pose: Pose2, polygon: Float) -> bool:
     """Whether `model` at `pose` reaches into a convex polygon, or is all inside it.
 
-    Args:
-        model: The robot.
-        pose: Its pose.
-        polygon: Its sides in order [m], shape (S, 4).
+    `polygon` has its sides in order [m], shape (S, 4).
     """
     return inside(polygon, pose.x, pose.y) or hits(model, pose, polygon)
 

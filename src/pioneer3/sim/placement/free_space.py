@@ -204,11 +204,7 @@ def places_around(
 ) -> FreePlaces:
     """Return the places in reach of `origin`, or of the free place nearest to it.
 
-    Args:
-        line_map: For its bounds.
-        obstructions: Walls and obstacles.
-        radius: Of the circle that a robot needs [m].
-        origin: A pose of a robot.
+    `radius` is that of the circle that a robot needs [m].
     """
     b = line_map.bounds
     x, y = origin.x, origin.y

@@ -66,11 +66,7 @@ def place_all(
 
     Given poses are served first and random ones last, so that no random start takes a given one.
 
-    Args:
-        line_map: Walls and homes.
-        requests: The robots.
-        rng: Of the random places.
-        obstacles: Sides of the convex polygons that stand there [m], shape (S, 4) each.
+    `obstacles` are the sides of the convex polygons that stand there [m], shape (S, 4) each.
 
     Raises:
         ConfigError: There is no room left for one of them.
@@ -88,8 +84,6 @@ class Placer:
     """Finds a place for one robot after another.
 
     Args:
-        line_map: Walls and homes.
-        rng: Of the random places.
         obstacles: Sides of the convex polygons that stand there [m], shape (S, 4) each.
         expected: Number of robots in the end; decides how far they spread on a map without walls.
     """

@@ -27,9 +27,7 @@ class SpawnedRobot:
 
     Attributes:
         name: For people; no two robots have the same.
-        model: Its type.
         pose: Its start [m, rad].
-        equipment: Its accessories.
         port: TCP port; `None` for the next free one.
         host: Address to listen at; empty for that of all robots.
         in_the_way: It starts in a wall or an obstacle, so it cannot move.
@@ -46,11 +44,6 @@ class SpawnedRobot:
 
 def spawn_robots(world: WorldFile, line_map: LineMap, rng: Generator) -> tuple[SpawnedRobot, ...]:
     """Return the robots of `world` in their order, each at a start of its own.
-
-    Args:
-        world: Its robots, boxes and people.
-        line_map: Its :meth:`WorldFile.line_map`.
-        rng: Of the random places.
 
     Raises:
         ConfigError: A model or a name is wrong, or there is no room for a robot.

@@ -1,4 +1,7 @@
-"""The shapes that the solids of a world consist of: frozen, in the map frame, in SI."""
+"""The shapes that the solids of a world consist of: frozen, in the map frame, in SI.
+
+Where nothing else is said, `pose` is the middle of the foot of a shape, and `z` its height.
+"""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -19,13 +22,7 @@ FARTHEST = 1e5
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Block:
-    """An upright cuboid.
-
-    Attributes:
-        pose: The middle of its foot [m, rad].
-        z: Height of its foot [m].
-        size: [m].
-    """
+    """An upright cuboid."""
 
     pose: Pose2
     z: float
@@ -34,13 +31,7 @@ class Block:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Wedge:
-    """Half a cuboid: its upper side rises along its own x axis.
-
-    Attributes:
-        pose: The middle of its foot [m, rad].
-        z: Height of its foot [m].
-        size: [m].
-    """
+    """Half a cuboid: its upper side rises along its own x axis."""
 
     pose: Pose2
     z: float
@@ -56,14 +47,7 @@ class Wedge:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Column:
-    """An upright cylinder.
-
-    Attributes:
-        pose: The middle of its foot [m].
-        z: Height of its foot [m].
-        radius: [m].
-        height: [m].
-    """
+    """An upright cylinder."""
 
     pose: Pose2
     z: float
@@ -100,8 +84,6 @@ class Terrain:
     """A floor of many heights on a grid; compares by identity.
 
     Attributes:
-        pose: The middle of its foot [m, rad].
-        z: Of its foot [m].
         size: Its third number is the height of 1 in `heights` above the foot [m].
         heights: 0 to 1, shape (rows, columns); columns go along the x axis, rows along the y axis.
     """

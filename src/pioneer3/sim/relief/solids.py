@@ -1,7 +1,8 @@
 """The solids of a world file: steps, ramps, carpets, cylinders, tables, height fields, meshes.
 
 Each is what one table of a world file says, in SI. Bodies with mass meet its parts; on a plane
-there are only its walls, as if cut at the height of sensors.
+there are only its walls, as if cut at the height of sensors. Where nothing else is said, `pose` is
+its middle, `size` that along its x and y axes, and `z` the height of its foot.
 """
 
 from dataclasses import dataclass
@@ -86,14 +87,7 @@ class Solid(Protocol):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GroundSolid:
-    """A rectangle that robots drive on: flat floor on a plane.
-
-    Attributes:
-        pose: Its middle [m, rad].
-        size: Along its x and y axes [m].
-        height: [m].
-        z: Height of its foot [m].
-    """
+    """A rectangle that robots drive on: flat floor on a plane."""
 
     is_ground: ClassVar[bool] = True
     pose: Annotated[Pose2, PLACED]
@@ -162,14 +156,7 @@ class Carpet(GroundSolid):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Cylinder:
-    """An upright column.
-
-    Attributes:
-        pose: Its middle [m].
-        radius: [m].
-        height: [m].
-        z: Height of its foot [m].
-    """
+    """An upright column."""
 
     table: ClassVar[str] = "cylinder"
     is_ground: ClassVar[bool] = False
@@ -202,13 +189,11 @@ class Table:
     """A top on four legs; with a back it is a chair, which faces along its own x axis.
 
     Attributes:
-        pose: Its middle [m, rad].
         size: Of the top, along its x and y axes [m].
         height: Of the upper side of the top [m].
         thickness: Of the top [m].
         leg_width: Of the legs, which are square, and of the back [m].
         back: Height of the back above the top [m]; 0 is none.
-        z: Height of its feet [m].
     """
 
     table: ClassVar[str] = "table"

@@ -51,15 +51,9 @@ class Shot:
 class SimulatedCamera:
     """One camera: it takes pictures while somebody looks.
 
-    Args:
-        dynamics: Of the world.
-        firmware: Of the robot that carries it.
-        equipment: What kind of camera it is.
-        wake: Called when there is a picture to render.
+    `wake` is called when there is a picture to render.
 
     Attributes:
-        model: The make.
-        body: The robot.
         address: Host and number of its TCP port, or `None`.
         taken: Number of pictures that were rendered.
     """

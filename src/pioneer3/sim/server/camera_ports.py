@@ -26,13 +26,7 @@ RESTART = 5.0
 class CameraPorts:
     """All cameras of a simulation whose world has physics.
 
-    Args:
-        world: Of the robots, with the dynamics of MuJoCo.
-        host: Address of this machine to listen at.
-        free: Whether any free port does, if none is given.
-
-    Attributes:
-        cameras: In the order in which they were added.
+    With `free` any free port does for a camera whose equipment names none.
     """
 
     def __init__(self, world: World, host: str, *, free: bool = False) -> None:

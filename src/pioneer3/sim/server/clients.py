@@ -75,10 +75,7 @@ class ClientHandler(Protocol):
 class SocketClient:
     """A host at the far end of a socket.
 
-    Args:
-        handler: Takes its bytes.
-        file: Reads and writes without blocking; is closed in the end.
-        peer: Its address.
+    `file` reads and writes without blocking, and is closed in the end.
     """
 
     permanent = False
@@ -170,8 +167,7 @@ class PtyClient(SocketClient):
     A serial port forgets unread bytes when its host leaves. Nobody tells when a host leaves a
     terminal, so they are forgotten when nobody has read for :data:`UNREAD`, and bytes still come.
 
-    Args:
-        slave: The end that hosts open.
+    `slave` is the end that hosts open.
     """
 
     permanent = True
@@ -304,12 +300,9 @@ GRACE = 0.1
 class ClientSlot:
     """The slot for one host.
 
-    Args:
-        on_change: Called when another host takes the slot, before it is read.
-        robot: Returns the name of the robot for the log.
+    `on_change` is called when another host takes the slot, before it is read.
 
     Attributes:
-        host: The host that has the slot.
         closed: Every host is turned away.
     """
 

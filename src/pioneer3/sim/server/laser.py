@@ -31,17 +31,9 @@ SLACK = 1e-6
 class SimulatedLaser:
     """One laser on a robot.
 
-    Args:
-        world: Where the robot is.
-        body: The robot.
-        model: The type of laser.
-        device: Its side of the protocol.
-        wake: Called whenever a host has sent bytes.
+    `wake` is called whenever a host has sent bytes.
 
     Attributes:
-        model: The same.
-        device: The same.
-        body: The robot that carries it.
         addresses: Host and number of its TCP ports, the first one for most programs.
         pty: Its serial port, or `None`.
     """

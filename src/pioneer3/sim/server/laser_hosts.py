@@ -40,12 +40,7 @@ MOST_HOSTS = 8
 
 
 class Cable:
-    """The way between a host and a connection of the device, with faults.
-
-    Args:
-        connection: Of the device.
-        faults: Of the cable.
-    """
+    """The way between a host and a connection of the device, with faults."""
 
     def __init__(self, connection: Connection, faults: LinkFaults) -> None:
         self.connection = connection
@@ -120,11 +115,8 @@ class LaserHosts(ClientHandler, Protocol):
 class OneHost:
     """A host at a time.
 
-    Args:
-        device: The laser.
-        faults: Of the cable.
-        label: Returns the name of the laser for the log.
-        wake: Called whenever a host has sent bytes.
+    `label` returns the name of the laser for the log; `wake` is called whenever a host has sent
+    bytes.
     """
 
     def __init__(

@@ -47,12 +47,7 @@ def device_of(model: LaserModel) -> Device:
 class LaserPorts:
     """All lasers of a simulation.
 
-    Args:
-        world: Of the robots that carry them.
-        wake: Called whenever a host has sent bytes.
-
-    Attributes:
-        lasers: In the order in which they were added.
+    `wake` is called whenever a host has sent bytes.
     """
 
     def __init__(self, world: World, wake: Callable[[], None]) -> None:
@@ -66,12 +61,7 @@ class LaserPorts:
 
         A laser without serial line has no terminal.
 
-        Args:
-            body: The robot.
-            name: Of the laser's model.
-            port: TCP port; if not given, the usual ones of the model, or the next free ones.
-            host: Address of this machine to listen at.
-            free: Whether any free port does, if none is given.
+        Without `port` it has the usual ones of its model, or the next free ones; with `free`, any.
 
         Raises:
             ConfigError: There is no such laser.
@@ -106,9 +96,7 @@ class LaserPorts:
     def exchange(self, now: float, between_ticks: float) -> None:
         """Pass the bytes of hosts and lasers on.
 
-        Args:
-            now: The world's time [s, simulated].
-            between_ticks: That of serial lines, up to a tick later.
+        `between_ticks` is the time of serial lines, up to a tick later than `now` [s, simulated].
         """
         for laser in self.lasers:
             at = between_ticks if laser.on_serial_line else now

@@ -45,7 +45,6 @@ class RenderFailure(NamedTuple):
     """Why the process does not render with one OpenGL.
 
     Attributes:
-        reason: In words.
         told: Whether the process itself gave it, by its answer.
     """
 

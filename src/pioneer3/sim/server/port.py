@@ -39,13 +39,10 @@ class Listener(Protocol):
 class RobotPort:
     """Connects one robot to its host, over a cable that may have faults.
 
-    Args:
-        firmware: The robot.
-        wake: Called whenever a host has sent bytes.
-        keep_session: Whether hosts on the network leave as on a serial line.
+    `wake` is called whenever a host has sent bytes. With `keep_session` hosts on the network leave
+    as on a serial line.
 
     Attributes:
-        firmware: The robot.
         address: Host and number of its TCP port, `None` without.
         listeners: Closed with the port.
         pending: Whether there is something for :meth:`take`.

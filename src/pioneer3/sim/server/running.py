@@ -45,9 +45,6 @@ class SimulatedRobot:
     Attributes:
         name: For people; to programs it is `MobileSim`, unless it has a laser with a port of its
             own.
-        body: The robot in the world.
-        firmware: Its controller.
-        port: Connects its host, over a cable that may have faults.
         url: For hosts; `memory:NAME` where it does not listen.
         pty: Its serial port, or `None`.
         laser: Its range finder with a port of its own, or `None`.
@@ -95,7 +92,6 @@ class RunningSimulation:
     """A simulator that listens; made by :func:`pioneer3.sim.server.start.simulator`.
 
     Attributes:
-        world: The simulated world.
         robots: In the order of their ports; those of a factory come and go.
         pace: The speed of time; may be changed at any time.
         factory_url: Of the port where every client gets a robot of its own, or `None`.
@@ -261,8 +257,7 @@ class RunningSimulation:
     def move_robots(self, places: Mapping[SimulatedRobot, Pose2]) -> list[SimulatedRobot]:
         """Put several robots elsewhere at once, so that one may take another's place.
 
-        Returns:
-            The robots that stay, because something stands at their new places.
+        Return the robots that stay, because something stands at their new places.
         """
         moving = dict(places)
         while stay := [

@@ -46,7 +46,6 @@ class Simulation:
     """A world with its robots' ports, in time.
 
     Args:
-        world: The simulated world.
         firmwares: One for each robot that can be connected to.
         pace: The speed of time; real time if not given.
         keep_session: Whether a host that vanishes from the network leaves its session behind, as
@@ -55,10 +54,8 @@ class Simulation:
             serves others; not where the loop's time is virtual, which would not wait.
 
     Attributes:
-        world: The same.
         pace: The same; its attributes may be changed while the simulation runs.
         ports: One for each robot.
-        lasers: The range finders of the robots, which have ports of their own.
         cameras: Their cameras with pictures; `None` without physics or OpenGL.
     """
 
@@ -242,8 +239,7 @@ class Simulation:
     def _receive(self, between_ticks: float) -> None:
         """Give all robots and lasers the bytes of their hosts, and send their answers.
 
-        Args:
-            between_ticks: The time for serial lines [s, simulated].
+        `between_ticks` is the time for serial lines [s, simulated].
         """
         now, in_cycle = self.world.time, self._ticks % TICKS_PER_CYCLE
         hold = self.pace.lock_step and in_cycle > 0

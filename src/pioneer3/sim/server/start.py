@@ -50,11 +50,8 @@ async def robot_factory(
 ) -> AsyncIterator[str]:
     """Listen while the block runs; yield the URL.
 
-    Args:
-        running: The simulation that gets the robots.
-        factory_robot: The robot that every host gets; it also has a free port of its own.
-        port: TCP port; 0 takes a free one.
-        host: Address of this machine to listen at.
+    `factory_robot` is the robot that every host gets; it also has a free port of its own. Port 0
+    takes a free one.
 
     Raises:
         LinkError: The port cannot be listened on.

@@ -31,11 +31,8 @@ async def colour_trackers(
 ) -> AsyncIterator[list[str]]:
     """Serve pictures while the block runs; yield a URL for each of `robots`.
 
-    Args:
-        world: Of the robots.
-        robots: Each has an eye above its front, and looks where its PTZ camera looks.
-        port: TCP port of the first, the others have the next ones; 0 takes free ones.
-        host: Address of this machine to listen at.
+    Each robot has an eye above its front, and looks where its PTZ camera looks. `port` is the TCP
+    port of the first, the others have the next ones; 0 takes free ones.
 
     Raises:
         LinkError: A port cannot be listened on.

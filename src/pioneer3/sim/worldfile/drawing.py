@@ -83,7 +83,6 @@ class Marker:
     """A named place.
 
     Attributes:
-        layer: Its layer.
         pose: In the map [m, rad].
         name: Its label.
         has_heading: Whether the heading is drawn.

@@ -18,10 +18,7 @@ from pioneer3.sim.worldfile.spec import Box, RobotSpec, Wall, WorldFile
 def split(line_map: LineMap, relief: Relief, file: Path) -> tuple[LineMap, WorldFile]:
     """Return a map of all plain walls of the usual height, and the world that adds the others.
 
-    Args:
-        line_map: Walls, places, grids.
-        relief: Of this map.
-        file: Where the map that is returned will be.
+    `file` is where the map that is returned will be.
     """
     boxes = tuple(solid for solid in relief.solids.values() if isinstance(solid, Box))
     of_solids = {side for solid in relief.solids.values() for side in sides_of(solid.walls)}

@@ -289,9 +289,6 @@ class WorldFile:
     def relief(self, line_map: LineMap) -> Relief:
         """Return the heights of all that stands still; files of solids are not needed from now on.
 
-        Args:
-            line_map: Its :meth:`line_map`.
-
         Raises:
             ConfigError: The file of a solid cannot be read.
         """
