@@ -16,7 +16,7 @@ from scipy.sparse.csgraph import dijkstra
 from pioneer3.geometry import ORIGIN, Pose2, wrap
 from pioneer3.maps import Bounds, LineMap, read_map, shipped_map
 from pioneer3.models import load_model
-from pioneer3.nav.field import DistanceField
+from pioneer3.nav.raster import DistanceField
 from pioneer3.sim.body import Body
 from pioneer3.sim.kernels import Kernels
 from pioneer3.sim.realism import Realism

@@ -13,8 +13,8 @@ from pioneer3.geometry import Pose2
 from pioneer3.maps import LineMap, OccupancyGrid
 from pioneer3.maps.grid import samples
 from pioneer3.nav.beams import Beams
-from pioneer3.nav.field import DistanceField
 from pioneer3.nav.matching import lines_at, rotation
+from pioneer3.nav.raster import DistanceField
 from pioneer3.nav.rendering import line_map_of
 
 Float = NDArray[np.float64]

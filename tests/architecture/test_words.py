@@ -17,7 +17,6 @@ LOCAL_PLANNER = (
     "nav/mover.py",
     "navigation/follow_way.py",
     "navigation/going_aside.py",
-    "navigation/lining_up.py",
 )
 """Modules that move robots among people, whose constants wait for their new design."""
 ONE_VALUE = ("behaviors", "nav", "navigation")

@@ -58,9 +58,8 @@ def init(
         yes: Ask nothing; a file that is there is an error.
     """
     from pioneer3.errors import ConfigError
-    from pioneer3.fleet.draft import draft, here, robot_of
     from pioneer3.fleet.edit import Change, text_of
-    from pioneer3.fleet.inventory import FILE, Defaults, Operator, to_toml
+    from pioneer3.fleet.inventory import FILE, Defaults, Operator, draft, here, robot_of, to_toml
     from pioneer3.links.urls import TCP_PORT
 
     path = fleet or Path(FILE)

@@ -60,7 +60,7 @@ async def _discover(
 ) -> int:
     from pioneer3.cli.process import busy_sign
     from pioneer3.fleet.discovery import discover as find
-    from pioneer3.fleet.offers import offers
+    from pioneer3.fleet.discovery import offers
 
     where = f" and {len(targets)} addresses" if targets else ""
     with busy_sign(f"Looking in the network{where} ..."):

@@ -38,7 +38,7 @@ async def connecting(
     """
     from pioneer3.fleet.connecting import connects
     from pioneer3.fleet.reach import model_of
-    from pioneer3.fleet.ros_variables import missing_variables
+    from pioneer3.fleet.ros_graph import missing_variables
     from pioneer3.ros.ros1.client import robots_by_node
     from pioneer3.ros.ros2.sessions import sessions
 

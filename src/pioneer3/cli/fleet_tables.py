@@ -61,8 +61,7 @@ def list_(
         return 0
     from pioneer3.fleet.host_facts import clocks
     from pioneer3.fleet.live import Questions
-    from pioneer3.fleet.ros_graph import Endpoint
-    from pioneer3.fleet.ros_variables import master_of
+    from pioneer3.fleet.ros_graph import Endpoint, master_of
 
     masters = (os.environ.get("ROS_MASTER_URI"), master_of(given))
     questions = Questions(

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from rich.cells import cell_len
 from rich.text import Text
 
-from pioneer3.demo.braille import Braille
+from pioneer3.demo.drawing import Braille
 from pioneer3.maps.grid import samples
 from pioneer3.maps.line_map import Bounds
 from pioneer3.sim.worldfile.drawing import Drawing, Layer, Marker

@@ -146,7 +146,7 @@ def laser(
 
 
 async def _serve_laser(arguments: tuple[str, ...], port: str) -> int:
-    from pioneer3.ros.ros1.laser import serve_laser
+    from pioneer3.ros.ros1.start import serve_laser
 
     def find(ports: Sequence[str]) -> "Awaitable[Sequence[LaserSpec]]":
         return LaserOptions(laser=tuple(ports) or (port,)).specs()

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Final
 from urllib.parse import urlsplit
 
 from pioneer3.errors import how_to_get
-from pioneer3.links.addresses import ANY, machine_address
-from pioneer3.links.urls import split_host
+from pioneer3.links.urls import ANY, machine_address, split_host
 
 if TYPE_CHECKING:
     from zeroconf import ServiceInfo

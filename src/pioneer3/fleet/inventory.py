@@ -3,7 +3,8 @@
 :func:`read_fleet` checks every field; an error names file, line and key.
 """
 
-from collections.abc import Mapping
+import socket
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import MappingProxyType
@@ -12,9 +13,10 @@ from typing import Any, Final
 from pioneer3.errors import ConfigError
 from pioneer3.fleet import checks
 from pioneer3.fleet.network import Network, check_networks
+from pioneer3.fleet.reach import address_towards
 from pioneer3.fleet.spec import ALL, Defaults, Fleet, Operator, Robot, usual
 from pioneer3.tables import Source, converted, keys, load, table_of, written
-from pioneer3.text import decoded, read_bytes
+from pioneer3.text import decoded, read_bytes, shown
 
 __all__ = [
     "ALL",
@@ -135,3 +137,51 @@ def _table(robot: Robot, defaults: Defaults) -> dict[str, object]:
     known = usual(robot, defaults)
     values = {key: getattr(robot, key) for key in keys(Robot)}
     return {key: value for key, value in values.items() if value != known.get(key, "")}
+
+
+DOCUMENTATION_ADDRESS = "192.0.2.1"
+"""An address that no computer has (RFC 5737)."""
+
+
+def robot_of(word: str, defaults: Defaults) -> Robot:
+    """Read `NAME=ADDRESS`, such as `p3at-1=192.168.1.113`.
+
+    Raises:
+        ConfigError: It is not that.
+    """
+    name, equals, address = (part.strip() for part in word.partition("="))
+    if not (name and equals and address):
+        raise ConfigError(f"{shown(word)}: expected NAME=ADDRESS, such as p3at-1=192.168.1.113")
+    robot = Robot(name=name, address=address, port=defaults.port, ros=defaults.ros)
+    return replace(robot, **usual(robot, defaults))
+
+
+def draft(path: Path, operator: Operator, defaults: Defaults, robots: Sequence[str]) -> Fleet:
+    """Return a new fleet, checked as a file is.
+
+    Args:
+        path: Of the file to be.
+        operator: This computer.
+        defaults: Of all robots.
+        robots: `NAME=ADDRESS` of each.
+
+    Raises:
+        ConfigError: Something of it is wrong.
+    """
+    given = tuple(robot_of(word, defaults) for word in robots)
+    fleet = Fleet(path=path, operator=operator, defaults=defaults, robots=given)
+    return parse_fleet(path, to_toml(fleet))
+
+
+def here(robots: Sequence[str]) -> Operator:
+    """Return this computer: its name, and the address that the first of `robots` sees.
+
+    The address is empty if it is a robot's: simulated robots are on this computer.
+
+    Args:
+        robots: `NAME=ADDRESS` of each; a network without a router has no other hint.
+    """
+    addresses = [word.partition("=")[2].strip() for word in robots]
+    own = address_towards(next(iter(addresses), DOCUMENTATION_ADDRESS))
+    name = socket.gethostname().partition(".")[0]
+    return Operator(name=name, address="" if own in addresses else own)

@@ -7,7 +7,7 @@ from typing import Final
 from pioneer3.errors import ConfigError
 from pioneer3.fleet.reach import is_own, model_of, reached_at
 from pioneer3.fleet.spec import Fleet, Robot
-from pioneer3.links.addresses import ANY
+from pioneer3.links.urls import ANY
 from pioneer3.sim.worldfile import RobotSpec
 
 USUAL: Final = "p3at"

@@ -5,7 +5,7 @@ from typing import Final
 
 from pioneer3.errors import ConfigError
 from pioneer3.fleet.network import FILES
-from pioneer3.fleet.ros_variables import master_of
+from pioneer3.fleet.ros_graph import master_of
 from pioneer3.fleet.spec import Fleet, Robot
 
 STOPPING: Final = 10

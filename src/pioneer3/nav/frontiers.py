@@ -12,7 +12,7 @@ from pioneer3.jit import fast
 from pioneer3.maps import OccupancyGrid
 from pioneer3.maps.line_map import FREE, OCCUPIED, UNKNOWN
 from pioneer3.nav.kernels import CACHE
-from pioneer3.nav.kernels.reach import ways_from
+from pioneer3.nav.kernels.fields import ways_from
 
 Float = NDArray[np.float64]
 Int = NDArray[np.int64]

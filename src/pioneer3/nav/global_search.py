@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 
 from pioneer3.geometry import Pose2
 from pioneer3.jit import fast
-from pioneer3.nav.field import DistanceField
 from pioneer3.nav.hypotheses import Hypotheses
 from pioneer3.nav.kernels import CACHE
-from pioneer3.nav.kernels.search import score_places
+from pioneer3.nav.kernels.fields import score_places
 from pioneer3.nav.likelihood import ScanLikelihood
+from pioneer3.nav.raster import DistanceField
 
 Float = NDArray[np.float64]
 Int32 = NDArray[np.int32]

@@ -11,9 +11,9 @@ from pioneer3.maps import LineMap, OccupancyGrid
 from pioneer3.maps.line_map import OCCUPIED
 from pioneer3.maps.materials import GLASS
 from pioneer3.nav.beams import Beams
-from pioneer3.nav.field import DistanceField
 from pioneer3.nav.kernels import CACHE
 from pioneer3.nav.kernels.scans import judge_poses, number_walls, refine_poses, weigh_poses
+from pioneer3.nav.raster import DistanceField
 
 Float = NDArray[np.float64]
 Int32 = NDArray[np.int32]

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from pioneer3.jit import fast
 from pioneer3.nav.costs import CostMap, inside
 from pioneer3.nav.kernels import CACHE
-from pioneer3.nav.kernels.eikonal import NOT_WAITING, march
+from pioneer3.nav.kernels.fields import NOT_WAITING, march
 from pioneer3.nav.kernels.ways import descend
 from pioneer3.nav.raster import Raster
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from math import hypot, inf
 from typing import Any
 
-from pioneer3.behaviors.action import Stack
+from pioneer3.behaviors.action import Action, Desire, Goal, Situation, Stack
 from pioneer3.errors import MotionError
 from pioneer3.geometry import Pose2
 from pioneer3.maps import LineMap, MapObject, OccupancyGrid
@@ -27,14 +27,48 @@ from pioneer3.nav.places import home
 from pioneer3.nav.planner import Way
 from pioneer3.nav.rendering import Renderer, drawn, line_map_of, trodden
 from pioneer3.nav.sightings import Sightings
-from pioneer3.navigation.explore import Explore
-from pioneer3.navigation.follow_way import FollowWay, follow_way
+from pioneer3.navigation.follow_way import FollowWay, follow_way, stand_unsure
 from pioneer3.navigation.localization import Localizable
 from pioneer3.navigation.navigator import Navigator
 from pioneer3.robot.supervisor import Feed
 from pioneer3.runtime.motions import run_mode
 from pioneer3.state import Snapshot
 from pioneer3.tasks import running
+
+
+@dataclass(slots=True, kw_only=True)
+class Explore(Action):
+    """Drives one way after the other; between them the robot stands.
+
+    Attributes:
+        unsure: Returns the reason that nobody knows where the robot is, or `None`.
+        leg: The present way, or `None` while the next one is looked for.
+        done: Whether no edge is left.
+    """
+
+    unsure: Callable[[], str | None]
+    leg: FollowWay | None = None
+    name: str = "explore"
+    wants_scans: bool = True
+    done: bool = False
+
+    @property
+    def goal(self) -> Goal | None:
+        """Where it goes, in odometry's frame."""
+        return self.leg.goal if self.leg else None
+
+    def decide(self, situation: Situation) -> Desire | None:
+        """Return the next velocity, or `None` at the end."""
+        if self.done:
+            return None
+        leg = self.leg
+        if leg is None or leg.done or leg.failed:
+            if unsure := self.unsure():
+                return stand_unsure(unsure)
+            return Desire(v=0.0, w=0.0, reason="looks where the map ends")
+        desire = leg.decide(situation)
+        return desire or Desire(v=0.0, w=0.0, reason="has seen the edge of the map")
+
 
 AT_HOME = 3.0
 """Longest wait for a robot that stands at the map's home to find that [s]."""

@@ -30,8 +30,8 @@ from pioneer3.navigation.localization import (
     InThread,
     Localizable,
     Localization,
+    look_around,
 )
-from pioneer3.navigation.look_around import look_around
 from pioneer3.navigation.traffic import Traffic
 from pioneer3.navigation.ways import to_drive
 from pioneer3.robot.supervisor import Feed

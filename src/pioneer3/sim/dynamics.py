@@ -9,13 +9,13 @@ from numpy.typing import NDArray
 
 from pioneer3.maps import LineMap
 from pioneer3.sim.body import Body, Speeds
-from pioneer3.sim.imu import GRAVITY, ImuReading
 from pioneer3.sim.kernels import Drives, Grid, Kernels, Robots
 from pioneer3.sim.kernels.drives import ANGULAR, LINEAR, VELOCITY
 from pioneer3.sim.obstacles import Obstacle
 from pioneer3.sim.realism import SonarErrors
 from pioneer3.sim.relief import Relief
 from pioneer3.sim.sensing import PlanarSensing, Sensing
+from pioneer3.sim.sensors import GRAVITY, ImuReading
 from pioneer3.sim.worldfile.spec import PHYSICS_STEP, Physics
 
 Float = NDArray[np.float64]

@@ -1,7 +1,9 @@
-"""Ranges of the robot's sensors, and the order in which its sonar transducers fire.
+"""Sensors of a body.
 
 Transducers come in arrays of eight. Each array has an order of its own; all fire at the same rate.
 """
+
+from dataclasses import dataclass
 
 SONAR_RANGE = 5.0
 """The reading of a transducer that hears no echo, and the farthest it hears [m] (facts.md 7.2)."""
@@ -33,3 +35,20 @@ def fired(firing: Firing, first: int, last: int) -> dict[int, int]:
         for slot in range(max(first, last - len(order)), last):
             pairs[order[slot % len(order)]] = order[(slot - 1) % len(order)]
     return pairs
+
+
+GRAVITY = 9.81
+"""[m/s2]."""
+
+
+@dataclass(frozen=True, slots=True)
+class ImuReading:
+    """A reading of a gyro and an accelerometer at a robot's origin, about its own axes.
+
+    Attributes:
+        rates: Turn rates about x (ahead), y (left) and z (up) [rad/s].
+        acceleration: Along the same [m/s2]. At rest on a level floor it is 9.81 upwards.
+    """
+
+    rates: tuple[float, float, float]
+    acceleration: tuple[float, float, float]

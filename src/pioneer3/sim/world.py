@@ -18,7 +18,6 @@ from pioneer3.maps import LineMap, empty_map
 from pioneer3.maps.materials import Codes
 from pioneer3.sim.body import Body, Bumpers, outline_of
 from pioneer3.sim.dynamics import Dynamics, PlanarDynamics
-from pioneer3.sim.imu import ImuReading
 from pioneer3.sim.kernels import (
     Drives,
     Fan,
@@ -32,7 +31,7 @@ from pioneer3.sim.kernels.drives import LONGEST, SUPPLY
 from pioneer3.sim.obstacles import Obstacle
 from pioneer3.sim.realism import Realism
 from pioneer3.sim.relief import FLAT, Relief
-from pioneer3.sim.sensors import LASER_RANGE, Firing
+from pioneer3.sim.sensors import LASER_RANGE, Firing, ImuReading
 from pioneer3.sim.sonar import SequentialSonars, SimultaneousSonars, Sonars
 from pioneer3.sim.worldfile import Box, Person
 

@@ -14,9 +14,9 @@ from pioneer3.fleet.discovery import (
     addresses_in,
     bridge_answer,
     discover,
+    offers,
 )
 from pioneer3.fleet.inventory import parse_fleet
-from pioneer3.fleet.offers import offers
 from pioneer3.sim.server.start import simulator
 
 LAB = parse_fleet(Path("f.toml"), '[[robot]]\nname = "p3at-1"\naddress = "10.0.0.1"\n')

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from pioneer3.fleet.known_hosts import hashed, hashes_names, remember
+from pioneer3.fleet.key import hashed, hashes_names, remember
 
 KEY = "ssh-ed25519 AAAAC3NzaC1lZDI1NTE5AAAAIJQ0LQn7JEmGYlYx0ulUSvVGhxvxUPZkyBcHgX2nX2eO"
 

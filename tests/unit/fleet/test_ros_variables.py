@@ -4,7 +4,7 @@ from pathlib import Path
 import pytest
 
 from pioneer3.fleet.inventory import parse_fleet
-from pioneer3.fleet.ros_variables import master_of, missing_variables
+from pioneer3.fleet.ros_graph import master_of, missing_variables
 from pioneer3.fleet.spec import Fleet, Operator
 
 FLEET = """\

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from pioneer3.maps import Bounds
 from pioneer3.maps.line_map import distances
-from pioneer3.nav.field import DistanceField
+from pioneer3.nav.raster import DistanceField
 
 coordinate = st.floats(-2.0, 2.0).map(lambda value: round(value, 3))
 Float = NDArray[np.float64]

@@ -11,7 +11,7 @@ from pioneer3.jit import plain
 from pioneer3.maps import OccupancyGrid
 from pioneer3.maps.line_map import FREE, OCCUPIED, UNKNOWN
 from pioneer3.nav.frontiers import find_frontiers
-from pioneer3.nav.kernels.reach import ways_from
+from pioneer3.nav.kernels.fields import ways_from
 
 CELL = 0.05
 

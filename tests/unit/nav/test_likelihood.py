@@ -15,9 +15,9 @@ from pioneer3.maps import LineMap
 from pioneer3.maps.line_map import OCCUPIED, OccupancyGrid
 from pioneer3.maps.materials import GLASS
 from pioneer3.nav.kernels import CACHE
+from pioneer3.nav.kernels.fields import score_places
 from pioneer3.nav.kernels.pings import echo_range, expected_ranges, weigh_ranges
 from pioneer3.nav.kernels.scans import judge_poses, refine_poses, weigh_poses
-from pioneer3.nav.kernels.search import score_places
 from pioneer3.nav.likelihood import (
     INDEPENDENT_READINGS,
     WALL_REACH,

@@ -7,8 +7,8 @@ from pioneer3.geometry import ORIGIN
 from pioneer3.nav.follower import Follower
 from pioneer3.nav.planner import Way, plan
 from pioneer3.nav.sightings import Sightings
-from pioneer3.navigation.explore import Explore
 from pioneer3.navigation.follow_way import FollowWay, follow_way
+from pioneer3.navigation.map_builder import Explore
 from tests.unit.behaviors.support import LIMITS, P3AT, seen
 from tests.unit.nav.offices import costs, room
 

@@ -3,7 +3,7 @@
 from pioneer3.geometry import Pose2
 from pioneer3.nav.follower import NO_OBSTACLES
 from pioneer3.nav.planner import Way, plan
-from pioneer3.navigation.lining_up import HELD_UP, LiningUp
+from pioneer3.navigation.follow_way import HELD_UP, LiningUp
 from tests.unit.behaviors.support import seen
 from tests.unit.nav.offices import costs, room
 

@@ -13,7 +13,7 @@ from pioneer3.geometry import Pose2
 from pioneer3.lasers.client import LaserIdentity, ScanSettings
 from pioneer3.robot.lasers.driver import LaserDriver
 from pioneer3.robot.lasers.mounting import Mounting
-from pioneer3.ros.messages.laser_diagnostics import device_id
+from pioneer3.ros.messages.diagnostics import device_id
 from pioneer3.ros.node.laser_node import LaserNode
 from pioneer3.ros.node.node import RobotNode
 from pioneer3.ros.node.parameters import read_parameters

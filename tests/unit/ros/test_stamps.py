@@ -2,7 +2,7 @@
 
 from types import SimpleNamespace
 
-from pioneer3.ros.messages.stamps import nanoseconds
+from pioneer3.ros.messages.update import nanoseconds
 from tests.unit.ros.fakes import Moment
 
 

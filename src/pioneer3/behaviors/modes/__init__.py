@@ -7,9 +7,8 @@ The page's forms, the HTTP API, the command line, ROS's demos, the demo and the 
 from typing import TYPE_CHECKING, Union
 
 from pioneer3.behaviors.modes.follow import Follow, follow
-from pioneer3.behaviors.modes.goto import Goto, goto
+from pioneer3.behaviors.modes.goto import Goto, Turn, goto
 from pioneer3.behaviors.modes.mode import Mode
-from pioneer3.behaviors.modes.turn import Turn
 from pioneer3.behaviors.modes.wander import Preset, Wander, wander
 
 MODES: tuple[type[Mode], ...] = (

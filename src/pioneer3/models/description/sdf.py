@@ -5,10 +5,9 @@ from xml.etree import ElementTree as ET
 
 from pioneer3.models import LaserMount, RobotModel, Shape, physics_of, shape_of
 from pioneer3.models.description import gazebo
-from pioneer3.models.description.inertials import Inertial, inertials_of
 from pioneer3.models.description.solids import COLORS, Solid, solids_of
 from pioneer3.models.description.tree import Frames, Joint, Tree, body_tree
-from pioneer3.models.description.xml import AXES, MAKER, document, row
+from pioneer3.models.description.xml import AXES, MAKER, Inertial, document, inertials_of, row
 from pioneer3.models.lasers import LASERS, LaserModel
 
 VERSION: Final = "1.9"

@@ -4,10 +4,9 @@ from typing import Final
 from xml.etree import ElementTree as ET
 
 from pioneer3.models import RobotModel, physics_of, shape_of
-from pioneer3.models.description.inertials import Inertial, inertials_of
 from pioneer3.models.description.solids import COLORS, Solid, solids_of
 from pioneer3.models.description.tree import Frames, Joint, Tree
-from pioneer3.models.description.xml import AXES, MAKER, document, row
+from pioneer3.models.description.xml import AXES, MAKER, Inertial, document, inertials_of, row
 
 VELOCITY: Final = "hardware_interface/VelocityJointInterface"
 """How ros_control turns a wheel."""

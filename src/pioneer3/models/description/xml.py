@@ -1,10 +1,14 @@
-"""Numbers and pieces of XML that all three formats of a description write in the same way."""
+"""Numbers, pieces of XML and inertias that all formats of a description write alike."""
 
 from collections.abc import Mapping
 from math import cos, sin
 from types import MappingProxyType
-from typing import Final
+from typing import Final, NamedTuple
 from xml.etree import ElementTree as ET
+
+from pioneer3.models import RobotModel, physics_of, shape_of
+from pioneer3.models.description.tree import Tree
+from pioneer3.models.physics import Inertia, box_inertia
 
 MAKER: Final = "Drawn by pioneer3 from the robot's model."
 """In every description of ours, and in no other."""
@@ -32,3 +36,25 @@ def quaternion(roll: float, pitch: float, yaw: float) -> tuple[float, float, flo
         cr * sp * cy + sr * cp * sy,
         cr * cp * sy - sr * sp * cy,
     )
+
+
+class Inertial(NamedTuple):
+    """The mass of a link [kg], its inertia about its center [kg m2], and that center [m]."""
+
+    mass: float
+    inertia: Inertia
+    at: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+
+def inertials_of(model: RobotModel, tree: Tree) -> dict[str, Inertial]:
+    """Return the masses of the links that have one; a caster that is fixed is part of the base."""
+    physics, shape = physics_of(model), shape_of(model)
+    center = (physics.center_x, 0.0, physics.center_z)
+    base = physics.base_mass if tree.caster else physics.body_mass
+    caster = Inertial(physics.caster_mass, physics.caster_inertia(shape))
+    wheel = Inertial(physics.wheel_mass, physics.wheel_inertia(shape))
+    return {
+        tree.base: Inertial(base, box_inertia(base, *physics.box), center),
+        **{joint.child: wheel for joint in tree.wheels},
+        **{joint.child: caster for joint in tree.caster},
+    }

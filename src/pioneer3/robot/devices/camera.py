@@ -8,10 +8,8 @@ from typing import Literal, get_args
 
 from pioneer3.errors import CommandError, ConfigError, DeviceError
 from pioneer3.robot.devices.aux_port import AuxPort
-from pioneer3.robot.devices.camera_kind import Aim, CameraKind
-from pioneer3.robot.devices.canon import CanonVcc4
+from pioneer3.robot.devices.camera_kind import Aim, CameraKind, CanonVcc4, SonyEvi
 from pioneer3.robot.devices.presence import Presence
-from pioneer3.robot.devices.sony import SonyEvi
 from pioneer3.robot.supervisor import Supervisor
 
 CameraName = Literal["sony", "vcc4", "vcc4-inverted"]

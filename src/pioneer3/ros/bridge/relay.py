@@ -14,7 +14,7 @@ from pioneer3.errors import Refusal
 from pioneer3.ros.bridge.conversion import Convert
 from pioneer3.ros.bridge.guard import ZERO, CommandGuard, is_finite
 from pioneer3.ros.bridge.rows import TRANSFORMS, Row, Side
-from pioneer3.ros.messages.stamps import NANO, nanoseconds
+from pioneer3.ros.messages.update import NANO, nanoseconds
 
 log = logging.getLogger(__name__)
 WAITING: Final = 10

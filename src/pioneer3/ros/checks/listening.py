@@ -13,7 +13,7 @@ from pioneer3.ros.checks.content import faults_in
 from pioneer3.ros.checks.expectations import Expectation, expectations
 from pioneer3.ros.checks.facts import Facts, Report, Sample, Stream, Transform
 from pioneer3.ros.checks.robots import robot_called
-from pioneer3.ros.messages.stamps import nanoseconds
+from pioneer3.ros.messages.update import nanoseconds
 from pioneer3.ros.ros2.backend import Backend, Closable, Graph, Kind, NodeName, Qos
 from pioneer3.ros.ros2.client import DISCOVERY
 from pioneer3.ros.ros2.remapping import Remapping

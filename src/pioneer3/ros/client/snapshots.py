@@ -14,7 +14,7 @@ from pioneer3.geometry import Pose2, Twist2
 from pioneer3.models import RobotModel
 from pioneer3.robot.assemble import SONAR_MAX
 from pioneer3.ros.client.graph import ODOMETRY, RobotTopics
-from pioneer3.ros.messages.stamps import NANO, nanoseconds
+from pioneer3.ros.messages.update import NANO, nanoseconds
 from pioneer3.ros.node.middleware import Sender, Subscription, Topics
 from pioneer3.state import Battery, Bumpers, Motors, Odometry, Snapshot, Sonar
 

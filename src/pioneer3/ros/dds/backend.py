@@ -29,9 +29,9 @@ from pioneer3.ros.ros2.backend import (
     Received,
     Respond,
     ServiceType,
+    Unread,
 )
 from pioneer3.ros.ros2.types import MessageTypes
-from pioneer3.ros.ros2.unread import Unread
 
 LOOK: Final = 0.01
 """Pause between two looks whether a service is there [s]."""

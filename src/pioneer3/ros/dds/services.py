@@ -15,8 +15,7 @@ from secrets import randbits
 from threading import BoundedSemaphore
 from typing import Any, Final
 
-from pioneer3.ros.ros2.backend import Respond
-from pioneer3.ros.ros2.unread import Unread
+from pioneer3.ros.ros2.backend import Respond, Unread
 
 ENCAPSULATION: Final = 4
 """Length of the header of CDR."""

@@ -181,3 +181,14 @@ def fill_pose(position: Any, orientation: Any, pose: Pose2) -> None:
     position.x, position.y = pose.x, pose.y
     turn = Quaternion.about_z(pose.theta)
     orientation.z, orientation.w = turn.z, turn.w
+
+
+NANO: Final = 1_000_000_000
+"""Nanoseconds of a second."""
+
+
+def nanoseconds(stamp: Any) -> int:
+    """Return a time [ns]: of builtin_interfaces (ROS 2: `sec`, `nanosec`) or genpy (ROS 1)."""
+    if hasattr(stamp, "nanosec"):
+        return int(stamp.sec) * NANO + int(stamp.nanosec)
+    return int(stamp.to_nsec())

@@ -3,7 +3,7 @@
 from typing import Any, Final
 
 from pioneer3.ros.messages.goals import Goal, GoalState
-from pioneer3.ros.messages.stamps import nanoseconds
+from pioneer3.ros.messages.update import nanoseconds
 
 LISTED: Final = 5.0
 """A goal that is over is listed for so long [s]: its sender may have missed the result."""

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 from pioneer3.behaviors.action import Stack
 from pioneer3.errors import MotionError, PioneerError
 from pioneer3.ros.messages.goals import Goal, GoalState, GoalsUpdate, ResultUpdate
-from pioneer3.ros.messages.stamps import NANO, nanoseconds
+from pioneer3.ros.messages.update import NANO, nanoseconds
 from pioneer3.ros.node.goal_list import GoalList
 from pioneer3.ros.node.middleware import Middleware
 from pioneer3.ros.node.publishing import Publishing

@@ -7,8 +7,7 @@ from typing import Final
 
 from pioneer3.robot.lasers.driver import LaserDriver
 from pioneer3.robot.supervisor import Connection
-from pioneer3.ros.messages.diagnostics import DiagnosticsUpdate
-from pioneer3.ros.messages.laser_diagnostics import device_id, laser_status
+from pioneer3.ros.messages.diagnostics import DiagnosticsUpdate, device_id, laser_status
 from pioneer3.ros.messages.update import ScanUpdate
 from pioneer3.ros.node.middleware import Middleware
 from pioneer3.ros.node.names import Profile

@@ -23,8 +23,8 @@ from pioneer3.ros.messages.diagnostics import (
     Health,
     diagnose,
     hardware_id,
+    laser_status,
 )
-from pioneer3.ros.messages.laser_diagnostics import laser_status
 from pioneer3.ros.messages.motion import WheelAngles
 from pioneer3.ros.messages.update import (
     DescriptionUpdate,

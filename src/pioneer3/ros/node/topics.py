@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import Final
 
 from pioneer3.models import RobotModel
-from pioneer3.ros.messages import camera, motion, sensors
+from pioneer3.ros.messages import motion, sensors
 from pioneer3.ros.messages.diagnostics import DiagnosticsUpdate, diagnostics
 from pioneer3.ros.messages.update import (
     DescriptionUpdate,
@@ -279,7 +279,7 @@ TOPICS: Final = (
         standard="camera/image_raw",
         type_name="sensor_msgs/Image",
         source=PictureUpdate,
-        fill=camera.image,
+        fill=sensors.image,
         optional="a camera",
         frame=lambda frames: frames.camera_optical,
         note="`rgb8`, with `--camera` or `~camera_url`; its frame is `camera_optical_frame`",
@@ -289,7 +289,7 @@ TOPICS: Final = (
         standard="camera/camera_info",
         type_name="sensor_msgs/CameraInfo",
         source=PictureUpdate,
-        fill=camera.camera_info,
+        fill=sensors.camera_info,
         optional="a camera",
         frame=lambda frames: frames.camera_optical,
         note="matrices of 0 unless the camera tells its field of view, as"

@@ -29,9 +29,9 @@ from pioneer3.ros.ros2.backend import (
     Received,
     Respond,
     ServiceType,
+    Unread,
 )
 from pioneer3.ros.ros2.types import MessageTypes
-from pioneer3.ros.ros2.unread import Unread
 
 RANGE: Final = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 """The variable of ROS 2, since Iron, that says who finds a node."""

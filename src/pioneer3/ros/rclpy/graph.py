@@ -5,8 +5,7 @@ from dataclasses import replace
 from typing import Any, Final
 
 from pioneer3.names import printable
-from pioneer3.ros.ros2.backend import DEPTH, Endpoint, Graph, Kind, NodeName, Qos
-from pioneer3.ros.ros2.unread import Unread
+from pioneer3.ros.ros2.backend import DEPTH, Endpoint, Graph, Kind, NodeName, Qos, Unread
 
 UNKNOWN: Final = "_NODE_NAME_UNKNOWN_"
 """Name of the node of an endpoint whose participant has told no node."""

@@ -3,7 +3,7 @@
 import asyncio
 import gc
 import os
-from collections.abc import AsyncIterator, Callable, Sequence
+from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
 from contextlib import asynccontextmanager, suppress
 from threading import Thread
 from typing import Final
@@ -11,8 +11,15 @@ from urllib.parse import urlsplit
 
 from pioneer3.errors import ConfigError
 from pioneer3.robot.identity import is_simulator
+from pioneer3.robot.lasers.driver import LaserDriver
+from pioneer3.robot.lasers.spec import LaserSpec
 from pioneer3.robot.supervisor import RobotInfo
 from pioneer3.ros.addresses import LOCAL, LOOPBACK, wait_for_master
+from pioneer3.ros.node.laser_node import FRAME, LaserNode
+from pioneer3.ros.node.laser_parameters import (
+    read_laser_parameters,
+    unused_laser_parameters,
+)
 from pioneer3.ros.node.names import NODE, lab_node
 from pioneer3.ros.node.node import RobotNode
 from pioneer3.ros.node.parameters import MODEL, SIMULATED
@@ -144,3 +151,38 @@ def _delete(name: str) -> None:
         folder = full.rpartition("/")[0]
         if folder and rospy.get_param(folder, None) == {}:
             _delete(folder)
+
+
+LASER_NODE: Final = "laser"
+
+
+async def serve_laser(
+    arguments: Sequence[str],
+    find: Callable[[Sequence[str]], Awaitable[Sequence[LaserSpec]]],
+    tell: Callable[[str], None],
+) -> int:
+    """Run the node until it is shut down or cancelled.
+
+    Args:
+        arguments: ROS's own.
+        find: Looks for the laser, given its port if the parameters have one.
+        tell: Takes a line for a person.
+
+    Raises:
+        PioneerError: something could not be started; the message says what to do.
+    """
+    async with on_ros(LASER_NODE, arguments, tell) as watch:
+        import rospy
+
+        raw = rospy.get_param("~", {})
+        parameters = read_laser_parameters(raw)
+        for sentence in unused_laser_parameters(raw):
+            rospy.logwarn(sentence)
+        watch.start()
+        spec = parameters.applied_to(await find(parameters.ports))[0]
+        tell(f"laser at {spec.url}")
+        driver = LaserDriver(spec.config(), mounting=lambda: spec.mounting_on(None))
+        middleware = RospyMiddleware()
+        node = LaserNode(driver, parameters.frame_id.lstrip("/") or FRAME, middleware)
+        await node.run(lambda: announce(middleware, tell))
+    return 0

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any, Final
 
-from pioneer3.ros.messages.stamps import NANO, nanoseconds
+from pioneer3.ros.messages.update import NANO, nanoseconds
 from pioneer3.ros.node.driving_parameters import DrivingParameters
 from pioneer3.ros.node.middleware import QUEUE, Sender
 from pioneer3.ros.node.parameters import NodeParameters

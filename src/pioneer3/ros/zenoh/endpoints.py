@@ -10,8 +10,7 @@ from math import isinf
 from threading import BoundedSemaphore, Condition, Thread, current_thread
 from typing import TYPE_CHECKING, Any, Final
 
-from pioneer3.ros.ros2.backend import Left, Qos, Received
-from pioneer3.ros.ros2.unread import Unread
+from pioneer3.ros.ros2.backend import Left, Qos, Received, Unread
 from pioneer3.ros.zenoh.keys import GID_BYTES, Attachment, parse_attachment
 
 if TYPE_CHECKING:

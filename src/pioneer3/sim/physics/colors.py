@@ -1,4 +1,4 @@
-"""Colours of a world's parts: a camera and a colour tracker can tell them apart."""
+"""Colours of a world's geoms: a camera and a colour tracker can tell them apart; their groups."""
 
 from collections.abc import Mapping
 from types import MappingProxyType
@@ -54,3 +54,12 @@ def paint(spec: Any, obstacles: Mapping[str, Obstacle]) -> None:
         width=SKY_SIZE,
         height=SKY_SIZE * 6,
     )
+
+
+COUNT = 6
+"""Number of MuJoCo's groups."""
+WALLS, THINGS, PARTS, TOUCHING, BODIES, LEGS = range(COUNT)
+"""Tall walls; the floor and all else that sensors meet; small parts of robots, which are only
+drawn; solids that only touch; people as sonars and eyes meet them, and as lasers do."""
+DRAWN = WALLS, THINGS, PARTS, BODIES
+"""By cameras."""

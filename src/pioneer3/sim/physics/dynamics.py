@@ -18,21 +18,21 @@ from pioneer3.geometry import Pose2
 from pioneer3.maps import LineMap, empty_map
 from pioneer3.models.description.mjcf import CAMERA
 from pioneer3.sim.body import Body, Speeds
-from pioneer3.sim.imu import GRAVITY, ImuReading
 from pioneer3.sim.kernels import Drives, Grid, Kernels, Robots
 from pioneer3.sim.kernels.drives import (
     TOUCHED,
 )
 from pioneer3.sim.obstacles import Obstacle
+from pioneer3.sim.physics.colors import TOUCHING
 from pioneer3.sim.physics.elements import turned
 from pioneer3.sim.physics.ground import Ground, feet_of, feet_of_box, has_ground
-from pioneer3.sim.physics.groups import TOUCHING
 from pioneer3.sim.physics.motors import Motors
 from pioneer3.sim.physics.scene import Scene, build, set_contacts
 from pioneer3.sim.physics.sensing import MujocoSensing
 from pioneer3.sim.realism import SonarErrors
 from pioneer3.sim.relief import FLAT, Relief
 from pioneer3.sim.sensing import Sensing
+from pioneer3.sim.sensors import GRAVITY, ImuReading
 from pioneer3.sim.worldfile import Person
 from pioneer3.sim.worldfile.spec import PHYSICS_STEP
 

@@ -9,7 +9,7 @@ from typing import Any
 from pioneer3.errors import ConfigError
 from pioneer3.models import RobotModel, physics_of
 from pioneer3.models.description.tree import wheel_joint_names
-from pioneer3.sim.physics.groups import PARTS, THINGS
+from pioneer3.sim.physics.colors import PARTS, THINGS
 from pioneer3.sim.relief import Carpet, Relief, Solid
 from pioneer3.sim.relief.mesh_file import Triangles
 from pioneer3.sim.relief.shapes import Block, Column, Hull, Shape, Terrain, Wedge

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from pioneer3.geometry import Pose2
 from pioneer3.models import RobotModel, shape_of
+from pioneer3.sim.physics.colors import COUNT, THINGS, TOUCHING
 from pioneer3.sim.physics.elements import FLOOR, turned
-from pioneer3.sim.physics.groups import COUNT, THINGS, TOUCHING
 from pioneer3.sim.relief import Relief
 from pioneer3.sim.worldfile import Box
 

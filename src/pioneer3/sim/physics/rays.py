@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pioneer3.maps.materials import GLASS, GLASS_ANGLE
-from pioneer3.sim.physics.groups import COUNT, THINGS
+from pioneer3.sim.physics.colors import COUNT, THINGS
 from pioneer3.sim.physics.scene import Scene
 
 Float = NDArray[np.float64]

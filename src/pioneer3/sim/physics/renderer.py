@@ -17,7 +17,7 @@ import numpy as np
 from msgspec import Struct
 from numpy.typing import NDArray
 
-from pioneer3.sim.physics.groups import DRAWN, TOUCHING
+from pioneer3.sim.physics.colors import DRAWN, TOUCHING
 
 LENGTH: Final = 4
 """Bytes before each message: its length, the most significant byte first."""

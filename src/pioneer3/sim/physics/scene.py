@@ -16,9 +16,8 @@ from pioneer3.models.description.mjcf import SIDES, bumper_geoms, mjcf_of
 from pioneer3.models.description.tree import wheel_joint_names
 from pioneer3.sim.body import Body
 from pioneer3.sim.obstacles import Obstacle
-from pioneer3.sim.physics.colors import paint
+from pioneer3.sim.physics.colors import BODIES, LEGS, PARTS, THINGS, WALLS, paint
 from pioneer3.sim.physics.elements import FLOOR, GROUND_FRICTION, SOLID, Elements, tires_of, turned
-from pioneer3.sim.physics.groups import BODIES, LEGS, PARTS, THINGS, WALLS
 from pioneer3.sim.relief import Relief
 from pioneer3.sim.worldfile import Box, Person
 

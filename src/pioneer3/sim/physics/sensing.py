@@ -17,7 +17,7 @@ from pioneer3.models import shape_of
 from pioneer3.sim.body import Body, Bumpers
 from pioneer3.sim.kernels import Fan, Grid, Kernels, Mounts, Robots, build_grid
 from pioneer3.sim.obstacles import Obstacle
-from pioneer3.sim.physics.groups import BODIES, LEGS, THINGS, WALLS
+from pioneer3.sim.physics.colors import BODIES, LEGS, THINGS, WALLS
 from pioneer3.sim.physics.rays import Places, cast, cast_light, places_of, refresh
 from pioneer3.sim.physics.scene import TALL, Scene
 from pioneer3.sim.realism import SonarErrors

@@ -15,8 +15,8 @@ from numpy.random import default_rng
 
 from pioneer3.errors import ConfigError, DeviceError, PioneerError, how_to_get
 from pioneer3.jit import numba_version
-from pioneer3.links.addresses import url_of
 from pioneer3.links.stream import accepted
+from pioneer3.links.urls import url_of
 from pioneer3.maps import LineMap
 from pioneer3.models import load_model
 from pioneer3.sim.body import Body

@@ -8,7 +8,7 @@ from contextlib import AsyncExitStack, asynccontextmanager, suppress
 from typing import Final
 
 from pioneer3.acts import QUIT, REQUEST, Blob, encode
-from pioneer3.links.addresses import url_of
+from pioneer3.links.urls import url_of
 from pioneer3.sim.eye import Eye, Kind, look
 from pioneer3.sim.server.listeners import listening
 from pioneer3.sim.server.running import SimulatedRobot

@@ -5,7 +5,7 @@ import pytest
 from pioneer3.arcos import commands
 from pioneer3.arcos.commands import to_payload
 from pioneer3.errors import CommandError
-from pioneer3.robot.devices.typed import parse_typed
+from pioneer3.robot.devices import parse_typed
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from pioneer3 import Robot, connect_async
-from pioneer3.ros.messages.stamps import NANO
+from pioneer3.ros.messages.update import NANO
 from pioneer3.ros.node.names import Profile
 from pioneer3.ros.node.node import RobotNode
 from pioneer3.ros.node.parameters import read_parameters

@@ -1,6 +1,6 @@
 import pytest
 
-from pioneer3.ros.ros2.unread import Unread
+from pioneer3.ros.ros2.backend import Unread
 
 
 @pytest.mark.parametrize(("number", "lines"), [(0, 0), (1, 1), (2, 2), (1000, 2)])
