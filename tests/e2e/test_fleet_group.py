@@ -111,7 +111,7 @@ class Real:
     """Says that no robot is simulated, as real ones do."""
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
-        monkeypatch.setattr("pioneer3.navigation.true_pose.is_simulator", lambda info: False)
+        monkeypatch.setattr("pioneer3.navigation.simulator.is_simulator", lambda info: False)
 
 
 async def test_real_robots_have_to_be_lined_up(

@@ -13,8 +13,8 @@ from pioneer3.lasers.cola.client import ColaClient
 from pioneer3.lasers.cola.configuration import DataConfig, OutputRange, ScanConfig
 from pioneer3.lasers.cola.families import LMS1XX, LMS5XX, TIM
 from pioneer3.lasers.cola.scan import Channel, Encoder, InputEvent, Moment, Position, ScanData
+from pioneer3.lasers.cola.script import wished_output, wished_scan
 from pioneer3.lasers.cola.wire import TelegramError, TelegramReader, Words, encode
-from pioneer3.lasers.cola.wishes import wished_output, wished_scan
 from tests.unit.lasers.cola_room import Room, laser
 
 U8, U16, U32 = st.integers(0, 0xFF), st.integers(0, 0xFFFF), st.integers(0, 0xFFFFFFFF)

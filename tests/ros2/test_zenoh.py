@@ -19,8 +19,7 @@ from pioneer3.ros.ros2.distros import distro_of
 from pioneer3.ros.ros2.types import MessageTypes
 from pioneer3.ros.zenoh.backend import ZenohBackend
 from pioneer3.ros.zenoh.keys import Attachment, gid_of
-from pioneer3.ros.zenoh.router import serve_router
-from pioneer3.ros.zenoh.settings import ZenohOptions, session_config
+from pioneer3.ros.zenoh.settings import ZenohOptions, serve_router, session_config
 from tests.ros2.zenoh_network import Authority, Cable, Program, free_port, wait_for
 from tests.ros2.zenoh_peer import LARGE, SETBOOL, STRING, SWITCH, TEXT
 

@@ -15,8 +15,7 @@ from pioneer3.ros.ros2.backend import LATCHED, MessageType, NodeName, Qos, Servi
 from pioneer3.ros.ros2.distros import distro_of
 from pioneer3.ros.ros2.types import MessageTypes
 from pioneer3.ros.zenoh.backend import ZenohBackend
-from pioneer3.ros.zenoh.router import serve_router
-from pioneer3.ros.zenoh.settings import ZenohOptions
+from pioneer3.ros.zenoh.settings import ZenohOptions, serve_router
 
 STRING = "RIHS01_df668c740482bbd48fb39d76a70dfd4bd59db1288021743503259e948f6b1a18"
 TEXT = MessageType("std_msgs/msg/String", STRING)

@@ -53,7 +53,7 @@ def _show_robot(robot: "Robot") -> None:
 
 
 def _as_data(robot: "Robot") -> dict[str, object]:
-    from pioneer3.robot.identity import kind
+    from pioneer3.robot.supervisor import kind
 
     info, snapshot = robot.info, robot.snapshot
     return {

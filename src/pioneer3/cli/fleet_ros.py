@@ -36,7 +36,7 @@ async def connecting(
         sonar: Whether to listen to sonars on ROS 2, which modes need and keys do not.
         at_once: Whether to go on before robots on ROS report, to stop them, whatever their model.
     """
-    from pioneer3.fleet.connecting import connects
+    from pioneer3.fleet.members import connects
     from pioneer3.fleet.reach import model_of
     from pioneer3.fleet.ros_graph import missing_variables
     from pioneer3.ros.ros1.client import robots_by_node

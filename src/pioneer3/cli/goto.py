@@ -64,7 +64,7 @@ def goto(
         motion: Bounds.
         navigation: Settings.
     """
-    from pioneer3.navigation.simulator_map import OF_SIMULATOR
+    from pioneer3.navigation.simulator import OF_SIMULATOR
 
     if not place:
         raise ConfigError("goto: give a name of the map, or x and y, or x, y and a heading")

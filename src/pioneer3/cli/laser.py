@@ -311,7 +311,7 @@ def view(
 
 async def _mask(options: LaserOptions, seconds: float, nearer_than: float) -> int:
     from pioneer3.cli.process import busy_sign, write_line
-    from pioneer3.robot.lasers.masks import learned, words
+    from pioneer3.robot.lasers.mounting import learned, words
 
     async with _driver(options) as driver:
         with busy_sign(f"Looking for {seconds:g} s; stay away from the robot ..."):

@@ -158,7 +158,7 @@ async def _obey_keys(robot: "Driven", pressed: list[str]) -> None:
 
 def announce(robot: "Driven", words: str, *, json: bool = False) -> None:
     """Print the robot and its motion, unless a program reads."""
-    from pioneer3.robot.identity import kind
+    from pioneer3.robot.supervisor import kind
 
     if not json:
         info = robot.info

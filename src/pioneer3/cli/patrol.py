@@ -58,7 +58,7 @@ def patrol(
         motion: Bounds.
         navigation: Settings.
     """
-    from pioneer3.navigation.simulator_map import OF_SIMULATOR
+    from pioneer3.navigation.simulator import OF_SIMULATOR
 
     if len(places) < 2:
         raise ConfigError("patrol: give two places or more, such as: patrol Lab Kitchen")

@@ -142,7 +142,7 @@ def router(*, network: NetworkOptions = ANYWHERE) -> int:
 
 
 async def _route(network: NetworkOptions) -> int:
-    from pioneer3.ros.zenoh.router import serve_router
+    from pioneer3.ros.zenoh.settings import serve_router
 
     await serve_router(network.network.router_options(), write_line)
     return 0

@@ -12,8 +12,7 @@ from rich.text import Text
 from pioneer3.cli.tables import battery_text
 from pioneer3.models import SonarMount
 from pioneer3.robot.explain import Reason, ReasonKind
-from pioneer3.robot.identity import is_simulator, kind
-from pioneer3.robot.supervisor import Connection, RobotInfo, Status
+from pioneer3.robot.supervisor import Connection, RobotInfo, Status, is_simulator, kind
 from pioneer3.state import LinkQuality, Snapshot, Sonar
 
 FARTHEST = 5.0

@@ -125,7 +125,7 @@ def _view(info: "RobotInfo", snapshot: "Snapshot", picture: "Canvas") -> "Render
     from rich.console import Group
     from rich.text import Text
 
-    from pioneer3.robot.identity import kind
+    from pioneer3.robot.supervisor import kind
 
     drawn = picture.text()
     drawn.end = "\n"

@@ -14,8 +14,7 @@ from rich.text import Text
 from pioneer3.doctor.facts import Finding, Level
 from pioneer3.doctor.probe import Probed, Verdict, choose
 from pioneer3.robot.config_table import NOT_SENT, explained
-from pioneer3.robot.identity import is_simulator, kind
-from pioneer3.robot.supervisor import RobotInfo
+from pioneer3.robot.supervisor import RobotInfo, is_simulator, kind
 from pioneer3.state import Charging, Snapshot
 
 SIGNS: Final = {

@@ -8,7 +8,7 @@ from functools import partial
 from pioneer3.demo.plain import Plain, serve_plain, typed
 from pioneer3.demo.program import Program
 from pioneer3.robot.devices import Acts
-from pioneer3.robot.identity import kind
+from pioneer3.robot.supervisor import kind
 from pioneer3.runtime.robot import Robot
 from pioneer3.teleop.terminal import raw_terminal
 

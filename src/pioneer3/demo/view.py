@@ -11,8 +11,7 @@ from pioneer3.behaviors.explanations import explain
 from pioneer3.demo.mode import DemoMode, Gauge
 from pioneer3.robot.devices import detailed_status
 from pioneer3.robot.explain import ReasonKind
-from pioneer3.robot.identity import is_simulator, kind
-from pioneer3.robot.supervisor import Connection
+from pioneer3.robot.supervisor import Connection, is_simulator, kind
 from pioneer3.runtime.robot import Robot
 
 FOOT = (

@@ -15,7 +15,7 @@ from pioneer3.doctor.ports import Holder, SerialPort, latency_file
 from pioneer3.doctor.recognition import Kind, OtherDevice
 from pioneer3.errors import PortBusyError, PortNotFoundError, PortPermissionError, UnknownHostError
 from pioneer3.links.serial import SPEEDS, how_to_get_permission
-from pioneer3.robot.identity import kind
+from pioneer3.robot.supervisor import kind
 
 LONGEST_LATENCY_MS: Final = 1
 

@@ -18,8 +18,7 @@ from pioneer3.errors import (
     PortPermissionError,
 )
 from pioneer3.links import open_link
-from pioneer3.robot.identity import is_simulator
-from pioneer3.robot.supervisor import RobotInfo
+from pioneer3.robot.supervisor import RobotInfo, is_simulator
 
 NOT_REACHABLE: Final = 3
 """Exit code of the command line (facts.md 14.4)."""

@@ -5,8 +5,8 @@ from contextlib import asynccontextmanager
 from functools import partial
 
 from pioneer3.geometry import Pose2
+from pioneer3.navigation.simulator import TruePose
 from pioneer3.navigation.traffic import Place
-from pioneer3.navigation.true_pose import TruePose
 from pioneer3.runtime.driven import Driven
 from pioneer3.runtime.robot import Robot
 from pioneer3.state import Snapshot

@@ -10,10 +10,10 @@ from pioneer3.geometry import Pose2, Twist2, wrap
 from pioneer3.jit import fast
 from pioneer3.limits import Limits
 from pioneer3.models import RobotModel
-from pioneer3.nav.gaps import gaps_at
 from pioneer3.nav.kernels import CACHE
 from pioneer3.nav.kernels.arcs import arcs
 from pioneer3.nav.kernels.ways import walk_down
+from pioneer3.nav.manoeuvre import gaps_at
 from pioneer3.nav.planner import CostToGo
 
 Float = NDArray[np.float64]

@@ -11,7 +11,6 @@ from pioneer3.jit import fast
 from pioneer3.limits import Limits
 from pioneer3.models import RobotModel
 from pioneer3.nav.costs import CostMap
-from pioneer3.nav.gaps import gaps_at
 from pioneer3.nav.kernels import CACHE
 from pioneer3.nav.kernels.manoeuvres import manoeuvre
 from pioneer3.nav.moving import PERSON_RADIUS
@@ -19,6 +18,25 @@ from pioneer3.nav.planner import CostToGo
 from pioneer3.nav.raster import Raster
 
 Float = NDArray[np.float64]
+
+
+def gaps_at(at: Pose2, model: RobotModel, obstacles: Float) -> Float:
+    """Return the gap between a robot and each obstacle [m], less than 0 within one, shape (N,).
+
+    Args:
+        at: Where the robot is [m, rad].
+        model: Its outline.
+        obstacles: x, y [m], velocity [m/s] and radius [m] in the same frame, shape (N, 5).
+    """
+    c, s = cos(at.theta), sin(at.theta)
+    dx, dy = obstacles[:, 0] - at.x, obstacles[:, 1] - at.y
+    x, y = c * dx + s * dy, c * dy - s * dx
+    off_x = np.maximum(np.maximum(x - model.length_front, -model.length_rear - x), 0.0)
+    off_y = np.maximum(np.abs(y) - model.width / 2, 0.0)
+    gaps: Float = np.hypot(off_x, off_y) - obstacles[:, 4]
+    return gaps
+
+
 Float32 = NDArray[np.float32]
 
 SIDE, CELL, HEADINGS = 64, 0.05, 48

@@ -171,7 +171,7 @@ async def _navigator(
     from pioneer3.maps import LineMap
     from pioneer3.nav.places import find_place, home
     from pioneer3.navigation.navigator import Navigator
-    from pioneer3.navigation.simulator_map import OF_SIMULATOR, map_of_simulator
+    from pioneer3.navigation.simulator import OF_SIMULATOR, map_of_simulator
     from pioneer3.sim.worldfile import load_map
 
     if isinstance(line_map, LineMap):

@@ -6,7 +6,7 @@ from collections.abc import AsyncIterator, Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from typing import Generic, TypeVar
+from typing import Generic, Literal, TypeVar
 
 from pioneer3.arcos.commands import Command, moves
 from pioneer3.arcos.host_events import Timing
@@ -372,3 +372,22 @@ def _remember_speed(session: Session) -> None:
         from pioneer3.links.serial import remember_speed
 
         remember_speed(path, session.speed)
+
+
+SIMULATOR_NAMES = {"mobilesim", "amrisim", "arsim"}
+SIMULATOR_SERIAL = "SIM"
+SIMULATOR_SERIALS = {SIMULATOR_SERIAL, "SIMULATED"}
+"""The second one is that of our simulator where ARIA shall take it for a robot."""
+
+
+def is_simulator(info: RobotInfo | None) -> bool:
+    """Return whether the robot says that it is simulated (protocol.md 2.6; facts.md 13, row 12)."""
+    if info is None:
+        return False
+    serial = info.config.serial_number if info.config else ""
+    return info.identity.name.lower() in SIMULATOR_NAMES or serial in SIMULATOR_SERIALS
+
+
+def kind(info: RobotInfo) -> Literal["SIMULATOR", "ROBOT"]:
+    """Return `SIMULATOR` or `ROBOT`, in capitals."""
+    return "SIMULATOR" if is_simulator(info) else "ROBOT"

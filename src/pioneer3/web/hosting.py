@@ -13,10 +13,9 @@ from pioneer3.links import Opener
 from pioneer3.models import GivenModel
 from pioneer3.navigation.connect import connect_async
 from pioneer3.robot.devices.laser import LaserSource
-from pioneer3.robot.identity import kind
 from pioneer3.robot.lasers.driver import LaserDriver
 from pioneer3.robot.lasers.spec import LaserSpec
-from pioneer3.robot.supervisor import Connection
+from pioneer3.robot.supervisor import Connection, kind
 from pioneer3.runtime.robot import Robot
 from pioneer3.tasks import running
 from pioneer3.web.page import Page

@@ -8,8 +8,7 @@ from pioneer3.geometry import Pose2, Twist2
 from pioneer3.limits import Limits
 from pioneer3.models import RobotModel
 from pioneer3.robot.explain import Reason
-from pioneer3.robot.identity import kind
-from pioneer3.robot.supervisor import RobotInfo
+from pioneer3.robot.supervisor import RobotInfo, kind
 from pioneer3.runtime.robot import Robot
 from pioneer3.state import Scan, Snapshot
 from pioneer3.web import messages

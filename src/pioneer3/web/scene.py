@@ -16,10 +16,9 @@ from pioneer3.arcos.reports import MapChanged, Report
 from pioneer3.errors import CommandError, ConfigError
 from pioneer3.geometry import ORIGIN, Pose2
 from pioneer3.maps import LineMap
-from pioneer3.navigation.simulator_map import known_map
+from pioneer3.navigation.simulator import TruePose, known_map
 from pioneer3.navigation.traffic import Place, frame_of
-from pioneer3.navigation.true_pose import TruePose
-from pioneer3.robot.identity import is_simulator
+from pioneer3.robot.supervisor import is_simulator
 from pioneer3.runtime.robot import Robot
 from pioneer3.sim.relief import FLAT, Relief
 from pioneer3.sim.server.running import RunningSimulation, SimulatedRobot

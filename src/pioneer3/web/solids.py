@@ -5,9 +5,8 @@ from numpy.typing import NDArray
 
 from pioneer3.maps import LineMap
 from pioneer3.sim.relief import Relief, Solid
-from pioneer3.sim.relief.outlines import outer
 from pioneer3.sim.relief.relief import sides_in
-from pioneer3.sim.relief.shapes import Block, Column, Hull, Shape, Terrain, Wedge
+from pioneer3.sim.relief.shapes import Block, Column, Hull, Shape, Terrain, Wedge, outer
 from pioneer3.web.messages import MapShape, MapSolid
 
 Float = NDArray[np.float64]

@@ -13,7 +13,7 @@ from pioneer3.limits import Limits
 from pioneer3.maps import LineMap
 from pioneer3.maps.grid import samples
 from pioneer3.nav.follower import KEEP, NO_OBSTACLES, PERSONAL, Follower
-from pioneer3.nav.gaps import gaps_at
+from pioneer3.nav.manoeuvre import gaps_at
 from pioneer3.nav.planner import Way, plan
 from tests.unit.nav.offices import AT, costs, room, two_rooms
 

@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 from pioneer3 import ConfigError, connect_async
-from pioneer3.navigation import simulator_map
-from pioneer3.navigation.simulator_map import known_map, map_of_simulator
+from pioneer3.navigation import simulator
+from pioneer3.navigation.simulator import known_map, map_of_simulator
 from pioneer3.sim.worldfile import load_map
 from tests.support import SimulatedRobot, wall_at
 
@@ -25,7 +25,7 @@ async def test_a_map_that_is_not_here_is_asked_for() -> None:
 
 
 async def test_a_robot_is_not_asked_for_a_map(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(simulator_map, "is_simulator", lambda _: False)
+    monkeypatch.setattr(simulator, "is_simulator", lambda _: False)
     async with SimulatedRobot() as sim, connect_async(sim.open) as robot:
         with pytest.raises(ConfigError, match=r"a robot names no map: .* --map"):
             await map_of_simulator(robot)

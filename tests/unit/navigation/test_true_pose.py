@@ -7,7 +7,7 @@ import pytest
 from pioneer3 import connect_async
 from pioneer3.arcos.reports import Report, SimStat
 from pioneer3.geometry import Pose2
-from pioneer3.navigation.true_pose import TruePose
+from pioneer3.navigation.simulator import TruePose
 from pioneer3.sim.worldfile import load_map
 from pioneer3.tasks import running
 from tests.support import SimulatedRobot

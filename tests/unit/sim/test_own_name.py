@@ -7,7 +7,7 @@ from pioneer3.arcos import commands
 from pioneer3.arcos.reports import Config, SyncIdentity
 from pioneer3.geometry import Pose2
 from pioneer3.models import load_model
-from pioneer3.robot.identity import is_simulator
+from pioneer3.robot.supervisor import is_simulator
 from pioneer3.sim.body import Body
 from pioneer3.sim.equipment import EquipmentOptions
 from pioneer3.sim.firmware import Firmware

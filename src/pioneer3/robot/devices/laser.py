@@ -12,9 +12,8 @@ from pioneer3.errors import CommandError, DeviceError
 from pioneer3.geometry import ORIGIN, Pose2
 from pioneer3.robot.devices.presence import Presence
 from pioneer3.robot.devices.sensor import Sensor, SensorKind
-from pioneer3.robot.identity import is_simulator
 from pioneer3.robot.report_requests import ReportRequest
-from pioneer3.robot.supervisor import Supervisor
+from pioneer3.robot.supervisor import Supervisor, is_simulator
 from pioneer3.state import Scan
 from pioneer3.units import MM
 

@@ -9,9 +9,8 @@ from pioneer3.arcos.reports import Report
 from pioneer3.errors import CommandError
 from pioneer3.robot.devices.presence import Presence
 from pioneer3.robot.devices.sensor import Sensor, SensorKind
-from pioneer3.robot.identity import is_simulator
 from pioneer3.robot.report_requests import ReportRequest
-from pioneer3.robot.supervisor import Supervisor
+from pioneer3.robot.supervisor import Supervisor, is_simulator
 
 ANALOG_BITS = 0xFFF
 """Bits of an analog reading (protocol.md 5.3)."""

@@ -19,11 +19,11 @@ from pioneer3.ros.messages.navigation import (
     Placed,
     PlanUpdate,
     Start,
+    navigation_status,
     occupancy_grid,
     plan_request,
     way,
 )
-from pioneer3.ros.messages.navigation_diagnostics import navigation_status
 from pioneer3.ros.messages.update import MessageOptions
 from pioneer3.ros.node.goals import Goals
 from pioneer3.ros.node.middleware import Middleware, Sender

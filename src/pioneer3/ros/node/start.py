@@ -11,8 +11,8 @@ from pioneer3.errors import NoRobotError
 from pioneer3.geometry import Pose2
 from pioneer3.models import GivenModel
 from pioneer3.navigation.connect import connect_async
-from pioneer3.robot.identity import kind
 from pioneer3.robot.lasers.spec import LaserSpec, parse_lasers
+from pioneer3.robot.supervisor import kind
 from pioneer3.ros.node.laser_parameters import (
     BELOW,
     overridden_laser_parameters,

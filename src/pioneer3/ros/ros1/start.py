@@ -10,10 +10,9 @@ from typing import Final
 from urllib.parse import urlsplit
 
 from pioneer3.errors import ConfigError
-from pioneer3.robot.identity import is_simulator
 from pioneer3.robot.lasers.driver import LaserDriver
 from pioneer3.robot.lasers.spec import LaserSpec
-from pioneer3.robot.supervisor import RobotInfo
+from pioneer3.robot.supervisor import RobotInfo, is_simulator
 from pioneer3.ros.addresses import LOCAL, LOOPBACK, wait_for_master
 from pioneer3.ros.node.laser_node import FRAME, LaserNode
 from pioneer3.ros.node.laser_parameters import (

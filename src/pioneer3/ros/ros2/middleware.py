@@ -19,12 +19,12 @@ from pioneer3.ros.ros2.backend import (
     NodeName,
     Qos,
     Writer,
+    overridden,
 )
 from pioneer3.ros.ros2.lifecycle import Callbacks, Lifecycle
 from pioneer3.ros.ros2.mismatches import Own, OwnKey, mismatches
 from pioneer3.ros.ros2.names import checked_topic
 from pioneer3.ros.ros2.parameter_services import ParameterServices
-from pioneer3.ros.ros2.qos import overridden
 from pioneer3.ros.ros2.remapping import Remapping, Resource, resolved
 from pioneer3.ros.ros2.senders import REMEMBERED, Senders
 from pioneer3.ros.ros2.types import MessageTypes

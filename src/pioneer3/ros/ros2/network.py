@@ -129,7 +129,7 @@ class Network:
 
     def router_options(self) -> "ZenohOptions":
         """Return the options of a Zenoh router."""
-        from pioneer3.ros.zenoh.router import DEFAULT as ROUTER
+        from pioneer3.ros.zenoh.settings import DEFAULT as ROUTER
 
         return replace(
             self.zenoh_options(ROUTER.domain),

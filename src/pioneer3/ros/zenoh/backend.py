@@ -30,12 +30,12 @@ from pioneer3.ros.zenoh.endpoints import (
 from pioneer3.ros.zenoh.graph import TokenGraph
 from pioneer3.ros.zenoh.keys import SERVICES, Token, Topic
 from pioneer3.ros.zenoh.presence import RouterWatch, connected, refusal
-from pioneer3.ros.zenoh.router import reason
 from pioneer3.ros.zenoh.settings import (
     FIX,
     ZenohOptions,
     endpoints_of,
     load_zenoh,
+    reason,
     session_config,
     shown,
 )

@@ -1,8 +1,9 @@
-"""Settings of a Zenoh session: endpoints, TLS and login; secrets are in files only."""
+"""Settings of a Zenoh session: endpoints, TLS and login, secrets in files only; a router."""
 
+import asyncio
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
@@ -200,3 +201,42 @@ def _login(path: Path | None) -> dict[str, object]:
     user, password = read_login(path)
     values = {"user": user, "password": password, "dictionary_file": str(path)}
     return {"transport/auth/usrpwd": values}
+
+
+DEFAULT: Final = ZenohOptions(mode="router", connect=(), listen=(ROUTER,))
+"""A router for the programs of this computer."""
+
+
+async def serve_router(
+    options: ZenohOptions = DEFAULT, tell: Callable[[str], None] = lambda line: None
+) -> None:
+    """Run a router until cancelled; `tell` is given a line for a person once it runs.
+
+    Args:
+        options: Of mode `router`.
+        tell: Takes a line for a person.
+
+    Raises:
+        ConfigError: a setting is wrong, or a port is taken.
+    """
+    load_zenoh()
+    import zenoh
+
+    config = session_config(options)
+    try:
+        session = await asyncio.to_thread(zenoh.open, config)
+    except zenoh.ZError as error:
+        ports = ", ".join(map(shown, options.listen))
+        raise ConfigError(
+            f"no router on {ports}: {reason(error)}; if another one runs there, that one will do"
+        ) from None
+    try:
+        tell(f"Zenoh router on {', '.join(map(shown, options.listen))}")
+        await asyncio.get_running_loop().create_future()
+    finally:
+        await asyncio.to_thread(session.close)
+
+
+def reason(error: Exception) -> str:
+    """Return the first sentence of an error of Zenoh, without places in its source."""
+    return str(error).partition(" at /")[0].strip()

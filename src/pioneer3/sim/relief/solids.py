@@ -19,8 +19,19 @@ from pioneer3.geometry import Pose2
 from pioneer3.maps.image import read_image
 from pioneer3.sim.relief.keys import CENTER, FILE, PLACED, Elevation, Friction, Height, Size, Slope
 from pioneer3.sim.relief.mesh_file import read_mesh
-from pioneer3.sim.relief.outlines import NONE, outer, rectangle, ring
-from pioneer3.sim.relief.shapes import FARTHEST, Block, Column, Hull, Part, Terrain, Wedge
+from pioneer3.sim.relief.shapes import (
+    FARTHEST,
+    NONE,
+    Block,
+    Column,
+    Hull,
+    Part,
+    Terrain,
+    Wedge,
+    outer,
+    rectangle,
+    ring,
+)
 from pioneer3.text import wrong
 
 Float = NDArray[np.float64]

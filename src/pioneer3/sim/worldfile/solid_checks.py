@@ -8,8 +8,7 @@ from numpy.typing import NDArray
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
 from pioneer3.sim.relief import Cylinder, HeightField, Mesh, Ramp, Solid, Step, Table
-from pioneer3.sim.relief.outlines import NONE
-from pioneer3.sim.relief.shapes import Hull, Shape, Terrain
+from pioneer3.sim.relief.shapes import NONE, Hull, Shape, Terrain
 from pioneer3.sim.worldfile.spec import WorldFile
 from pioneer3.tables import Source
 

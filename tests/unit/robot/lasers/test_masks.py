@@ -5,7 +5,7 @@ from math import inf, nan, radians
 import pytest
 
 from pioneer3.geometry import ORIGIN
-from pioneer3.robot.lasers.masks import learned, words
+from pioneer3.robot.lasers.mounting import learned, words
 from pioneer3.robot.lasers.spec import parse_mask
 from pioneer3.state import Scan
 
