@@ -1,4 +1,4 @@
-"""Write the tables of docs/how-to/ros1.md, ros2.md and laser.md: topics, services, parameters.
+"""Write the tables of docs/how-to/ros1.md, ros2.md, laser.md and navigate.md.
 
     uv run python -m docs.reference.ros_tables
 
@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 
 from docs.reference.protocol_tables import BLOCK, table
+from pioneer3.nav.settings import SETTINGS
 from pioneer3.ros.messages.diagnostics import DiagnosticsUpdate
 from pioneer3.ros.messages.goals import FeedbackUpdate, GoalsUpdate, ResultUpdate
 from pioneer3.ros.messages.navigation import MapUpdate, NavigationUpdate
@@ -34,7 +35,8 @@ from pioneer3.ros.node.topics import TOPICS, laser_topic, transducer_topic
 PAGE = Path(__file__).parents[1] / "how-to" / "ros1.md"
 LASER_PAGE = PAGE.with_name("laser.md")
 ROS2_PAGE = PAGE.with_name("ros2.md")
-PAGES = (PAGE, LASER_PAGE, ROS2_PAGE)
+MAP_PAGE = PAGE.with_name("navigate.md")
+PAGES = (PAGE, LASER_PAGE, ROS2_PAGE, MAP_PAGE)
 EVERY = {
     StateUpdate: "with every snapshot",
     ScanUpdate: "with every scan",
@@ -217,9 +219,24 @@ def laser_parameters() -> str:
     )
 
 
+def settings() -> str:
+    """Return the table of settings of navigation."""
+    rows = [
+        (
+            code(one.name),
+            one.written(one.default),
+            f"{one.written(one.low)} to {one.written(one.high)}",
+            one.meaning,
+        )
+        for one in SETTINGS.values()
+    ]
+    return table(("setting", "default", "range", ""), rows)
+
+
 def filled(text: str) -> str:
     """Return the page with its tables made anew."""
     makers: dict[str, Callable[[], str]] = {
+        "settings": settings,
         "topics": topics,
         "services": services,
         "navigation topics": navigation_topics,

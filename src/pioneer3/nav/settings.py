@@ -138,6 +138,12 @@ class NavigationSettings:
     localizer: LocalizerSettings = field(default_factory=LocalizerSettings)
     mapper: MapperSettings = field(default_factory=MapperSettings)
 
+    def value(self, name: str) -> float:
+        """Return the value of a setting by its name, such as `planner.margin`."""
+        group, _, key = name.partition(".")
+        number: float = getattr(getattr(self, group), key)
+        return number
+
     def with_texts(self, texts: Iterable[str]) -> "NavigationSettings":
         """Return these settings with those of a command line, such as `planner.margin=5cm`.
 
@@ -189,6 +195,18 @@ class Setting:
     quantity: Quantity | None
     meaning: str
 
+    @property
+    def is_whole(self) -> bool:
+        """Whether it is a whole number."""
+        return isinstance(self.default, int)
+
+    @property
+    def unit(self) -> str:
+        """Its unit in SI; empty for none."""
+        if self.quantity is None:
+            return ""
+        return next(unit for unit, size in self.quantity.units.items() if size == 1.0)
+
     def read(self, value: float | str) -> float:
         """Return a value: a number [SI], or a text that may carry a unit.
 
@@ -201,7 +219,7 @@ class Setting:
             else:
                 number = type(self.default)(value)
         except (TypeError, ValueError) as error:
-            kind = "a whole number" if isinstance(self.default, int) else "a number"
+            kind = "a whole number" if self.is_whole else "a number"
             told = str(error) if self.quantity else f"expected {kind}, got {value!r}"
             raise ConfigError(f"{self.name}: {told}") from None
         if not self.low <= number <= self.high:

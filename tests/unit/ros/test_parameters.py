@@ -13,7 +13,9 @@ from pioneer3.ros.node.laser_parameters import BELOW, LaserParameters
 from pioneer3.ros.node.names import Profile
 from pioneer3.ros.node.parameter import Acts, Parameter, ParameterKind, rows_of
 from pioneer3.ros.node.parameters import (
+    BELOW_NAMES,
     MODEL,
+    NAVIGATION,
     SIMULATED,
     NodeParameters,
     parameters_in,
@@ -25,6 +27,7 @@ ROWS = (
     *rows_of(NodeParameters),
     *(replace(row, name=f"{BELOW}.{row.name}") for row in rows_of(LaserParameters)),
     *rows_of(DrivingSettings),
+    *NAVIGATION,
 )
 NUMBERS = [
     row for row in ROWS if row.bounded and not row.kind.is_array and Profile.ROS2 in row.profiles
@@ -33,8 +36,8 @@ NUMBERS = [
 
 def raw_of(name: str, value: object) -> dict[str, object]:
     """Return parameters as they lie on the parameter server."""
-    part = name.removeprefix(f"{BELOW}.")
-    return {name: value} if part == name else {BELOW: {part: value}}
+    below, _, part = name.partition(".")
+    return {below: {part: value}} if below in BELOW_NAMES and part else {name: value}
 
 
 def test_without_any_it_is_as_rosaria() -> None:
@@ -248,7 +251,7 @@ def test_in_ros2_all_that_is_read_at_the_start_has_a_value_or_is_not_set() -> No
     raw = {"goal_speed": 1, "max_linear_velocity": 0.4, BELOW: {"min_ang": -1, "skip": 2}}
     rows = read_parameters(raw, Profile.ROS2).values
     values = {row.name: value for row, value in rows.items()}
-    assert list(values)[: -len(rows_of(LaserParameters))] == [
+    assert list(values)[: -len(rows_of(LaserParameters)) - len(NAVIGATION)] == [
         row.name for row in parameters_in(Profile.ROS2)
     ]
     assert (values["goal_speed"], values["max_linear_velocity"]) == (1.0, 0.4)
@@ -278,3 +281,16 @@ def test_every_parameter_is_in_the_docs() -> None:
         ),
     }
     assert not {name for name in names if f"`~{name}`" not in text}
+
+
+def test_settings_of_navigation_lie_below_the_names_of_their_groups() -> None:
+    raw = {"planner": {"margin": 0.05, "comfrt": 0.3}, "localizer": {"particles": 100}}
+    found = read_parameters(raw, Profile.STANDARD).navigation
+    assert (found.planner.margin, found.localizer.particles) == (0.05, 100)
+    assert unused_parameters(raw, Profile.STANDARD) == [
+        "parameter ~planner/comfrt is unknown; did you mean ~planner/comfort?"
+    ]
+    with pytest.raises(ConfigError, match=r"^~planner/margin must be a number from 0 to 0.5 m"):
+        read_parameters({"planner": {"margin": 3.0}}, Profile.BOTH)
+    with pytest.raises(ConfigError, match=r"planner holds parameters such as planner.margin"):
+        read_parameters({"planner": 1.0}, Profile.ROS2)

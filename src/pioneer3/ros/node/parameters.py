@@ -4,11 +4,12 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from math import inf, pi, radians
-from typing import Final
+from typing import Any, Final
 
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
 from pioneer3.models.description.tree import Frames
+from pioneer3.nav.settings import AS_SHIPPED, SETTINGS, NavigationSettings
 from pioneer3.robot.assemble import SONAR_MAX
 from pioneer3.ros.messages.update import DRIVING, Beam, MessageOptions, NoEcho
 from pioneer3.ros.node.driving_parameters import DrivingSettings
@@ -18,6 +19,7 @@ from pioneer3.ros.node.parameter import (
     ROS1,
     ROS2,
     Parameter,
+    ParameterKind,
     RawParameters,
     Value,
     full_name,
@@ -55,6 +57,21 @@ IGNORED: Final = dict.fromkeys(
     ("debug_aria", "aria_log_filename", "publish_aria_lasers"), "RosAria"
 )
 """Parameters of RosAria that have no effect here."""
+NAVIGATION: Final = tuple(
+    Parameter(
+        setting.meaning,
+        name=setting.name,
+        kind=ParameterKind.INTEGER if setting.is_whole else ParameterKind.DOUBLE,
+        default=setting.default,
+        low=setting.low,
+        high=setting.high,
+        unit=setting.unit,
+    )
+    for setting in SETTINGS.values()
+)
+"""Settings of navigation; their names have two parts: `~planner/margin`, `planner.margin`."""
+BELOW_NAMES: Final = {BELOW, *(row.name.partition(".")[0] for row in NAVIGATION)}
+"""Names that parameters lie below."""
 UNITS: Final = (LENGTH, LENGTH, ANGLE)
 """Units of `x,y,heading`."""
 
@@ -66,6 +83,7 @@ class NodeParameters:
     Attributes:
         driving: Those that may change while the node runs.
         laser: Those of the laser range finder at the computer.
+        navigation: Those of navigation.
     """
 
     port: str = Parameter(
@@ -242,6 +260,7 @@ class NodeParameters:
     ).field(True)
     driving: DrivingSettings = field(default_factory=DrivingSettings)
     laser: LaserParameters = field(default_factory=LaserParameters)
+    navigation: NavigationSettings = AS_SHIPPED
 
     @property
     def url(self) -> str | None:
@@ -315,7 +334,7 @@ class NodeParameters:
             )
             for row in rows_of(LaserParameters)
         }
-        return own | laser
+        return own | laser | {row: self.navigation.value(row.name) for row in NAVIGATION}
 
 
 def parameters_in(profile: Profile) -> tuple[Parameter, ...]:
@@ -341,6 +360,7 @@ def read_parameters(raw: RawParameters, profile: Profile | None = None) -> NodeP
         profile=profile,
         driving=read(DrivingSettings, raw, profile),
         laser=read_laser_parameters(laser_part(raw, profile), profile, BELOW),
+        navigation=_navigation(raw, profile),
     )
     timeout = given.cmd_vel_timeout
     if timeout and timeout < SHORTEST:
@@ -357,9 +377,13 @@ def read_parameters(raw: RawParameters, profile: Profile | None = None) -> NodeP
 
 def unused_parameters(raw: RawParameters, profile: Profile) -> list[str]:
     """Return a sentence for each parameter in `raw` that changes nothing."""
-    named = set(raw) - {MODEL, SIMULATED, BELOW}
+    named = set(raw) - {MODEL, SIMULATED, *BELOW_NAMES}
     rows = *rows_of(NodeParameters), *rows_of(DrivingSettings)
-    return unused(named, rows, profile, ignored=IGNORED)
+    sentences = unused(named, rows, profile, ignored=IGNORED)
+    for below in sorted(BELOW_NAMES - {BELOW}):
+        part = _part(raw, below, profile)
+        sentences += unused(part, _rows_below(below), profile, below=below, ignored={})
+    return sentences
 
 
 def laser_part(raw: RawParameters, profile: Profile) -> RawParameters:
@@ -368,11 +392,45 @@ def laser_part(raw: RawParameters, profile: Profile) -> RawParameters:
     Raises:
         ConfigError: their name is a value itself.
     """
-    part = raw.get(BELOW, {})
+    return _part(raw, BELOW, profile)
+
+
+def _part(raw: RawParameters, below: str, profile: Profile) -> RawParameters:
+    """Return the parameters `below` a name.
+
+    Raises:
+        ConfigError: the name is a value itself.
+    """
+    part = raw.get(below, {})
     if not isinstance(part, dict):
-        name, such = full_name(BELOW, profile), full_name("serial_port", profile, BELOW)
+        row = (rows_of(LaserParameters) if below == BELOW else _rows_below(below))[0]
+        name, such = full_name(below, profile), full_name(row.name, profile, below)
         raise ConfigError(f"{name} holds parameters such as {such}, not {part!r}")
     return part
+
+
+def _rows_below(below: str) -> tuple[Parameter, ...]:
+    """Return the settings of navigation `below` a name, without that."""
+    return tuple(
+        replace(row, name=row.name.partition(".")[2])
+        for row in NAVIGATION
+        if row.name.partition(".")[0] == below
+    )
+
+
+def _navigation(raw: RawParameters, profile: Profile) -> NavigationSettings:
+    """Return the settings of navigation.
+
+    Raises:
+        ConfigError: a value is of the wrong kind or out of bounds.
+    """
+    values: dict[str, Any] = {}
+    for row in NAVIGATION:
+        below, _, name = row.name.partition(".")
+        part = _part(raw, below, profile)
+        if name in part:
+            values[row.name] = row.checked(part[name], full_name(name, profile, below))
+    return AS_SHIPPED.with_values(values)
 
 
 def place(words: str) -> Pose2 | str:

@@ -122,6 +122,7 @@ async def connected_robot(
         camera=options.camera or parameters.camera_url or None,
         line_map=options.line_map or parameters.map or None,
         start=options.start or parameters.initial_pose,
+        settings=parameters.navigation,
     ) as robot:
         tell(f"{kind(robot.info)}: {robot.info.model.title} on {robot.info.url}")
         yield robot

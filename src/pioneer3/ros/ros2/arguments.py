@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Final
 
 from pioneer3.errors import ConfigError
-from pioneer3.ros.node.laser_parameters import BELOW
+from pioneer3.ros.node.parameters import BELOW_NAMES
 from pioneer3.ros.ros2.backend import NodeName
 from pioneer3.ros.ros2.parameter_files import parameters_in, value_of
 from pioneer3.ros.ros2.remapping import Remapping, Rule, rule
@@ -46,16 +46,16 @@ class RosArguments:
 
     @property
     def raw(self) -> dict[str, object]:
-        """The parameters as a node reads them: those of lasers in a part of their own."""
+        """The parameters as a node reads them: those of a laser, say, in a part of their own."""
         found: dict[str, object] = {}
-        laser: dict[str, object] = {}
+        parts: dict[str, dict[str, object]] = {}
         for name, value in self.parameters.items():
             first, dot, rest = name.partition(".")
-            if dot and first == BELOW:
-                laser[rest] = value
+            if dot and first in BELOW_NAMES:
+                parts.setdefault(first, {})[rest] = value
             elif first != QOS:
                 found[name] = value
-        return {**found, BELOW: laser} if laser else found
+        return {**found, **parts}
 
 
 def parse(arguments: Sequence[str], default: NodeName) -> RosArguments:

@@ -216,3 +216,9 @@ def test_names_expand_as_in_ros() -> None:
     assert expanded("{node}/x", NODE) == "/robot1/pioneer3/x"
     assert expanded("{namespace}/x", NodeName("pioneer3")) == "/x"
     assert expanded("~", NODE) == "/robot1/pioneer3"
+
+
+def test_parameters_with_a_point_in_their_names_come_in_parts() -> None:
+    words = ["-p", "planner.margin:=0.05", "-p", "laser.skip:=2", "-p", "a.b:=1"]
+    found = parse(words, NODE).raw
+    assert found == {"planner": {"margin": 0.05}, "laser": {"skip": 2}, "a.b": 1}
