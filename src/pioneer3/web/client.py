@@ -245,42 +245,27 @@ class Client:
 
     async def _carry_out(self, request: requests.AnyRequest) -> Message | None:
         """Carry out a request; return the answer, if there is one."""
-        match request:
-            case requests.Ping(t):
-                return Pong(t)
-            case requests.EmergencyStop(robot=None):
-                self._page.emergency_stop()
-                return None
-            case requests.WatchDetails() | requests.AskConfig() | requests.WatchLasers():
-                self._subscribe(request)
-                return None
-            case requests.PlanWay():
-                self._page.robot(request.robot).navigation.ask(self, request)
-                return None
-            case (
-                requests.StartMode()
-                | requests.GotoPlace()
-                | requests.MakeMap()
-                | requests.EndMode()
-            ):
-                refused = self._change_mode(self._page.robot(request.robot), request)
-            case requests.StartGroupMode(robots, mode, leader):
-                refused = group.start(self._page, self, mode, robots, leader)
-            case requests.Patrol() | requests.LookAround() | requests.PlaceRobot():
-                refused = self._navigate(self._page.robot(request.robot), request)
-            case (
-                requests.PauseRobots()
-                | requests.PutBack()
-                | requests.FreeSeat()
-                | requests.LockJoining()
-                | requests.ShareAddresses()
-                | requests.RecordRun()
-            ):
-                refused = self._ask_class(request)
-            case requests.RobotRequest():
-                refused = self._drive(self._page.robot(request.robot), request)
-            case _:
-                return await self._page.edit(self, request)
+        page = self._page
+        if isinstance(request, requests.Ping):
+            return Pong(request.t)
+        if isinstance(request, requests.EmergencyStop) and request.robot is None:
+            page.emergency_stop()
+            return None
+        if isinstance(request, requests.ViewRequest):
+            self._look(request)
+            return None
+        if isinstance(request, requests.Edit | requests.MapEdit):
+            return await page.edit(self, request)
+        if isinstance(request, requests.ModeRequest):
+            refused = self._change_mode(page.robot(request.robot), request)
+        elif isinstance(request, requests.StartGroupMode):
+            refused = group.start(page, self, request.mode, request.robots, request.leader)
+        elif isinstance(request, requests.MapRequest):
+            refused = self._navigate(page.robot(request.robot), request)
+        elif isinstance(request, requests.ClassRequest):
+            refused = self._ask_class(request)
+        else:
+            refused = self._drive(page.robot(request.robot), request)
         return Refused(refused.text) if refused else None
 
     def _drive(
@@ -353,10 +338,8 @@ class Client:
         view.navigation.ask(self, request)
         return None
 
-    def _subscribe(
-        self, request: requests.WatchDetails | requests.AskConfig | requests.WatchLasers
-    ) -> None:
-        """Change the subscriptions of this client."""
+    def _look(self, request: requests.ViewRequest) -> None:
+        """Change what this client is sent, or ask for it once."""
         match request:
             case requests.WatchLasers(on):
                 self._audience.scans.subscribe(self._number, on=on)
@@ -370,6 +353,8 @@ class Client:
                     view.details.subscribe(self)
             case requests.AskConfig():
                 self._page.robot(request.robot).details.request_config()
+            case requests.PlanWay():
+                self._page.robot(request.robot).navigation.ask(self, request)
 
 
 def _number(text: str | None) -> int | None:

@@ -4,15 +4,7 @@ import msgspec
 
 from pioneer3.behaviors.modes import MODES
 from pioneer3.behaviors.modes.group import GROUP_MODES
-from pioneer3.behaviors.modes.mode import Described, Mode, Parameter
-
-
-class FormChoice(msgspec.Struct):
-    """A word to choose."""
-
-    name: str
-    title: str
-    hint: str
+from pioneer3.behaviors.modes.mode import Choice, Described, Parameter
 
 
 class FormField(msgspec.Struct, kw_only=True):
@@ -27,11 +19,14 @@ class FormField(msgspec.Struct, kw_only=True):
     scale: float
     low: float | None
     high: float | None
-    choices: list[FormChoice]
+    choices: tuple[Choice, ...]
 
 
 class ModeForm(msgspec.Struct, kw_only=True):
-    """A mode; `goes_to_place` where x, y and heading are a place, which pages give in their map."""
+    """A mode; `goes_to_place` where x, y and heading are a place, which pages give in their map.
+
+    Of a mode of several robots `led` says whether one of them is the leader.
+    """
 
     name: str
     title: str
@@ -39,56 +34,31 @@ class ModeForm(msgspec.Struct, kw_only=True):
     advice: str
     start: str
     goes_to_place: bool
-    fields: list[FormField]
-
-
-class GroupModeForm(msgspec.Struct, kw_only=True):
-    """A mode of several robots; `led` where one of them is the leader."""
-
-    name: str
-    title: str
-    summary: str
-    advice: str
-    start: str
     led: bool
     fields: list[FormField]
 
 
-def group_forms() -> list[GroupModeForm]:
+def group_forms() -> list[ModeForm]:
     """Return the forms of all modes of groups, in their order."""
-    return [
-        GroupModeForm(
-            name=mode.name(),
-            title=mode.title,
-            summary=mode.summary(),
-            advice=mode.advice(),
-            start=mode.start,
-            led=mode.led,
-            fields=_fields(mode),
-        )
-        for mode in GROUP_MODES
-    ]
+    return [_form(mode, goes_to_place=False, led=mode.led) for mode in GROUP_MODES]
 
 
 def forms() -> list[ModeForm]:
     """Return the forms of all modes, in their order."""
-    return [_form(mode) for mode in MODES]
+    return [_form(mode, goes_to_place=mode.goes_to_place, led=False) for mode in MODES]
 
 
-def _form(mode: type[Mode]) -> ModeForm:
+def _form(mode: type[Described], *, goes_to_place: bool, led: bool) -> ModeForm:
     return ModeForm(
         name=mode.name(),
         title=mode.title,
         summary=mode.summary(),
         advice=mode.advice(),
         start=mode.start,
-        goes_to_place=mode.goes_to_place,
-        fields=_fields(mode),
+        goes_to_place=goes_to_place,
+        led=led,
+        fields=[_field(parameter) for parameter in mode.parameters()],
     )
-
-
-def _fields(mode: type[Described]) -> list[FormField]:
-    return [_field(parameter) for parameter in mode.parameters()]
 
 
 def _field(parameter: Parameter) -> FormField:
@@ -109,5 +79,5 @@ def _field(parameter: Parameter) -> FormField:
         scale=scale,
         low=0.0 if parameter.positive else shown(parameter.low),
         high=shown(parameter.high),
-        choices=[FormChoice(one.name, one.title, one.hint) for one in parameter.choices],
+        choices=parameter.choices,
     )

@@ -8,6 +8,7 @@ from typing import Any
 from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
 from websockets.frames import Frame
 
+from pioneer3.web.access.middleware import POLICY_VIOLATION
 from pioneer3.web.messages import Told, encode
 from pioneer3.web.requests import is_stop
 
@@ -25,7 +26,6 @@ SLICE = 1024
 """Bytes of a page that are read at once; then the others have their turn."""
 MOST_UNREAD = 65_536
 """A page that has sent so much more than could be read is closed [bytes]."""
-POLICY_VIOLATION = 1008
 NOT_TEXT = 1007
 """Close code for text that is not UTF-8 (RFC 6455, 8.1)."""
 FLOODS = "this page sends too much"

@@ -1,15 +1,13 @@
 """The operations of the API on a class."""
 
-from collections.abc import Callable
-
 from pioneer3.errors import CommandError, ConfigError
-from pioneer3.web import messages
+from pioneer3.web import messages, requests
 from pioneer3.web.access.invitations import svg
 from pioneer3.web.access.middleware import ErrorResponse, cookie
 from pioneer3.web.access.sessions import IDLE, Role
 from pioneer3.web.api import types
 from pioneer3.web.api.operation import ApiRequest, TextFile, operation
-from pioneer3.web.classroom.classroom import Classroom, describe
+from pioneer3.web.classroom.classroom import describe
 
 NO_CLASS = ErrorResponse(404, "there is no class here: start one with pioneer3 class")
 
@@ -20,9 +18,7 @@ def join_class(request: ApiRequest, body: types.JoinRequest) -> types.Joined | E
     Who has joined already keeps the robot, and gets the new name. Others join from other addresses,
     until the teacher lets several join from one.
     """
-    classroom = request.page.classroom
-    if classroom is None:
-        return NO_CLASS
+    classroom = request.classroom
     wait = classroom.limiter.wait(request.address)
     if wait:
         return ErrorResponse(429, f"too many attempts; try again in {wait:.0f} s")
@@ -43,65 +39,55 @@ def join_class(request: ApiRequest, body: types.JoinRequest) -> types.Joined | E
 
 def get_class(request: ApiRequest) -> messages.Class | ErrorResponse:
     """Return the class; a student gets the own seat and runs only."""
-    classroom = request.page.classroom
-    if classroom is None:
-        return NO_CLASS
-    return classroom.message(request.page.audiences.find(request.caller))
+    return request.classroom.message(request.page.audiences.find(request.caller))
 
 
 def get_link(request: ApiRequest) -> types.ClassLink | ErrorResponse:
     """Return the address for students, and its QR code."""
-    classroom = request.page.classroom
-    if classroom is None:
-        return NO_CLASS
+    classroom = request.classroom
     return types.ClassLink(classroom.join_url, svg(classroom.join_url), classroom.lan)
 
 
 def pause_all(request: ApiRequest, body: types.Paused) -> ErrorResponse | None:
     """Stop all robots and let nobody drive, or end that."""
-    return _do(request, lambda classroom: classroom.pause(paused=body.paused))
+    return _ask(request, requests.PauseRobots(body.paused))
 
 
 def pause_robot(request: ApiRequest, body: types.Paused) -> ErrorResponse | None:
     """Stop a robot and let nobody drive it, or end that."""
-    number = request.view.number
-    return _do(request, lambda classroom: classroom.pause(number, paused=body.paused))
+    return _ask(request, requests.PauseRobots(body.paused, request.view.number))
 
 
 def put_back_all(request: ApiRequest) -> ErrorResponse | None:
     """Stop all simulated robots and put them where they began."""
-    return _do(request, lambda classroom: classroom.put_back())
+    return _ask(request, requests.PutBack())
 
 
 def put_back_robot(request: ApiRequest) -> ErrorResponse | None:
     """Stop a simulated robot and put it where it began."""
-    number = request.view.number
-    return _do(request, lambda classroom: classroom.put_back(number))
+    return _ask(request, requests.PutBack(request.view.number))
 
 
 def lock_class(request: ApiRequest, body: types.Locked) -> ErrorResponse | None:
     """Let no more students join, or let them again."""
-    return _do(request, lambda classroom: classroom.lock(locked=body.locked))
+    return _ask(request, requests.LockJoining(body.locked))
 
 
 def share_addresses(request: ApiRequest, body: types.Shared) -> ErrorResponse | None:
     """Let several students join from one network address, or one from each."""
-    return _do(request, lambda classroom: classroom.share_addresses(shared=body.shared))
+    return _ask(request, requests.ShareAddresses(body.shared))
 
 
 def free_seat(request: ApiRequest) -> ErrorResponse | None:
     """Show the student of a robot out; the robot stops."""
-    number = request.view.number
-    return _do(request, lambda classroom: classroom.free(number))
+    return _ask(request, requests.FreeSeat(request.view.number))
 
 
 def record_run(
     request: ApiRequest, body: types.RecordingStep
 ) -> types.RecordingState | ErrorResponse:
     """Record a run of a robot, end the recording, hand it in, or drop it."""
-    classroom = request.page.classroom
-    if classroom is None:
-        return NO_CLASS
+    classroom = request.classroom
     try:
         run = classroom.record(request.view.number, body.step)
     except (CommandError, ConfigError) as error:
@@ -112,15 +98,12 @@ def record_run(
 
 def list_runs(request: ApiRequest) -> list[messages.HandedIn] | ErrorResponse:
     """List the runs that were handed in; a student's own."""
-    classroom = request.page.classroom
-    return NO_CLASS if classroom is None else list(classroom.handed_in(request.caller.robot))
+    return list(request.classroom.handed_in(request.caller.robot))
 
 
 def get_run(request: ApiRequest) -> TextFile | ErrorResponse:
     """Return a run that was handed in; `pioneer3 run --port replay:FILE` shows it."""
-    classroom = request.page.classroom
-    if classroom is None:
-        return NO_CLASS
+    classroom = request.classroom
     name = request.path["file"]
     own = {run.file for run in classroom.handed_in(request.caller.robot)}
     path = classroom.runs.find(name) if name in own else None
@@ -129,14 +112,10 @@ def get_run(request: ApiRequest) -> TextFile | ErrorResponse:
     return TextFile(path)
 
 
-def _do(request: ApiRequest, act: Callable[[Classroom], None]) -> ErrorResponse | None:
-    if request.page.classroom is None:
-        return NO_CLASS
-    try:
-        act(request.page.classroom)
-    except CommandError as error:
-        return ErrorResponse(409, str(error))
-    return None
+def _ask(request: ApiRequest, wish: requests.ClassRequest) -> ErrorResponse | None:
+    """Carry out what a page could ask as well."""
+    refused = request.classroom.carry_out(wish)
+    return ErrorResponse(409, refused.text) if refused else None
 
 
 ROBOT = "/api/class/robots/{robot}"

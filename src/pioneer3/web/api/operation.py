@@ -16,6 +16,7 @@ from pioneer3 import __version__
 from pioneer3.mjpeg import MULTIPART
 from pioneer3.web.access.middleware import MEDIA_TYPE, ErrorResponse
 from pioneer3.web.access.sessions import Role, Session
+from pioneer3.web.classroom.classroom import Classroom
 from pioneer3.web.page import Page
 from pioneer3.web.requests import TOO_DEEP
 from pioneer3.web.robot_view import RobotView
@@ -59,6 +60,12 @@ class ApiRequest:
         """The caller's session, where one is needed."""
         assert self.session is not None
         return self.session
+
+    @property
+    def classroom(self) -> Classroom:
+        """The class, where there is one."""
+        assert self.page.classroom is not None
+        return self.page.classroom
 
     @property
     def view(self) -> RobotView:

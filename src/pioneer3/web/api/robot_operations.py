@@ -10,7 +10,7 @@ from pioneer3.web.access.middleware import ErrorResponse
 from pioneer3.web.access.sessions import Role
 from pioneer3.web.api import types
 from pioneer3.web.api.operation import ApiRequest, operation
-from pioneer3.web.modes import GroupModeForm, ModeForm, forms, group_forms
+from pioneer3.web.modes import ModeForm, forms, group_forms
 
 
 def list_robots(request: ApiRequest) -> list[messages.Robot]:
@@ -62,9 +62,8 @@ def switch_motors(
     request: ApiRequest, body: types.MotorPower
 ) -> types.CommandResult | ErrorResponse:
     """Stop, then switch the motors' power."""
-    if refused := _refused(request.view.control.switch_motors(request.caller, on=body.on)):
-        return refused
-    return _result(request)
+    refused = request.view.control.switch_motors(request.caller, on=body.on)
+    return _refused(refused) or _result(request)
 
 
 def drive(request: ApiRequest, body: types.Velocity) -> types.CommandResult | ErrorResponse:
@@ -72,10 +71,8 @@ def drive(request: ApiRequest, body: types.Velocity) -> types.CommandResult | Er
 
     Takes control if it is free. Send it 10 to 20 times a second, and 0, 0 in the end.
     """
-    twist = checked(body.v, body.w)
-    if refused := _refused(request.view.control.drive(request.caller, twist)):
-        return refused
-    return _result(request)
+    refused = request.view.control.drive(request.caller, checked(body.v, body.w))
+    return _refused(refused) or _result(request)
 
 
 def get_control(request: ApiRequest) -> types.ControlState | ErrorResponse:
@@ -129,7 +126,7 @@ def end_mode(request: ApiRequest) -> messages.ModeState | ErrorResponse:
     return _refused(request.view.control.end_mode(request.caller)) or get_mode(request)
 
 
-def list_group_modes(request: ApiRequest) -> list[GroupModeForm]:
+def list_group_modes(request: ApiRequest) -> list[ModeForm]:
     """List the modes of several robots and their parameters."""
     return group_forms()
 

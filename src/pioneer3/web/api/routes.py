@@ -14,7 +14,7 @@ from pioneer3.web.access.sessions import Role, Session
 from pioneer3.web.api.access_operations import ACCESS
 from pioneer3.web.api.body_operations import BODIES
 from pioneer3.web.api.camera_operations import CAMERA, respond_with
-from pioneer3.web.api.class_operations import CLASS
+from pioneer3.web.api.class_operations import CLASS, NO_CLASS
 from pioneer3.web.api.navigation_operations import NAVIGATION
 from pioneer3.web.api.operation import (
     MEDIA,
@@ -63,6 +63,8 @@ async def _serve(page: Page, operation: Operation, request: Request) -> Response
     session = session_of(request)
     if refused := _refuse(operation, session, request.path_params):
         return respond(refused)
+    if operation in CLASS and page.classroom is None:
+        return respond(NO_CLASS)
     call = ApiRequest(
         page=page,
         session=session,

@@ -24,8 +24,7 @@ from pioneer3.web import messages, requests
 from pioneer3.web.access.access import Access, Rate, RateLimiter
 from pioneer3.web.access.sessions import Kind, Role, Session, fingerprint
 from pioneer3.web.audience import Audience, Audiences
-from pioneer3.web.classroom.robot import PAGE, ClassRobot
-from pioneer3.web.classroom.small import small_snapshot
+from pioneer3.web.classroom.robot import PAGE, ClassRobot, small_snapshot
 from pioneer3.web.clients import Clients
 from pioneer3.web.control import Operator
 from pioneer3.web.robot_view import RobotView

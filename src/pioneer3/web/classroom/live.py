@@ -87,18 +87,6 @@ class ClassOptions:
     show_tokens: bool = False
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Place:
-    """A robot of the class before it is connected: how to reach it, and its surroundings."""
-
-    label: str
-    open: Opener
-    url: str
-    scene: Scene
-    model: GivenModel
-    start: Start | None = None
-
-
 class MemoryCables:
     """Cables from bridges to simulated robots that do not listen."""
 
@@ -135,10 +123,10 @@ async def class_live(options: ClassOptions, tell: Callable[[str], None]) -> int:
         PioneerError: something could not be started; the message says what to do.
     """
     async with AsyncExitStack() as stack:
-        places = await _places(options, stack, tell)
+        targets = await _targets(options, stack, tell)
         page = Page()
         certificate = certificate_for(options.host, None, None)
-        robots = await _bridged(places, options, stack)
+        robots = await _bridged(targets, options, stack)
         page.classroom = classroom = Classroom(page, robots, RunFolder(options.folder), time)
         for number in robots:
             page.add_audience(Audience(number, student=True))
@@ -155,8 +143,12 @@ async def class_live(options: ClassOptions, tell: Callable[[str], None]) -> int:
         classroom.join_url = join_url(page.access.urls, served, classroom.token)
         classroom.lan = bool(page.access.urls)
         classroom.roster.shared = not classroom.lan  # here are the teacher's own browsers only
-        await stack.enter_async_context(hosted(page, _targets(places, robots), _log))
-        _name_urls(page, places, robots)
+        over_bridges = [
+            replace(target, open=robot.bridge.opener(PAGE, gives_way=True))
+            for target, robot in zip(targets, robots.values(), strict=True)
+        ]
+        await stack.enter_async_context(hosted(page, over_bridges, _log))
+        _name_urls(page, robots)
         await stack.enter_async_context(running(classroom.run()))
         for line in _lines(options, classroom, served):
             tell(line)
@@ -176,27 +168,22 @@ def join_url(urls: Sequence[str], served: Served, token: str) -> str:
     return f"{base}/join#{token}"
 
 
-async def _places(
+async def _targets(
     options: ClassOptions, stack: AsyncExitStack, tell: Callable[[str], None]
-) -> list[Place]:
+) -> list[Target]:
+    """Return the robots of the class, named, as bridges reach them."""
     if not options.fleet:
         return await _simulated(options, stack, tell)
     known = load_world(options.map_name).line_map() if options.map_name else None
     return [
-        Place(
-            label=robot.name,
-            open=opener(robot.port),
-            url=robot.port,
-            scene=Scene(known),
-            model=robot.model,
-        )
+        Target(url=robot.port, scene=Scene(known), name=robot.name, model=robot.model)
         for robot in options.fleet
     ]
 
 
 async def _simulated(
     options: ClassOptions, stack: AsyncExitStack, tell: Callable[[str], None]
-) -> list[Place]:
+) -> list[Target]:
     name = options.map_name or "office"
     load_model(options.model)  # a wrong name is no lack of room
     overrides = _overrides(options.model, options.students)
@@ -209,17 +196,17 @@ async def _simulated(
             tell(line)
     cables = MemoryCables()
     stack.push_async_callback(cables.unplug)
-    return [_place(here, robot, cables) for robot in here.robots]
+    return [_target(here, robot, cables) for robot in here.robots]
 
 
-def _place(here: RunningSimulation, robot: SimulatedRobot, cables: MemoryCables) -> Place:
-    return Place(
-        label=robot.name,
-        open=cables.opener(robot.port),
+def _target(here: RunningSimulation, robot: SimulatedRobot, cables: MemoryCables) -> Target:
+    return Target(
         url=robot.url,
+        open=cables.opener(robot.port),
         scene=Scene.of(here, robot),
+        name=robot.name,
         model=robot.model,
-        start=Start(here, robot, robot.body.robot_in_world),
+        timing=PATIENT,
     )
 
 
@@ -260,13 +247,13 @@ def _fit(world: WorldFile, overrides: WorldOverrides, count: int) -> bool:
 
 
 async def _bridged(
-    places: Sequence[Place], options: ClassOptions, stack: AsyncExitStack
+    targets: Sequence[Target], options: ClassOptions, stack: AsyncExitStack
 ) -> dict[int, ClassRobot]:
     """Give each robot a bridge that listens; return the robots by number."""
     robots = {}
     address = next(iter(lan_addresses(options.host)), "127.0.0.1")
-    for number, place in enumerate(places, 1):
-        bridge = Bridge(place.open, timing=PATIENT if place.start else None)
+    for number, target in enumerate(targets, 1):
+        bridge = Bridge(target.open or opener(target.url), timing=target.timing)
         await stack.enter_async_context(running(bridge.run()))
         port = options.sim_port + number - 1 if options.sim_port else 0
         try:
@@ -275,35 +262,29 @@ async def _bridged(
             raise PortBusyError(f"{error} for students' programs with --sim-port") from None
         robots[number] = ClassRobot(
             number,
-            place.label,
+            target.name,
             bridge,
             f"tcp://{shown(address)}:{taken}",
-            start=place.start,
+            start=_start(target.scene),
             clock=time,
         )
     return robots
 
 
-def _targets(places: Sequence[Place], robots: dict[int, ClassRobot]) -> list[Target]:
-    return [
-        Target(
-            url=place.url,
-            open=robot.bridge.opener(PAGE, gives_way=True),
-            scene=place.scene,
-            name=place.label,
-            model=place.model,
-            timing=PATIENT if place.start else None,
-        )
-        for place, robot in zip(places, robots.values(), strict=True)
-    ]
+def _start(scene: Scene) -> Start | None:
+    """Return where a simulated robot is before anybody drives it, `None` of a real one."""
+    if scene.simulated is None:
+        return None
+    simulation, robot = scene.simulated
+    return Start(simulation, robot, robot.body.robot_in_world)
 
 
-def _name_urls(page: Page, places: Sequence[Place], robots: dict[int, ClassRobot]) -> None:
+def _name_urls(page: Page, robots: dict[int, ClassRobot]) -> None:
     """Tell where programs reach simulated robots."""
     if page.world is not None:
-        for place, robot in zip(places, robots.values(), strict=True):
-            if place.start is not None:
-                page.world.urls[place.start.robot] = robot.url
+        for robot in robots.values():
+            if robot.start is not None:
+                page.world.urls[robot.start.robot] = robot.url
 
 
 def _lines(options: ClassOptions, classroom: Classroom, served: Served) -> Iterator[str]:
