@@ -10,8 +10,9 @@ from tests.browser.views import open_view, stopped_after
 
 @pytest.fixture
 def modes(page: Page) -> Page:
-    """Open the modes."""
+    """Open the modes, and wait for the first snapshot that they show."""
     open_view(page, "modes")
+    expect(page.locator("#view-modes .mode-state").first).not_to_be_empty()
     return page
 
 

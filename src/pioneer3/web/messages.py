@@ -4,7 +4,6 @@ The order of the fields is the order on the wire. Units are SI, angles counter-c
 numbers that are not finite become null.
 """
 
-from math import isfinite
 from typing import Literal
 
 import msgspec
@@ -130,11 +129,6 @@ class Sonar(Part, frozen=True):
     ranges: tuple[float | None, ...]
     enabled: bool
 
-    @classmethod
-    def of(cls, sonar: state.Sonar) -> "Sonar":
-        """Return the part of a message for a reading."""
-        return cls(tuple(r if isfinite(r) else None for r in sonar.ranges), sonar.enabled)
-
 
 class Motors(Part, frozen=True):
     """The drive."""
@@ -143,11 +137,6 @@ class Motors(Part, frozen=True):
     stalled: bool
     moving: bool
     stop_button: bool
-
-    @classmethod
-    def of(cls, motors: state.Motors) -> "Motors":
-        """Return the part of a message for a reading."""
-        return cls(motors.enabled, motors.stalled, motors.moving, motors.stop_button)
 
 
 class Driver(Part, frozen=True):

@@ -178,16 +178,17 @@ def snapshot_part(
     target: messages.Target | None = None,
 ) -> messages.Snapshot:
     """Return the message part for a snapshot of a robot."""
+    motors = now.motors
     return messages.Snapshot(
         robot=number,
         sequence=now.sequence,
         robot_in_map=robot_in_map,
         robot_in_odom=now.odometry.robot_in_odom,
         twist=now.odometry.twist,
-        sonar=messages.Sonar.of(now.sonar),
+        sonar=messages.Sonar(now.sonar.ranges, now.sonar.enabled),
         bumpers=now.bumpers,
         battery=now.battery,
-        motors=messages.Motors.of(now.motors),
+        motors=messages.Motors(motors.enabled, motors.stalled, motors.moving, motors.stop_button),
         link=now.link,
         faults=now.faults,
         why=why and why.text,

@@ -1,10 +1,9 @@
 // The modes of several robots: the chosen robots, their leader, and a form for each mode.
 
 import { make, put, putItems } from "../dom.js";
-import { button, choice, figure, isWrong } from "./modes.js";
+import { Fields, button, loadForms } from "./fields.js";
 import { part } from "./widgets.js";
 
-const RETRY = 2000; // [ms]
 const HOW = "To drive several robots at once, choose them: click with Shift held on their names or on the map, or open the list "
   + "of all robots and press Choose several. Arrows and stick drive all of them.";
 
@@ -33,7 +32,7 @@ export class GroupView {
     [this.#send, this.#notify, this.#seconds, this.#lead] = [send, notify, seconds, lead];
     this.element = part("Together", this.#who, this.#leads, this.#forms, this.#end);
     this.element.hidden = true;
-    this.#load();
+    loadForms("/api/group_modes", (forms) => this.#forms.replaceChildren(...forms.map((form) => this.#form(form))));
   }
 
   /** @param model Model @param usable whether this page may drive */
@@ -52,44 +51,18 @@ export class GroupView {
     if (chosen.some(({ id }) => String(id) === before)) this.#leader.value = before;
   }
 
-  /** Asks for the forms until they come: the server may be away, or this browser not paired yet. */
-  async #load() {
-    try {
-      const answer = await fetch("/api/group_modes");
-      if (!answer.ok) throw new Error(answer.statusText);
-      this.#forms.replaceChildren(...(await answer.json()).map((form) => this.#form(form)));
-    } catch {
-      setTimeout(() => this.#load(), RETRY);
-    }
-  }
-
   #form({ name, title, summary, advice, start, led, fields }) {
-    const made = fields.map((field) => {
-      const id = `${name}-${field.name}`;
-      return field.choices.length ? choice(id, field.title, field.choices.map((one) => [one.name, one.title, `${one.hint}.`])) : figure(id, field);
-    });
-    made.forEach(([input], i) => {
-      if (fields[i].choices.length === 0) return;
-      input.value = fields[i].default;
-      input.dispatchEvent(new Event("change"));
-    });
-    const inputs = made.map(([input]) => input);
-    const begin = button(`${name}-start`, start, () => this.#start(name, led, fields, inputs));
+    const made = new Fields(name, fields);
+    const begin = button(`${name}-start`, start, () => this.#start(name, led, made));
     begin.setAttribute("aria-describedby", "mode-note");
     this.#starts.push(begin);
     const words = make("p", { class: "words" }, `${summary} ${advice}`.trim());
-    return make("div", { class: "group-form" }, make("h4", {}, title), words, ...made.map(([, element]) => element), make("div", { class: "row" }, begin));
+    return make("div", { class: "group-form" }, make("h4", {}, title), words, ...made.choices, ...made.numbers, make("div", { class: "row" }, begin));
   }
 
-  #start(name, led, fields, inputs) {
-    const wrong = inputs.find((input, i) => isWrong(input) || (input.value === "" && fields[i].required));
-    if (wrong) {
-      wrong.focus();
-      this.#notify(wrong.validationMessage || "A number is missing.");
-      return;
-    }
-    const values = fields.map((field, i) => [field.name, field.choices.length ? inputs[i].value : inputs[i].valueAsNumber * field.scale]);
-    const given = Object.fromEntries(values.filter((_, i) => inputs[i].value !== ""));
+  #start(name, led, made) {
+    const given = made.read(this.#notify);
+    if (!given) return;
     const mode = { mode: name, ...given, seconds: this.#seconds() };
     const robots = this.#robots.map(({ id }) => id);
     const leader = led ? Number(this.#leader.value) : null;

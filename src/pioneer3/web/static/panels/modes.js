@@ -1,43 +1,13 @@
 // The modes in which the robot drives by itself: a form for each, and the card of the running one.
 
-import { byId, degrees, make, makeButton, put, putLines, set } from "../dom.js";
+import { byId, degrees, make, put, putLines, set } from "../dom.js";
+import { Fields, button, choice, loadForms } from "./fields.js";
 import { part } from "./widgets.js";
 
 const TIMES = [["60", "1 minute"], ["300", "5 minutes"], ["900", "15 minutes"], ["3600", "1 hour"]];
 const GOING = { explore: "Looks where the map ends", goto: "Looks for the way", patrol: "Stands at a place of its patrol", "look around": "Drives until it knows where it is", follow: "Looks for somebody to follow" }; // while there is no target
 const LEAVE = "A mode, a goal or a patrol goes on while this page is heard of: close it, lose the connection or lock the phone, "
   + "and the robot stops after 2 seconds. Another tab in front does not end it. STOP and E-STOP end it at once, for everybody.";
-const RETRY = 2000; // [ms]
-
-/** A label and a choice; `options` are values, labels and perhaps hints. */
-export function choice(id, label, options) {
-  const select = make("select", { id, class: "small" }, ...options.map(([value, text]) => new Option(text, value)));
-  const field = make("label", { class: "field" }, make("span", {}, label), select);
-  if (!options[0][2]) return [select, field];
-  const meaning = make("p", { class: "words meaning", role: "status" });
-  const tell = () => put(meaning, options[select.selectedIndex][2]);
-  select.addEventListener("change", tell);
-  tell();
-  return [select, make("div", {}, field, meaning)];
-}
-
-/** A label and a number in the unit of the field. */
-export function figure(id, { title, help, unit, required, default: value, low, high }) {
-  // a negative minimum would shift the steps
-  const attributes = { min: low !== null && low >= 0 ? low : null, max: high, value: value ?? (required ? 0 : null) };
-  const given = Object.fromEntries(Object.entries(attributes).filter(([, one]) => one !== null));
-  const step = unit.startsWith("deg") ? "5" : "0.05";
-  const input = make("input", { id, type: "number", class: "small", step, title: help, ...given });
-  const words = `${unit.replace("deg", "°")}${required || value !== null ? "" : ", may be empty"}`;
-  return [input, make("label", { class: "field" }, make("span", {}, `${title} `, make("small", {}, words)), input)];
-}
-
-export const button = (id, text, act, extra = "") => makeButton(text, { id, class: `choice ${extra}`.trim() }, act);
-
-/** Whether a number is none or out of range; numbers between two steps are right. */
-export const isWrong = ({ validity }) => validity.badInput || validity.rangeUnderflow || validity.rangeOverflow;
-
-const sentence = (hint) => `${hint[0].toUpperCase()}${hint.slice(1)}.`;
 
 export class ModesView {
   #send;
@@ -77,7 +47,7 @@ export class ModesView {
         this.#forms,
       ),
     );
-    this.#load();
+    loadForms("/api/modes", (forms) => this.#forms.replaceChildren(...forms.map((form) => this.#form(form))));
   }
 
   /** The longest time of a mode that is started [s]. */
@@ -101,61 +71,28 @@ export class ModesView {
     put(this.#motors, motors.enabled ? "Switch the motors off" : "Switch the motors on");
   }
 
-  /** Asks for the forms until they come: the server may be away, or this browser not paired yet. */
-  async #load() {
-    try {
-      const answer = await fetch("/api/modes");
-      if (!answer.ok) throw new Error(answer.statusText);
-      this.#forms.replaceChildren(...(await answer.json()).map((form) => this.#form(form)));
-    } catch {
-      setTimeout(() => this.#load(), RETRY);
-    }
-  }
-
   #form({ name, title, summary, advice, start, goes_to_place: goesToPlace, fields }) {
-    const made = fields.map((field) => this.#field(`${name}-${field.name}`, field));
-    const inputs = made.map(([input]) => input);
-    const begin = button(`${name}-start`, start, () => this.#start(name, goesToPlace, fields, inputs));
+    const made = new Fields(name, fields);
+    const begin = button(`${name}-start`, start, () => this.#start(name, goesToPlace, made));
     begin.setAttribute("aria-describedby", "mode-note");
     this.#starts.push(begin);
-    const here = goesToPlace ? [button(`${name}-here`, "Where it is now", () => this.#fill(fields, inputs))] : [];
+    const here = goesToPlace ? [button(`${name}-here`, "Where it is now", () => this.#fill(made))] : [];
     const words = goesToPlace ? `${summary} The place is in the map.` : `${summary} ${advice}`.trim();
-    const numbers = made.filter((_, i) => fields[i].choices.length === 0).map(([, element]) => element);
-    const choices = made.filter((_, i) => fields[i].choices.length > 0).map(([, element]) => element);
-    return part(title, make("p", { class: "words" }, words), ...choices, make("div", { class: "fields" }, ...numbers), make("div", { class: "row" }, begin, ...here));
+    return part(title, make("p", { class: "words" }, words), ...made.choices, make("div", { class: "fields" }, ...made.numbers), make("div", { class: "row" }, begin, ...here));
   }
 
-  #field(id, field) {
-    if (field.choices.length === 0) return figure(id, field);
-    const made = choice(id, field.title, field.choices.map(({ name, title, hint }) => [name, title, sentence(hint)]));
-    made[0].value = field.default;
-    made[0].dispatchEvent(new Event("change"));
-    return made;
-  }
-
-  #start(name, goesToPlace, fields, inputs) {
-    if (!this.#check(fields, inputs)) return;
-    const values = fields.map((field, i) => [field.name, field.choices.length ? inputs[i].value : inputs[i].valueAsNumber * field.scale]);
-    const given = Object.fromEntries(values.filter((_, i) => inputs[i].value !== ""));
+  #start(name, goesToPlace, made) {
+    const given = made.read(this.#notify);
+    if (!given) return;
     const mode = { mode: name, ...given, seconds: Number(this.#time.value) };
     const message = goesToPlace ? { type: "goto", ...given } : { type: "start_mode", mode };
     if (!this.#send(message)) this.#notify("Not connected: nothing was started.");
   }
 
-  #fill(fields, inputs) {
+  #fill(made) {
     if (!this.#pose) return;
     const { x, y, theta } = this.#pose;
-    const here = { x: x.toFixed(2), y: y.toFixed(2), heading: String(Math.round(degrees(theta))) };
-    fields.forEach(({ name }, i) => { if (name in here) inputs[i].value = here[name]; });
-  }
-
-  #check(fields, inputs) {
-    const wrong = inputs.find((input, i) => isWrong(input) || (input.value === "" && fields[i].required));
-    if (wrong) {
-      wrong.focus();
-      this.#notify(wrong.validationMessage || "A number is missing.");
-    }
-    return wrong === undefined;
+    made.fill({ x: x.toFixed(2), y: y.toFixed(2), heading: String(Math.round(degrees(theta))) });
   }
 }
 
