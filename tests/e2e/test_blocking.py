@@ -33,7 +33,8 @@ DEVICES = [Camera, Devices, Gripper, Gyro, Laser, Lines, Safety, TcmCompass]
 
 
 def public(thing: object) -> set[str]:
-    return {name for name in dir(thing) if not name.startswith("_")}
+    """Return the names for scripts: a supervisor is for code in the loop."""
+    return {name for name in dir(thing) if not name.startswith("_")} - {"supervisor"}
 
 
 @pytest.mark.parametrize("kind", [Robot, *DEVICES], ids=lambda kind: kind.__name__)

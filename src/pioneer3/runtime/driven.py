@@ -5,10 +5,12 @@ from collections.abc import AsyncIterator
 from math import inf, isfinite
 from typing import Protocol
 
+from pioneer3.behaviors.action import Stack
 from pioneer3.errors import LinkError
 from pioneer3.robot.explain import Reason
 from pioneer3.robot.supervisor import RobotInfo
 from pioneer3.runtime.arbiter import Arbiter, Drivable
+from pioneer3.runtime.motions import run_mode
 from pioneer3.state import Snapshot
 
 LOST_AFTER = 2.5
@@ -16,37 +18,65 @@ LOST_AFTER = 2.5
 
 
 class Driven(Protocol):
-    """A robot with an arbiter, as keyboards, modes and live displays use it."""
+    """A robot with an arbiter, as programs, keyboards, modes and live displays use it.
+
+    Attributes:
+        arbiter: Resolves all actions.
+    """
+
+    arbiter: Arbiter
 
     @property
     def supervisor(self) -> Drivable:
         """The robot as the arbiter drives it."""
 
     @property
-    def arbiter(self) -> Arbiter:
-        """Resolves all actions."""
-
-    @property
     def info(self) -> RobotInfo:
-        """Identity, model and limits of the robot last connected."""
+        """Identity, model, limits and configuration of the robot last connected."""
+        assert self.supervisor.info is not None
+        return self.supervisor.info
 
     @property
     def snapshot(self) -> Snapshot | None:
-        """The latest snapshot, or `None` while there is none."""
+        """The latest snapshot, or `None` while the link is lost."""
+        return self.supervisor.snapshot
 
     def snapshots(
         self, seconds: float = inf, patience: float = LOST_AFTER
     ) -> AsyncIterator[Snapshot]:
-        """Return :func:`snapshots_of` of it."""
+        """Yield each snapshot as it arrives, for `seconds`; the newest when the reader is slow.
+
+        A loss that is mended within `patience` [s] only leaves a gap; with `inf` every loss does.
+        The driver goes on connecting: after an error, iterate again for the next snapshots.
+
+        Raises:
+            LinkError: the link has been lost for `patience`, or is lost when `seconds` are over.
+        """
+        return snapshots_of(self.supervisor, seconds, patience)
+
+    async def run(self, mode: Stack, seconds: float = inf) -> None:
+        """Let `mode` drive for `seconds`, or until it has reached its aim.
+
+        It must be a fresh one, and replaces the one before. A keyboard, a gamepad and the page
+        come before it.
+
+        Raises:
+            MotionError: something else ended it, or the link was lost; see the message.
+        """
+        until = asyncio.get_running_loop().time() + seconds
+        await run_mode(mode, self.arbiter, self.snapshots(seconds), until=until)
 
     def why_not_moving(self) -> Reason | None:
         """Return the reason that the robot stands still, or `None` while it moves."""
+        return self.arbiter.why_not_moving()
 
     def stop(self) -> None:
         """Stop the robot, also when others drive."""
+        self.arbiter.stop()
 
     def emergency_stop(self) -> None:
         """Stop as hard as possible, motors off, latched."""
+        self.arbiter.emergency_stop()
 
 
 async def snapshots_of(

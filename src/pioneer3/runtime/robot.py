@@ -1,25 +1,21 @@
 """The robot as a program sees it, asynchronously."""
 
-import asyncio
-from collections.abc import AsyncIterator, Sequence
+from collections.abc import Sequence
 from math import inf
 from typing import TYPE_CHECKING
 
 from pioneer3.arcos.commands import Command
-from pioneer3.behaviors.action import Stack
 from pioneer3.behaviors.actions import Hold, Move, Turn
 from pioneer3.behaviors.modes import goto
 from pioneer3.errors import CommandError, MotionError
 from pioneer3.nav.settings import AS_SHIPPED
 from pioneer3.robot.devices import Devices, PictureSource
 from pioneer3.robot.devices.laser import LaserSource
-from pioneer3.robot.explain import Reason
 from pioneer3.robot.limits import checked, finite
-from pioneer3.robot.supervisor import RobotInfo, Supervisor
+from pioneer3.robot.supervisor import Supervisor
 from pioneer3.runtime.arbiter import PROGRAM, Arbiter
-from pioneer3.runtime.driven import LOST_AFTER, snapshots_of
+from pioneer3.runtime.driven import Driven
 from pioneer3.runtime.motions import carry_out, lost_as_motion_error, run_mode
-from pioneer3.state import Snapshot
 
 if TYPE_CHECKING:
     from pioneer3.navigation.navigator import Navigator
@@ -28,7 +24,7 @@ MOTOR_PATIENCE = 4.0
 """Longest wait for the motors to come on [s]."""
 
 
-class Robot:
+class Robot(Driven):
     """A connected robot. All angles counter-clockwise, all units SI.
 
     Made by :func:`pioneer3.connect_async`. Velocities expire after :attr:`Limits.expiry` (0.5 s);
@@ -48,7 +44,7 @@ class Robot:
         lasers: Sequence[LaserSource] = (),
         pictures: PictureSource | None = None,
     ) -> None:
-        self.supervisor = supervisor
+        self._supervisor = supervisor
         self.arbiter = arbiter
         self.devices = Devices(supervisor, pictures)
         self.lasers: tuple[LaserSource, ...] = (*lasers,) or (self.devices.laser,)
@@ -59,33 +55,14 @@ class Robot:
         arbiter.lasers = self.lasers
 
     @property
-    def info(self) -> RobotInfo:
-        """Identity, model, limits and configuration of the robot last connected."""
-        assert self.supervisor.info is not None
-        return self.supervisor.info
+    def supervisor(self) -> Supervisor:
+        """Keeps the robot connected."""
+        return self._supervisor
 
     @property
     def laser(self) -> LaserSource:
         """The first of :attr:`lasers`."""
         return self.lasers[0]
-
-    @property
-    def snapshot(self) -> Snapshot | None:
-        """The latest snapshot, or `None` while the link is lost."""
-        return self.supervisor.snapshot
-
-    def snapshots(
-        self, seconds: float = inf, patience: float = LOST_AFTER
-    ) -> AsyncIterator[Snapshot]:
-        """Yield each snapshot as it arrives, for `seconds`; the newest when the reader is slow.
-
-        A loss that is mended within `patience` [s] only leaves a gap; with `inf` every loss does.
-        The driver goes on connecting: after an error, iterate again for the next snapshots.
-
-        Raises:
-            LinkError: the link has been lost for `patience`, or is lost when `seconds` are over.
-        """
-        return snapshots_of(self.supervisor, seconds, patience)
 
     def drive(self, speed: float, turn_rate: float = 0.0) -> None:
         """Drive at `speed` [m/s] and `turn_rate` [rad/s] until that expires.
@@ -102,12 +79,8 @@ class Robot:
         """Stop the robot, also when others drive."""
         self.arbiter.stop(by=self._hold)
 
-    def emergency_stop(self) -> None:
-        """Stop as hard as possible, motors off; latched until :meth:`reset_emergency_stop`."""
-        self.arbiter.emergency_stop()
-
     def reset_emergency_stop(self) -> None:
-        """Release the latch. The motors stay off."""
+        """Release the latch of the emergency stop. The motors stay off."""
         self.supervisor.reset_emergency_stop()
 
     async def motors(self, on: bool) -> None:
@@ -193,22 +166,6 @@ class Robot:
         end = None if heading is None else finite("heading", heading)
         mode = goto(finite("x", x), finite("y", y), end, speed=top)
         await run_mode(mode, self.arbiter, self.snapshots(), until=inf)
-
-    async def run(self, mode: Stack, seconds: float = inf) -> None:
-        """Let `mode` drive for `seconds`, or until it has reached its aim.
-
-        It must be a fresh one, and replaces the one before. A keyboard, a gamepad and the page
-        come before it.
-
-        Raises:
-            MotionError: something else ended it, or the link was lost; see the message.
-        """
-        until = asyncio.get_running_loop().time() + seconds
-        await run_mode(mode, self.arbiter, self.snapshots(seconds), until=until)
-
-    def why_not_moving(self) -> Reason | None:
-        """Return the reason that the robot stands still, or `None` while it moves."""
-        return self.arbiter.why_not_moving()
 
     def send(self, command: Command) -> None:
         """Send any ARCOS command that is not about motion.

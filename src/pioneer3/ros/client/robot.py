@@ -1,20 +1,18 @@
 """A robot on the other side of topics, driven by the same arbiter and rules as one at a cable."""
 
 import asyncio
-from collections.abc import AsyncIterator, Callable
+from collections.abc import Callable
 from dataclasses import replace
 from math import inf
 from typing import Final
 
-from pioneer3.behaviors.action import Stack
 from pioneer3.errors import Refusal
 from pioneer3.geometry import STILL, Twist2
 from pioneer3.robot.explain import Reason, ReasonKind, why_not_moving
 from pioneer3.robot.pilot import STANDING, Pilot, VelocityCommand
 from pioneer3.robot.supervisor import Connection, Feed, RobotInfo, Status
 from pioneer3.runtime.arbiter import Arbiter
-from pioneer3.runtime.driven import LOST_AFTER, snapshots_of
-from pioneer3.runtime.motions import run_mode
+from pioneer3.runtime.driven import Driven
 from pioneer3.state import Snapshot
 
 LOOK: Final = 0.05
@@ -209,47 +207,20 @@ class TopicSupervisor:
         self._publish(twist)
 
 
-class TopicRobot:
+class TopicRobot(Driven):
     """A robot as programs see it that reach it by topics only.
+
+    Its :attr:`info` has the name of its node as URL.
 
     Args:
         supervisor: Of its topics.
     """
 
     def __init__(self, supervisor: TopicSupervisor) -> None:
-        self.supervisor = supervisor
+        self._supervisor = supervisor
         self.arbiter = Arbiter(supervisor)
 
     @property
-    def info(self) -> RobotInfo:
-        """Its identity and limits; its URL is the name of its node."""
-        assert self.supervisor.info is not None
-        return self.supervisor.info
-
-    @property
-    def snapshot(self) -> Snapshot | None:
-        """The latest snapshot, or `None` while the topics are silent."""
-        return self.supervisor.snapshot
-
-    def snapshots(
-        self, seconds: float = inf, patience: float = LOST_AFTER
-    ) -> AsyncIterator[Snapshot]:
-        """See :meth:`Robot.snapshots`."""
-        return snapshots_of(self.supervisor, seconds, patience)
-
-    async def run(self, mode: Stack, seconds: float = inf) -> None:
-        """Let `mode` drive for `seconds`; see :meth:`Robot.run`."""
-        until = asyncio.get_running_loop().time() + seconds
-        await run_mode(mode, self.arbiter, self.snapshots(seconds), until=until)
-
-    def why_not_moving(self) -> Reason | None:
-        """Return the reason that the robot stands still, or `None` while it moves."""
-        return self.arbiter.why_not_moving()
-
-    def stop(self) -> None:
-        """Stop, whichever action drives."""
-        self.arbiter.stop()
-
-    def emergency_stop(self) -> None:
-        """Stop, motors off, latched."""
-        self.arbiter.emergency_stop()
+    def supervisor(self) -> TopicSupervisor:
+        """Its topics, as the arbiter drives by them."""
+        return self._supervisor
