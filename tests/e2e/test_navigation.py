@@ -1,9 +1,10 @@
 """Robots that find themselves on a map and go to its places: the whole stack, in virtual time."""
 
 import asyncio
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from math import hypot
+from typing import Any
 
 import numpy as np
 import pytest
@@ -91,6 +92,33 @@ async def test_a_stop_ends_the_drive() -> None:
             await going
         await asyncio.sleep(2.0)
         assert sim.body.speeds[0] == pytest.approx(0.0, abs=SLOW)
+
+
+async def test_a_stop_while_the_way_is_planned_ends_the_goal() -> None:
+    async with in_the_office() as (sim, robot, navigator):
+        assert await navigator.find()
+        planned = asyncio.Event()
+
+        async def slowly(function: Callable[..., Any], *arguments: Any) -> Any:
+            await planned.wait()
+            return function(*arguments)
+
+        navigator._drives.ways._in_thread = slowly
+        going = asyncio.ensure_future(robot.goto("kitchen"))
+        await asyncio.sleep(1.0)
+        robot.stop()
+        planned.set()
+        with pytest.raises(MotionError, match="goto Kitchen: somebody stopped the robot"):
+            await going
+        await asyncio.sleep(2.0)
+        assert is_at(sim.body.robot_in_world, sim.body.home)
+
+
+async def test_after_the_connection_is_closed_no_goal_is_waited_for() -> None:
+    async with in_the_office() as (_, _robot, navigator):
+        pass
+    with pytest.raises(MotionError, match="the robot has gone"):
+        await navigator.goto(HOME_PLACE)
 
 
 async def test_hands_on_the_stick_come_first() -> None:

@@ -1,6 +1,9 @@
 """Connecting to a robot, with or without a map."""
 
-from collections.abc import AsyncIterator, Sequence
+import asyncio
+import logging
+import sys
+from collections.abc import AsyncIterator, Callable, Sequence
 from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -8,6 +11,7 @@ from typing import TYPE_CHECKING
 from pioneer3.arcos.host_events import Timing
 from pioneer3.errors import ConfigError, how_to_get
 from pioneer3.geometry import Pose2
+from pioneer3.jit import numba_version
 from pioneer3.links import Opener
 from pioneer3.models import GivenModel
 from pioneer3.nav.settings import AS_SHIPPED, NavigationSettings
@@ -18,8 +22,11 @@ from pioneer3.tasks import running
 
 if TYPE_CHECKING:
     from pioneer3.maps import LineMap
+    from pioneer3.navigation.localization import InThread
     from pioneer3.navigation.navigator import Navigator
     from pioneer3.robot.lasers.spec import LaserSpec
+
+log = logging.getLogger(__name__)
 
 UNKNOWN_START = "unknown"
 """Tells that nobody knows where the robot is."""
@@ -137,18 +144,30 @@ def connect(
     )
 
 
-async def prepare_navigation() -> None:
-    """Load the kernels of navigation before there is a robot that waits.
+async def prepare_navigation(
+    in_thread: "InThread" = asyncio.to_thread, tell: Callable[[str], None] = log.warning
+) -> None:
+    """Import and compile navigation while the event loop goes on.
+
+    Kernels are compiled in a process of their own, once after each installation; where nothing can
+    be kept, in a thread.
+
+    Args:
+        in_thread: Runs what takes long.
+        tell: Told that kernels are compiled, if they are.
 
     Raises:
         ConfigError: The extra `nav` is missing.
     """
-    require_navigation()
+    await in_thread(require_navigation)
+    from pioneer3.nav.kernels import CACHE
     from pioneer3.nav.warm_up import warm_up
-    from pioneer3.navigation.navigator import compile_kernels
 
-    await compile_kernels()
-    warm_up()
+    if numba_version() and CACHE.can_keep and not CACHE.is_complete:
+        tell("compiling navigation, once: it takes about half a minute")
+        process = await asyncio.create_subprocess_exec(sys.executable, "-m", "pioneer3.nav")
+        await process.wait()
+    await in_thread(warm_up)
 
 
 def require_navigation() -> None:

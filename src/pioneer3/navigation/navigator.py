@@ -1,8 +1,6 @@
 """Takes a robot to places of a map, and around what is not on the map."""
 
 import asyncio
-import logging
-import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import inf
@@ -13,17 +11,16 @@ import numpy as np
 from pioneer3.behaviors.action import Stack
 from pioneer3.errors import MotionError
 from pioneer3.geometry import Pose2
-from pioneer3.jit import numba_version
 from pioneer3.maps import LineMap
 from pioneer3.nav.costs import CostMap
 from pioneer3.nav.estimate import Estimate
-from pioneer3.nav.kernels import CACHE
 from pioneer3.nav.places import Destination, find_place
 from pioneer3.nav.planner import NoWay, Way
 from pioneer3.nav.sightings import Sightings
 from pioneer3.nav.traffic import without_robots
 from pioneer3.nav.warm_up import warm_up
 from pioneer3.navigation.drives import Drives
+from pioneer3.navigation.goals import FIND_PATIENCE, GoalServer, NavigationGoal
 from pioneer3.navigation.localization import (
     SPREAD,
     TURN_SPREAD,
@@ -33,19 +30,9 @@ from pioneer3.navigation.localization import (
     look_around,
 )
 from pioneer3.navigation.traffic import Traffic
-from pioneer3.navigation.ways import to_drive
 from pioneer3.robot.supervisor import Feed
-from pioneer3.runtime.driven import snapshots_of
-from pioneer3.runtime.motions import lost_as_motion_error, run_mode
-from pioneer3.state import Charging, Snapshot
+from pioneer3.state import Snapshot
 from pioneer3.tasks import running
-
-log = logging.getLogger(__name__)
-
-FIND_PATIENCE = 3.0
-"""Longest wait for a robot that knows where it is [s]."""
-CHARGER = 5.0
-"""A charger answers within this [s]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -67,18 +54,6 @@ class Navigation:
     problem: str = ""
 
 
-async def compile_kernels() -> None:
-    """Compile navigation in a process of its own, once after each installation: half a minute.
-
-    Else this program would stand still meanwhile, and its robot stop. Where nothing can be kept it
-    compiles by itself.
-    """
-    if numba_version() and CACHE.can_keep and not CACHE.is_complete:
-        log.warning("compiling navigation, once: half a minute")
-        process = await asyncio.create_subprocess_exec(sys.executable, "-m", "pioneer3.nav")
-        await process.wait()
-
-
 class Navigator:
     """Navigates one robot on one map. :meth:`run` does the work.
 
@@ -94,6 +69,7 @@ class Navigator:
         line_map: The map.
         state: Published with each snapshot.
         costs: The same.
+        goals: Carries out the goals of programs, of the command line and of ROS.
     """
 
     def __init__(
@@ -120,6 +96,7 @@ class Navigator:
             in_thread=in_thread,
             name=name,
         )
+        self.goals = GoalServer(robot, self._itself)
 
     @classmethod
     async def on(
@@ -185,7 +162,8 @@ class Navigator:
         """Keep track of the robot and of its way, until cancelled."""
         drives = self._drives
         with self._localization.sensing(), self._traffic.travelling(drives):
-            async with running(self._localization.search(), drives.steer(), drives.keep_apart()):
+            work = (self._localization.search(), drives.steer(), drives.keep_apart())
+            async with running(*work, self.goals.run()):
                 async for snapshot in self._robot.supervisor.snapshots.values():
                     self._take(snapshot)
 
@@ -241,9 +219,7 @@ class Navigator:
         Raises:
             MotionError: It did not find itself; see the message.
         """
-        if not await self.find():
-            log.info("looks around: %s", self.estimate.reason)
-            await self._drive_along(self.looking_around())
+        await self._carry_out("look around", NavigationGoal(places=None))
 
     async def goto(self, goal: Destination | str, speed: float | None = None) -> None:
         """Drive to a place, or to the one of the map with this name.
@@ -253,8 +229,7 @@ class Navigator:
             MotionError: There is no way, or the robot did not get there; see the message.
         """
         there = find_place(self.line_map, goal) if isinstance(goal, str) else goal
-        await self._drive_along(self.mode(there, await self._way_to(there), speed))
-        await self.await_charger(there)
+        await self._carry_out(f"goto {there}", NavigationGoal(places=lambda: (there,), speed=speed))
 
     async def patrol(
         self, goals: Sequence[Destination], speed: float | None = None, rounds: float = inf
@@ -266,31 +241,14 @@ class Navigator:
         Raises:
             MotionError: There is no way to any, or the robot was stopped; see the message.
         """
-        first, *rest = goals
-        mode = self.mode(first, await self._way_to(first), speed, after=rest, rounds=rounds)
-        await self._drive_along(mode)
+        goal = NavigationGoal(places=lambda: goals, speed=speed, rounds=rounds)
+        await self._carry_out("patrol", goal)
 
-    async def _way_to(self, goal: Destination) -> Way:
-        await self.find()
+    async def _carry_out(self, title: str, goal: NavigationGoal) -> None:
         try:
-            return to_drive(await self.plan(goal))
+            await self.goals.carry_out(goal)
         except MotionError as error:
-            raise MotionError(f"goto {goal}: {error}") from None
+            raise MotionError(f"{title}: {error}") from None
 
-    async def _drive_along(self, mode: Stack) -> None:
-        await run_mode(mode, self._robot.arbiter, self._robot.snapshots(), until=inf)
-
-    async def await_charger(self, goal: Destination) -> None:
-        """Wait for the charger where the goal is a dock; a dock without one is no error.
-
-        Raises:
-            MotionError: The robot was lost.
-        """
-        if not goal.charges:
-            return
-        with lost_as_motion_error("goto"):
-            async for snapshot in snapshots_of(self._robot.supervisor, CHARGER):
-                if snapshot.battery.charging not in (Charging.NONE, Charging.UNKNOWN):
-                    log.info("stands in %s: %s", goal, snapshot.battery.charging)
-                    return
-        log.warning("stands in %s, but the robot does not say that it is charged", goal)
+    async def _itself(self) -> Self:
+        return self

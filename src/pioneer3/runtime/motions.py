@@ -3,6 +3,7 @@
 import asyncio
 from collections.abc import AsyncIterator, Iterator
 from contextlib import contextmanager
+from math import inf
 
 from pioneer3.behaviors.action import Stack
 from pioneer3.behaviors.actions import Move, Turn
@@ -62,22 +63,37 @@ async def run_mode(mode: Stack, arbiter: Arbiter, snapshots: Snapshots, *, until
     Raises:
         MotionError: something else ended it, or the link was lost; the message gives the reason.
     """
-    clock = asyncio.get_running_loop().time
     arbiter.start(mode)
     try:
-        with lost_as_motion_error(mode.name):
-            async for _ in snapshots:
-                ended = arbiter.ended
-                if ended is not None and ended.mode is mode and ended.done:
-                    return
-                if arbiter.mode is not mode:
-                    why = ended.why if ended and ended.mode is mode else "another mode was started"
-                    raise MotionError(f"{mode.name}: {why}")
-        if clock() < until - EARLY:
-            raise MotionError(f"{mode.name}: the connection was closed")
+        await await_mode(mode, arbiter, snapshots, until=until)
+    except MotionError as error:
+        raise MotionError(f"{mode.name}: {error}") from error
     finally:
         if arbiter.mode is mode:
             arbiter.end_mode("its time was over")
+
+
+async def await_mode(
+    mode: Stack, arbiter: Arbiter, snapshots: Snapshots, *, until: float = inf
+) -> None:
+    """Wait `until` then [s, loop time], or until a mode that drives has reached its aim.
+
+    Raises:
+        MotionError: Something else ended it, or the link was lost; the message is the reason.
+    """
+    clock = asyncio.get_running_loop().time
+    try:
+        async for _ in snapshots:
+            ended = arbiter.ended
+            if ended is not None and ended.mode is mode and ended.done:
+                return
+            if arbiter.mode is not mode:
+                why = ended.why if ended and ended.mode is mode else "another mode was started"
+                raise MotionError(why)
+    except LinkError as error:
+        raise MotionError(str(error)) from error
+    if clock() < until - EARLY:
+        raise MotionError("the connection was closed")
 
 
 def _check(action: Move | Turn, arbiter: Arbiter, supervisor: Supervisor) -> None:

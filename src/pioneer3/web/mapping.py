@@ -3,13 +3,13 @@
 import asyncio
 import logging
 from collections.abc import Awaitable, Callable
-from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pioneer3.errors import PioneerError, Refusal
 from pioneer3.geometry import ORIGIN
 from pioneer3.maps import LineMap, MapObject
+from pioneer3.navigation.connect import prepare_navigation
 from pioneer3.runtime.robot import Robot
 from pioneer3.tasks import running
 from pioneer3.web import messages, navigation, requests
@@ -126,15 +126,11 @@ class RobotMapping:
             self._answer("Making the map failed; the log has the details.")
 
     async def _make(self) -> None:
-        await self.in_thread(import_module, "pioneer3.navigation.navigator")  # takes up to seconds
+        await prepare_navigation(self.in_thread)
         from pioneer3.nav.mapper import Mapper
-        from pioneer3.nav.warm_up import warm_up
         from pioneer3.navigation.map_builder import MapBuilder
         from pioneer3.navigation.map_files import free_path
-        from pioneer3.navigation.navigator import compile_kernels
 
-        await compile_kernels()
-        await self.in_thread(warm_up)
         snapshot = self._robot.snapshot
         if snapshot is None:
             return

@@ -239,6 +239,17 @@ class Navigation(Message, tag="navigation", frozen=True):
     seconds: int | None = None
 
 
+class GoalProgress(Message, tag="goal", frozen=True):
+    """Progress of a goal that this client has sent, as an action server tells it.
+
+    `text` is the reason of its end, or of a wait on the way.
+    """
+
+    robot: int
+    status: Literal["accepted", "executing", "succeeded", "aborted", "canceled"]
+    text: str
+
+
 class Mapping(Message, tag="mapping", frozen=True):
     """The map that is being made with a robot; only where one can be made.
 
@@ -661,6 +672,7 @@ EVERY = (
     *(
         Way,
         Navigation,
+        GoalProgress,
         Mapping,
         Told,
         Refused,

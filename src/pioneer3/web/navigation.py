@@ -1,33 +1,32 @@
 """Takes a robot of the page to places of its map, along planned ways.
 
-Planning takes a moment, in a thread. Meanwhile the page goes on: a stop that comes before the way
-is found ends the request.
+It translates: :mod:`pioneer3.navigation.goals` decides how a goal begins and ends. The navigator of
+a map is made when it is first needed, which may take a while: nothing is imported or compiled on
+the server's loop meanwhile, and the page is told the reason to wait.
 """
 
 import asyncio
 import logging
-from collections import deque
 from collections.abc import Awaitable, Callable, Iterable, Sequence
-from contextlib import AsyncExitStack, suppress
-from importlib import import_module
+from functools import partial
 from importlib.util import find_spec
-from math import dist, inf
+from math import inf
 from typing import TYPE_CHECKING, Any
 
-from pioneer3.behaviors.action import Stack
-from pioneer3.errors import MotionError, PioneerError, how_to_get
+from pioneer3.errors import MotionError, PioneerError, Refusal, how_to_get
 from pioneer3.geometry import Pose2
 from pioneer3.maps import LineMap
+from pioneer3.nav.places import Destination, home
+from pioneer3.navigation.connect import prepare_navigation
+from pioneer3.navigation.goals import GONE, GoalServer, NavigationGoal
 from pioneer3.runtime.robot import Robot
 from pioneer3.tasks import running
 from pioneer3.web import messages, requests
-from pioneer3.web.control import GOTO_TIME, Control, Operator
-from pioneer3.web.errand import Errand, PlaceOn
+from pioneer3.web.control import GOTO_TIME, SILENCE, Control, Operator
 from pioneer3.web.scene import Scene
 
 if TYPE_CHECKING:
     from pioneer3.nav.estimate import Estimate
-    from pioneer3.nav.places import Destination
     from pioneer3.nav.planner import NoWay, Way
     from pioneer3.navigation.navigator import Navigation as State
     from pioneer3.navigation.navigator import Navigator
@@ -35,7 +34,8 @@ if TYPE_CHECKING:
 
 log = logging.getLogger(__name__)
 
-Asked = requests.GotoPlace | requests.MapRequest | requests.PlanWay
+Place = requests.GotoPlace | requests.PlanWay | requests.Stopover
+Question = requests.PlanWay | requests.PlaceRobot
 Show = Callable[[Operator, messages.Message], None]
 Publish = Callable[[messages.Navigation | None], None]
 
@@ -46,12 +46,8 @@ CLICK, TURN_SPREAD, ANY_HEADING = 0.3, 0.3, 2.0
 [m, rad, rad]."""
 SPARSE = 5
 """Step between drawn points of a way."""
-SAME = 0.005
-"""A goal so near to a place of the map is that place [m]: pages know it in whole millimetres."""
 PATROL_TIME = 3600.0
 """Time limit of a patrol [s]."""
-LOOK = 1.0
-"""Whether navigation has become possible is looked at so often [s]."""
 CRUISE = 0.7
 """Mean speed on a way, as a share of the highest."""
 
@@ -64,13 +60,13 @@ class RobotNavigation:
         robot: The robot.
         scene: Its map, and where it is if a simulator tells.
         control: Decides who drives it.
-        tell: Called with an operator and a sentence.
         show: Called with an operator and a message.
         publish: Called with the state, and with `None` when there is none.
         traffic: The other robots of the page.
         name: Of the robot, for the drivers of the others.
 
     Attributes:
+        goals: Carries out the goals of pages and scripts.
         in_thread: Runs what takes long.
     """
 
@@ -81,7 +77,6 @@ class RobotNavigation:
         scene: Scene,
         control: Control,
         *,
-        tell: Callable[[Operator, str], None],
         show: Show,
         publish: Publish,
         traffic: "Traffic | None" = None,
@@ -89,13 +84,16 @@ class RobotNavigation:
     ) -> None:
         self._number, self._robot = number, robot
         self._scene, self._control = scene, control
-        self._tell, self._show, self._publish = tell, show, publish
+        self._show, self._publish = show, publish
         self._traffic, self._called = traffic, name
         self.in_thread: Callable[..., Awaitable[Any]] = asyncio.to_thread
+        self.goals = GoalServer(robot, self._ready, patience=inf)
         self._navigator: Navigator | None = None
-        self._asked: tuple[Operator, Asked, int] | None = None
-        self._errands: deque[Errand] = deque()
-        self._news = asyncio.Event()
+        self._coming: asyncio.Future[Navigator] | None = None
+        self._wanted = asyncio.Event()
+        self._questions: dict[tuple[Operator, type], Question] = {}
+        self._asked = asyncio.Event()
+        self._waits = ""
 
     @property
     def possible(self) -> bool:
@@ -123,180 +121,132 @@ class RobotNavigation:
         drawn = known is not None and (len(known.walls) or any(o.forbidden for o in known.objects))
         return self.impossible if drawn else ""
 
-    def ask(self, operator: Operator, request: Asked) -> None:
-        """Plan a way for `operator`, and drive along it or only show it; or find the robot.
+    def ask(
+        self, operator: Operator, request: requests.GotoPlace | requests.MapRequest | Question
+    ) -> None:
+        """Begin to carry out a request of a page, or to answer it.
 
-        The newest request counts, but one that only asks does not displace another.
+        Of the questions of one operator the newest of each kind counts.
         """
-        waiting = self._asked is not None and not isinstance(self._asked[1], requests.PlanWay)
-        if isinstance(request, requests.PlanWay) and (waiting or not self.possible):
-            return
-        self._asked = operator, request, self._robot.arbiter.last_stop.number
-        self._news.set()
+        match request:
+            case requests.GotoPlace(speed=speed):
+                self.goals.accept(self._goal(operator, [request], speed, GOTO_TIME))
+            case requests.Patrol(places=places, speed=speed):
+                self.goals.accept(self._goal(operator, places, speed, PATROL_TIME))
+            case requests.LookAround():
+                self.goals.accept(self._goal(operator, (), None, GOTO_TIME))
+            case _:
+                self._questions[operator, type(request)] = request
+                self._asked.set()
 
-    async def answer(
-        self, operator: Operator, place: PlaceOn, speed: float, *, drives: bool
-    ) -> messages.Way:
-        """Plan a way for a script, and have the robot drive along it if it `drives`; return it.
+    def _goal(
+        self, operator: Operator, places: Sequence[Place], speed: float | None, seconds: float
+    ) -> NavigationGoal:
+        """Return the goal of a page: places, or without one to look around."""
+        goals = [self._destination(each) for each in places]
+        return NavigationGoal(
+            places=(lambda: goals) if goals else None,
+            speed=speed,
+            rounds=inf if len(goals) > 1 else 1,
+            begin=partial(self._control.start, operator, seconds=seconds, patience=SILENCE),
+            told=lambda goal: self._show(
+                operator, messages.GoalProgress(self._number, goal.status.value, goal.text)
+            ),
+        )
+
+    async def plan(self, place: Destination, speed: float) -> messages.Way:
+        """Return the way to a place from where the robot is.
 
         Raises:
-            PioneerError: There is no way, or the robot may not drive; see the message.
+            PioneerError: There is none; see the message.
         """
-        answer: asyncio.Future[messages.Way] = asyncio.get_running_loop().create_future()
-        after = self._robot.arbiter.last_stop.number
-        self._errands.append(Errand(operator, place, speed, drives, after, answer))
-        self._news.set()
-        return await answer
+        navigator = await self._ready()
+        await navigator.find()  # planning gives the reason if it is not sure
+        return self._shown(place, await navigator.plan(place), speed)
+
+    async def drive(self, operator: Operator, place: Destination, speed: float) -> messages.Way:
+        """Have the robot set out to a place for a script; return the way.
+
+        Raises:
+            MotionError: It does not set out; see the message.
+        """
+        begin = partial(self._control.start, operator, seconds=GOTO_TIME, patience=inf)
+        goal = NavigationGoal(places=lambda: (place,), speed=speed, begin=begin)
+        await self.goals.set_out(goal)
+        assert goal.found is not None
+        return self._shown(place, goal.found, speed)
 
     @property
     def state(self) -> messages.Navigation | None:
         """The robot's knowledge of its place, and the rest of its way; `None` at first."""
+        if self._waits:
+            return messages.Navigation(self._number, sure=False, reason="", problem=self._waits)
         latest = self._navigator.state.latest if self._navigator else None
         return self._message(latest) if latest else None
 
     async def run(self) -> None:
         """Carry out requests until cancelled."""
-        async with AsyncExitStack() as ended, AsyncExitStack() as stack:
-            ended.callback(self._refuse_errands)
-            await self._find_real_robot(stack)
-            while True:
-                await self._news.wait()
-                self._news.clear()
-                while self._errands:
-                    await self._run_errand(self._errands.popleft(), stack)
-                asked, self._asked = self._asked, None
-                if asked is None:
-                    continue
-                try:
-                    await self._carry_out(*asked, stack)
-                except PioneerError as error:
-                    self._tell(asked[0], _sentence(str(error)))
-                except Exception:
-                    log.exception("planning failed")
-                    self._tell(asked[0], "Planning a way failed; the log has the details.")
+        work = [self.goals.run(), self._answer_questions()]
+        if not self._scene.simulated:
+            work.append(self._find_real_robot())
+        async with running(*work):
+            try:
+                await self._keep_navigator()
+            finally:
+                if self._coming is not None:
+                    self._coming.set_exception(MotionError(GONE))
 
-    async def _find_real_robot(self, stack: AsyncExitStack) -> None:
+    async def _find_real_robot(self) -> None:
         """Localize a robot that no simulator tells the place of, as soon as that is possible."""
-        if self._scene.simulated:
-            return
-        while not self._news.is_set():
-            ready = self._robot.snapshot is not None and self.possible
-            if ready and not self._scene.tells_truth:
-                try:
-                    await self._ready(stack)
-                except PioneerError as error:
-                    log.warning("the robot is not looked for: %s", error)
-                return
-            if ready:
-                return
-            with suppress(TimeoutError):
-                await asyncio.wait_for(self._news.wait(), LOOK)
+        async for _ in self._robot.supervisor.snapshots.values(latest_first=True):
+            if self.possible:
+                break
+        if not self._scene.tells_truth:
+            try:
+                await self._ready()
+            except PioneerError as error:
+                log.warning("the robot is not looked for: %s", error)
 
-    async def _carry_out(
-        self, operator: Operator, request: Asked, after: int, stack: AsyncExitStack
-    ) -> None:
-        navigator = await self._ready(stack)
-        if not isinstance(request, requests.PlaceRobot):
-            await navigator.find()  # planning says why not
-        match request:
-            case requests.PlanWay():
-                goal = self._destination(request)
-                way = await navigator.plan(goal)
-                self._show(operator, self._shown(goal, way, request.speed))
-            case requests.PlaceRobot(x=x, y=y, heading=heading):
-                turn = TURN_SPREAD if heading is not None else ANY_HEADING
-                navigator.place(Pose2(x, y, heading or 0.0), CLICK, turn)
-            case requests.LookAround():
-                self._start(operator, navigator.looking_around(), GOTO_TIME, after)
-            case requests.GotoPlace(speed=speed):
-                await self._drive(operator, navigator, [self._destination(request)], speed, after)
-            case requests.Patrol(places=places, speed=speed):
-                goals = [self._destination(each) for each in places]
-                await self._drive(operator, navigator, goals, speed, after)
+    async def _answer_questions(self) -> None:
+        while True:
+            await self._asked.wait()
+            self._asked.clear()
+            while self._questions:
+                operator, kind = next(iter(self._questions))
+                question = self._questions.pop((operator, kind))
+                why = self.impossible
+                refused = Refusal(why) if why else await self._answer(operator, question)
+                if refused is not None:
+                    self._show(operator, self._refused(question, refused.text))
 
-    def _refuse_errands(self) -> None:
-        while self._errands:
-            self._errands.popleft().refuse(MotionError("the robot has gone"))
-
-    async def _run_errand(self, errand: Errand, stack: AsyncExitStack) -> None:
-        """Answer a script, unless it has gone."""
-        error: PioneerError = MotionError("the robot has gone")
+    async def _answer(self, operator: Operator, question: Question) -> Refusal | None:
+        """Answer a question of a page, or return a refusal."""
         try:
-            way = await self._way_of(errand, stack)
-        except PioneerError as found:
-            error = found
+            if isinstance(question, requests.PlanWay):
+                place = self._destination(question)
+                self._show(operator, await self.plan(place, question.speed))
+            else:
+                turn = TURN_SPREAD if question.heading is not None else ANY_HEADING
+                pose = Pose2(question.x, question.y, question.heading or 0.0)
+                (await self._ready()).place(pose, CLICK, turn)
+        except PioneerError as error:
+            return Refusal(str(error))
         except Exception:
             log.exception("planning failed")
-            error = MotionError("planning a way failed; the log has the details")
-        else:
-            if not errand.answer.done():
-                errand.answer.set_result(way)
-        finally:
-            errand.refuse(error)
+            return Refusal("planning a way failed; the log has the details")
+        return None
 
-    async def _way_of(self, errand: Errand, stack: AsyncExitStack) -> messages.Way:
-        from pioneer3.navigation.ways import to_drive
+    def _refused(self, question: Question, why: str) -> messages.Message:
+        if isinstance(question, requests.PlanWay):
+            return messages.Way(self._number, question.x, question.y, refusal=why)
+        return messages.Told(f"{why[0].upper()}{why[1:]}.")
 
-        navigator = await self._ready(stack)
-        goal = errand.place(navigator.line_map)
-        await navigator.find()  # planning says why not
-        found = await navigator.plan(goal)
-        way = to_drive(found)
-        if errand.drives and not errand.answer.done():
-            last = self._robot.arbiter.last_stop
-            if last.number != errand.after:
-                raise MotionError(last.why)
-            mode = navigator.mode(goal, way, errand.speed)
-            refused = self._control.start(errand.operator, mode, GOTO_TIME, patience=inf)
-            if refused:
-                raise MotionError(refused.text)
-        return self._shown(goal, found, errand.speed)
-
-    async def _drive(
-        self,
-        operator: Operator,
-        navigator: "Navigator",
-        goals: "Sequence[Destination]",
-        speed: float,
-        after: int,
-    ) -> None:
-        """Drive to one place, or from place to place, unless the robot was stopped meanwhile."""
-        from pioneer3.nav.planner import NoWay
-        from pioneer3.navigation.ways import to_drive
-
-        first, *rest = goals
-        found = await navigator.plan(first)
-        way = to_drive(found)
-        if isinstance(found, NoWay):
-            self._tell(operator, _sentence(f"{found.why}; it waits before it"))
-        if rest:
-            mode = navigator.mode(first, way, speed, after=rest, rounds=inf)
-            self._start(operator, mode, PATROL_TIME, after)
-        else:
-            self._start(operator, navigator.mode(first, way, speed), GOTO_TIME, after)
-
-    def _start(self, operator: Operator, mode: Stack, seconds: float, after: int) -> None:
-        """Start a mode unless the robot was stopped since it was asked for."""
-        stop = self._robot.arbiter.last_stop
-        if stop.number != after:
-            self._tell(operator, _sentence(f"it does not set out: {stop.why}"))
-        elif refused := self._control.start(operator, mode, seconds):
-            self._tell(operator, refused.text)
-
-    def _destination(
-        self, place: requests.GotoPlace | requests.PlanWay | requests.Stopover
-    ) -> "Destination":
-        from pioneer3.nav.places import Destination
-
-        return Destination(x=place.x, y=place.y, heading=place.heading, name=self._name(place))
-
-    def _name(self, request: requests.GotoPlace | requests.PlanWay | requests.Stopover) -> str:
-        """Return the name of the place that is meant, or nothing."""
+    def _destination(self, place: Place) -> Destination:
+        """Return the place that a page means, by its name where the map has that."""
         known = self._scene.map_now
-        named = known.objects if known else ()
-        there = request.x, request.y
-        near = (i.name for i in named if dist(there, (i.pose.x, i.pose.y)) < SAME)
-        return next(near, "")
+        names = {each.name for each in known.objects} if known else set()
+        name = place.name if place.name in names else ""
+        return Destination(x=place.x, y=place.y, heading=place.heading, name=name)
 
     def _shown(self, goal: "Destination", way: "Way | NoWay", speed: float) -> messages.Way:
         """Return the answer to a request that only asks for a way."""
@@ -338,39 +288,71 @@ class RobotNavigation:
             seconds=_seconds(rest.length, state.top_speed) if rest else None,
         )
 
-    async def _ready(self, stack: AsyncExitStack) -> "Navigator":
-        """Return the navigator of the present map."""
-        await self.in_thread(import_module, "pioneer3.navigation.navigator")  # takes up to seconds
-        from pioneer3.navigation.navigator import Navigator, compile_kernels
+    async def _ready(self) -> "Navigator":
+        """Return the navigator of the present map, once it is there.
 
-        known = self._scene.map_now
-        assert known is not None
-        if self._navigator is None or self._navigator.line_map is not known:
-            found = self._navigator.estimate if self._navigator else None
-            await stack.aclose()
-            await compile_kernels()
-            start = self._begun(known, found)
-            self._navigator = await Navigator.on(
-                self._robot,
-                known,
-                start=start,
-                in_thread=self.in_thread,
-                traffic=self._traffic,
-                name=self._called,
-            )
-            navigator = self._navigator
-            self._scene.located.odom_in_map = lambda: navigator.estimate.odom_in_map
-            self._scene.located.unsure = lambda: _unsure(navigator)
-            await stack.enter_async_context(running(navigator.run(), self._tell_state()))
-        return self._navigator
+        Raises:
+            PioneerError: There is none; see the message.
+        """
+        if self._navigator is not None and self._navigator.line_map is self._scene.map_now:
+            return self._navigator
+        if self._coming is None:
+            self._coming = asyncio.get_running_loop().create_future()
+            self._wanted.set()
+        return await asyncio.shield(self._coming)
+
+    async def _keep_navigator(self) -> None:
+        """Make the navigator that is wanted, and have it work until another one is."""
+        while True:
+            await self._wanted.wait()
+            self._wanted.clear()
+            coming = self._coming
+            assert coming is not None
+            try:
+                navigator = await self._make()
+            except Exception as error:
+                self._coming = None
+                coming.set_exception(error)
+                continue
+            finally:
+                self._waits = ""
+                self._publish(None)
+            self._navigator, self._coming = navigator, None
+            coming.set_result(navigator)
+            async with running(navigator.run(), self._tell_state(navigator)):
+                await self._wanted.wait()
+
+    async def _make(self) -> "Navigator":
+        """Return a navigator of the present map."""
+        known, before = self._scene.map_now, self._navigator
+        if known is None:
+            raise MotionError(self.impossible)
+        self._navigator = None
+        await prepare_navigation(self.in_thread, self._tell_wait)
+        from pioneer3.navigation.navigator import Navigator
+
+        navigator = await Navigator.on(
+            self._robot,
+            known,
+            start=self._begun(known, before.estimate if before else None),
+            in_thread=self.in_thread,
+            traffic=self._traffic,
+            name=self._called,
+        )
+        self._scene.located.odom_in_map = lambda: navigator.estimate.odom_in_map
+        self._scene.located.unsure = lambda: _unsure(navigator)
+        return navigator
+
+    def _tell_wait(self, why: str) -> None:
+        log.warning(why)
+        self._waits = why
+        self._publish(self.state)
 
     def _begun(self, known: LineMap, found: "Estimate | None") -> Pose2 | None:
         """Return where the robot is now, or `None` to have it found.
 
         A simulator tells that, or it was `found` on the map before, or it began at the map's home.
         """
-        from pioneer3.nav.places import home
-
         snapshot = self._robot.snapshot
         if snapshot is None:
             return None
@@ -382,10 +364,8 @@ class RobotNavigation:
         begun = home(known)
         return begun @ odom if begun else None
 
-    async def _tell_state(self) -> None:
+    async def _tell_state(self, navigator: "Navigator") -> None:
         """Publish the state of the navigator now and then."""
-        navigator = self._navigator
-        assert navigator is not None
         try:
             while True:
                 state = navigator.state.latest
@@ -410,10 +390,6 @@ def points_of(way: "Way") -> tuple[tuple[float, float], ...]:
     """Return some of the points of a way [m], the last one among them."""
     points = [*way.points[:-1:SPARSE].tolist(), way.points[-1].tolist()]
     return tuple((round(x, 2), round(y, 2)) for x, y in points)
-
-
-def _sentence(words: str) -> str:
-    return f"{words[0].upper()}{words[1:].removesuffix('.')}."
 
 
 def _seconds(length: float, speed: float) -> int:

@@ -202,7 +202,6 @@ class Page:
             robot,
             scene,
             control,
-            tell=tell,
             show=self.clients.show,
             publish=partial(self.audiences.publish, number, "navigation"),
             traffic=self.traffic,

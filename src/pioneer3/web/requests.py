@@ -104,21 +104,24 @@ class StartGroupMode(Request, tag="start_group_mode"):
 class GotoPlace(RobotRequest, tag="goto"):
     """Drive to a place of the map, and turn to a heading there if one is given.
 
-    A robot with a laser drives along a planned way, one without drives straight.
+    A robot with a laser drives along a planned way, one without drives straight. People are told
+    the `name` of the place, if the map has it.
     """
 
     x: Metre
     y: Metre
     heading: Radian | None = None
+    name: str = ""
     speed: Speed = 0.3
 
 
 class Stopover(msgspec.Struct, forbid_unknown_fields=True):
-    """A place of a patrol, with a heading to turn to there if one is given."""
+    """A place of a patrol, with a heading to turn to there if one is given, and its name."""
 
     x: Metre
     y: Metre
     heading: Radian | None = None
+    name: str = ""
 
 
 class Patrol(RobotRequest, tag="patrol"):
@@ -146,6 +149,7 @@ class PlanWay(RobotRequest, tag="plan_way"):
     x: Metre
     y: Metre
     heading: Radian | None = None
+    name: str = ""
     speed: Speed = 0.3
 
 

@@ -13,7 +13,8 @@ import pytest
 
 from pioneer3.geometry import Pose2
 from pioneer3.maps import LineMap, MapObject
-from pioneer3.navigation.connect import connect_async
+from pioneer3.navigation.connect import connect_async, prepare_navigation
+from pioneer3.navigation.localization import InThread
 from pioneer3.sim.worldfile import Box
 from pioneer3.tasks import running
 from pioneer3.web.app import make_app
@@ -55,6 +56,12 @@ async def rooms() -> AsyncIterator[tuple[Playground, Browser]]:
         yield the, ann
 
 
+def news(page: Browser) -> tuple[str, str]:
+    """Return the status of the goal, and the reason of it."""
+    told = page.latest("goal")
+    return told["status"], told["text"]
+
+
 def where(the: Playground) -> Pose2:
     return the.simulation.robots[0].body.robot_in_world
 
@@ -79,8 +86,9 @@ async def test_a_way_is_shown_before_anything_drives() -> None:
 
 async def test_the_robot_goes_through_the_door_and_tells_its_way() -> None:
     async with rooms() as (the, ann):
-        ann.say("goto", x=2.5, y=0.0, heading=0.0, speed=0.6)
+        ann.say("goto", x=2.5, y=0.0, heading=0.0, name="Kitchen", speed=0.6)
         await ann.stay(5.0)
+        assert ann.latest("goal")["status"] == "executing"
         told = ann.latest("navigation")
         assert told["sure"]
         assert told["place"] == "Kitchen"
@@ -90,6 +98,7 @@ async def test_the_robot_goes_through_the_door_and_tells_its_way() -> None:
         assert abs(where(the).theta) < 0.05
         assert ann.snapshot["mode"] is None
         assert ann.latest("navigation")["way"] == []
+        assert ann.latest("goal")["status"] == "succeeded"
 
 
 async def test_places_without_a_way_are_refused_with_the_reason() -> None:
@@ -99,7 +108,7 @@ async def test_places_without_a_way_are_refused_with_the_reason() -> None:
         assert "m from something" in ann.latest("way")["refusal"]
         ann.say("goto", x=30.0, y=0.0)
         await asyncio.sleep(1.0)
-        assert ann.latest("told")["message"] == "The goal is outside of the map."
+        assert news(ann) == ("aborted", "the goal is outside of the map")
         assert where(the) == pytest.approx(BEGIN)
 
 
@@ -126,8 +135,7 @@ async def test_a_stop_that_comes_before_the_way_is_found_ends_the_request() -> N
         await asyncio.sleep(3.0)
         assert ann.snapshot["mode"] is None
         assert where(the) == pytest.approx(BEGIN)
-        told = ann.latest("told")["message"]
-        assert told == "It does not set out: somebody stopped the robot."
+        assert news(ann) == ("aborted", "somebody stopped the robot")
 
 
 @pytest.mark.parametrize("how", ["leaves", "falls silent"])
@@ -161,17 +169,18 @@ def close_the_door(the: Playground) -> None:
 async def test_a_robot_sets_out_to_a_door_that_is_closed_and_waits_until_it_opens() -> None:
     async with rooms() as (the, ann):
         close_the_door(the)
-        ann.say("plan_way", x=2.5, y=0.0)
+        ann.say("plan_way", x=2.5, y=0.0, name="Kitchen")
         await ann.stay(3.0)
         way = ann.latest("way")
         assert way["points"]
         assert way["refusal"] == ""
         assert way["closed"].startswith("the way to Kitchen is closed")
-        ann.say("goto", x=2.5, y=0.0, speed=0.5)
+        ann.say("goto", x=2.5, y=0.0, name="Kitchen", speed=0.5)
         await ann.stay(3.0)
-        told = ann.latest("told")["message"]
-        assert told.startswith("The way to Kitchen is closed")
-        assert told.endswith("seen 0 s ago; it waits before it.")
+        status, text = news(ann)
+        assert status == "executing"
+        assert text.startswith("the way to Kitchen is closed")
+        assert text.endswith("seen 0 s ago; it waits before it")
         await ann.stay(7.0)
         assert ann.snapshot["mode"] == "goto"
         assert ann.latest("navigation")["problem"].startswith("the way to Kitchen is closed")
@@ -185,7 +194,7 @@ async def test_a_robot_sets_out_to_a_door_that_is_closed_and_waits_until_it_open
 
 async def test_a_robot_gives_up_where_the_door_is_closed_before_it() -> None:
     async with rooms() as (the, ann):
-        ann.say("goto", x=2.5, y=0.0, speed=0.5)
+        ann.say("goto", x=2.5, y=0.0, name="Kitchen", speed=0.5)
         await ann.stay(4.0)
         close_the_door(the)
         await ann.stay(40.0)
@@ -276,7 +285,7 @@ async def test_a_lost_robot_looks_around_until_it_knows() -> None:
         assert told["reason"]
         ann.say("goto", x=2.5, y=0.0)
         await ann.stay(5.0)
-        assert "not sure" in ann.latest("told")["message"]
+        assert "not sure" in news(ann)[1]
         assert where(the) == pytest.approx(BEGIN)
         ann.say("look_around")
         await ann.stay(60.0)
@@ -290,3 +299,80 @@ async def test_without_a_map_nothing_navigates() -> None:
         ann.say("look_around")
         await asyncio.sleep(0.5)
         assert ann.latest("refused")["message"] == "there is no map"
+
+
+async def test_a_goal_waits_for_navigation_and_tells_the_reason(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    compiled = asyncio.Event()
+
+    async def prepare(in_thread: InThread, tell: Callable[[str], None]) -> None:
+        tell("compiling navigation, once")
+        await compiled.wait()
+        await prepare_navigation(in_thread)
+
+    monkeypatch.setattr("pioneer3.web.navigation.prepare_navigation", prepare)
+    async with rooms() as (the, ann):
+        ann.say("plan_way", x=2.5, y=0.0)
+        ann.say("goto", x=2.5, y=0.0, name="Kitchen", speed=0.6)
+        await ann.stay(20.0)
+        assert news(ann) == ("accepted", "")
+        told = ann.latest("navigation")
+        assert (told["reason"], told["problem"]) == ("", "compiling navigation, once")
+        assert where(the) == pytest.approx(BEGIN)
+        compiled.set()
+        await ann.stay(30.0)
+        assert ann.latest("way")["length"] == pytest.approx(6.5, rel=0.1)
+        assert news(ann) == ("succeeded", "arrived")
+        assert hypot(where(the).x - 2.5, where(the).y) < 0.05
+
+
+@pytest.mark.parametrize(
+    ("request_", "end"),
+    [
+        ("stop", ("aborted", "somebody stopped the robot")),
+        ("end_mode", ("canceled", "laptop ended it")),
+    ],
+)
+async def test_a_goal_that_waits_ends_at_once_when_it_is_called_back(
+    monkeypatch: pytest.MonkeyPatch, request_: str, end: tuple[str, str]
+) -> None:
+    async def prepare(in_thread: InThread, tell: Callable[[str], None]) -> None:
+        await asyncio.sleep(10.0)
+        await prepare_navigation(in_thread)
+
+    monkeypatch.setattr("pioneer3.web.navigation.prepare_navigation", prepare)
+    async with rooms() as (the, ann):
+        ann.say("goto", x=2.5, y=0.0)
+        await ann.stay(3.0)
+        ann.say(request_)
+        await ann.stay(0.5)
+        assert (news(ann)[0], news(ann)[1].split()[-2:]) == (end[0], end[1].split()[-2:])
+        await ann.stay(12.0)
+        assert the.page.robots[1].robot.arbiter.mode is None
+        assert where(the) == pytest.approx(BEGIN)
+
+
+async def test_a_later_goal_takes_the_place_of_one_that_waits() -> None:
+    async with rooms() as (the, ann), Browser(the.app) as bob:
+        await _plan_slowly(the, ann, 1.0)
+        ann.say("goto", x=2.5, y=0.0)
+        await ann.stay(2.5)
+        ann.say("goto", x=-2.5, y=1.0)
+        await ann.stay(0.5)
+        statuses = [each["status"] for each in ann.heard if each["type"] == "goal"]
+        assert statuses == ["accepted", "executing", "canceled", "accepted"]
+        assert not [each for each in bob.heard if each["type"] == "goal"]
+        await ann.stay(20.0)
+        assert news(ann) == ("succeeded", "arrived")
+        assert hypot(where(the).x + 2.5, where(the).y - 1.0) < 0.05
+
+
+async def test_every_question_gets_an_answer() -> None:
+    async with rooms() as (_, ann), Browser(_.app) as bob:
+        ann.say("goto", x=-2.5, y=1.0)
+        ann.say("plan_way", x=2.5, y=0.0)
+        bob.say("plan_way", x=30.0, y=0.0)
+        await ann.stay(3.0)
+        assert ann.latest("way")["points"]
+        assert bob.latest("way")["refusal"] == "the goal is outside of the map"

@@ -82,7 +82,7 @@ class NodeNavigation:
         self._frames = options.frames.with_prefix(options.prefix)
         published = [topic for topic in NAVIGATION_TOPICS if topic.direction is Direction.PUBLISHED]
         self._publishing = Publishing(published, profile, middleware)
-        self._goals = Goals(robot, navigator, speed, self._publishing, middleware)
+        self._goals = Goals(navigator.goals, speed, self._publishing, middleware)
         self._grid: OccupancyGrid | None = None
         self._way: tuple[Way | None, tuple[tuple[float, float], ...]] = (None, ())
         self._loop = asyncio.get_running_loop()

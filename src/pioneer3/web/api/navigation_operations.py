@@ -1,17 +1,14 @@
 """The operations of the API on places of the map."""
 
-from typing import TYPE_CHECKING
+from collections.abc import Awaitable
 
 from pioneer3.errors import ConfigError, PioneerError
-from pioneer3.maps import LineMap
+from pioneer3.nav.places import Destination, destination, find_place, places
 from pioneer3.web import messages
 from pioneer3.web.access.middleware import ErrorResponse
 from pioneer3.web.access.sessions import Role
 from pioneer3.web.api import types
 from pioneer3.web.api.operation import ApiRequest, operation
-
-if TYPE_CHECKING:
-    from pioneer3.nav.places import Destination
 
 
 def list_places(request: ApiRequest) -> list[types.MapPlace] | ErrorResponse:
@@ -20,15 +17,16 @@ def list_places(request: ApiRequest) -> list[types.MapPlace] | ErrorResponse:
     if refused := _impossible(request):
         return refused
     assert known is not None
-    from pioneer3.nav.places import destination, places
-
     found = map(destination, places(known))
     return [types.MapPlace(each.name, each.x, each.y, each.heading) for each in found]
 
 
 async def plan_way(request: ApiRequest, body: types.Place) -> messages.Way | ErrorResponse:
     """Return the way to a place of the map from where the robot is. Nothing drives."""
-    return await _answer(request, body, drives=False)
+    place = _place(request, body)
+    if isinstance(place, ErrorResponse):
+        return place
+    return await _answered(request.view.navigation.plan(place, body.speed))
 
 
 async def goto_place(request: ApiRequest, body: types.Place) -> messages.Way | ErrorResponse:
@@ -37,7 +35,12 @@ async def goto_place(request: ApiRequest, body: types.Place) -> messages.Way | E
     Takes control if it is free; it is yours while the robot is on its way. `mode` says how that
     ended; `navigation` what is left of it.
     """
-    return await _answer(request, body, drives=True)
+    place = _place(request, body)
+    if isinstance(place, ErrorResponse):
+        return place
+    if taken := request.view.control.take(request.caller):
+        return ErrorResponse(409, taken.text)
+    return await _answered(request.view.navigation.drive(request.caller, place, body.speed))
 
 
 def get_navigation(request: ApiRequest) -> messages.Navigation | ErrorResponse:
@@ -50,39 +53,36 @@ def get_navigation(request: ApiRequest) -> messages.Navigation | ErrorResponse:
     )
 
 
-async def _answer(
-    request: ApiRequest, body: types.Place, *, drives: bool
-) -> messages.Way | ErrorResponse:
-    by_name, by_numbers = body.name is not None, body.x is not None and body.y is not None
-    if by_name == by_numbers:
-        return ErrorResponse(400, "give the name of a place, or x and y")
+def _place(request: ApiRequest, body: types.Place) -> Destination | ErrorResponse:
+    """Return the place of a request, or the refusal."""
     if refused := _impossible(request):
         return refused
-    if drives and (taken := request.view.control.take(request.caller)):
-        return ErrorResponse(409, taken.text)
+    known = request.view.scene.map_now
+    assert known is not None
     try:
-        return await request.view.navigation.answer(
-            request.caller, lambda known: _place(known, body), body.speed, drives=drives
-        )
+        match body:
+            case types.Place(name=str(name), x=None, y=None):
+                return find_place(known, name)
+            case types.Place(name=None, x=float(x), y=float(y)):
+                return Destination(x=x, y=y, heading=body.heading)
     except ConfigError as error:
         return ErrorResponse(404, str(error))
+    return ErrorResponse(400, "give the name of a place, or x and y")
+
+
+async def _answered(asked: Awaitable[messages.Way]) -> messages.Way | ErrorResponse:
+    try:
+        way = await asked
     except PioneerError as error:
         return ErrorResponse(409, str(error))
+    if way.refusal:
+        return ErrorResponse(409, way.refusal)
+    return way
 
 
 def _impossible(request: ApiRequest) -> ErrorResponse | None:
     reason = request.view.navigation.impossible
     return ErrorResponse(409, reason) if reason else None
-
-
-def _place(known: LineMap, body: types.Place) -> "Destination":
-    from pioneer3.nav.places import Destination, find_place
-
-    if body.name is not None:
-        return find_place(known, body.name)
-    assert body.x is not None
-    assert body.y is not None
-    return Destination(x=body.x, y=body.y, heading=body.heading)
 
 
 ROBOT = "/api/robots/{robot}"

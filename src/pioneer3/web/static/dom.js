@@ -33,6 +33,12 @@ export function put(element, text) {
   if (element.textContent !== text) element.textContent = text;
 }
 
+/** Shows a text of the server, if it has changed; what is `quoted` in it is code. */
+export function putProse(element, text) {
+  if (element.textContent === text.replaceAll("`", "")) return;
+  element.replaceChildren(...text.split("`").map((part, at) => (at % 2 ? make("code", {}, part) : part)));
+}
+
 /** Sets an attribute, if it has changed; null removes it. */
 export function set(element, name, value) {
   if (value === null) element.removeAttribute(name);
@@ -56,6 +62,9 @@ export function number(value, digits) {
   if (!Number.isFinite(value)) return "–";
   return value.toFixed(digits).replace(NEGATIVE_ZERO, "").replace("-", "−");
 }
+
+/** A text of the server as a sentence. */
+export const sentence = (text) => `${text[0].toUpperCase()}${text.slice(1)}.`;
 
 export const degrees = (radians) => (radians * 180) / Math.PI;
 

@@ -131,6 +131,7 @@ function receive(message) {
   else if (message.type === "people") takePeople(message);
   else if (message.type === "class") ownRobot.takeClass(message);
   else if (message.type === "way") goto.takeWay(message);
+  else if (message.type === "goal") showGoal(message);
   else if (message.type === "told") showNews(message);
   else if (message.type === "pong") stops.acknowledge(message.t);
   else panels.receive(message);
@@ -325,8 +326,13 @@ function tell(text) {
   if (performance.now() - newsAt > RECENT) toast(text);
 }
 
+function showGoal(goal) {
+  const news = goto.takeGoal(goal);
+  if (news) toast(news, LONG);
+}
+
 function refused({ message }) {
-  tell(message);
+  if (!goto.takeRefusal(message)) tell(message);
   // held inputs must not take over by themselves once the other driver leaves
   if (model.driver === "you") drive.releaseAll();
   else drive.forget();

@@ -460,6 +460,14 @@ export interface Navigation {
   seconds: number | null;
 }
 
+/** Progress of a goal that this client has sent, as an action server tells it. `text` is the reason of its end, or of a wait on the way. */
+export interface GoalProgress {
+  type: "goal";
+  robot: number;
+  status: "aborted" | "accepted" | "canceled" | "executing" | "succeeded";
+  text: string;
+}
+
 /** The map that is being made with a robot; only where one can be made. `driven` is in metres, `area` in square metres; `edges` is the number of edges that are left to explore, null before they are known; `way` leads to the next; `saved` is the file saved last. */
 export interface Mapping {
   type: "mapping";
@@ -700,12 +708,13 @@ export interface Turn {
   seconds?: number;
 }
 
-/** Drive to a place of the map, and turn to a heading there if one is given. A robot with a laser drives along a planned way, one without drives straight. */
+/** Drive to a place of the map, and turn to a heading there if one is given. A robot with a laser drives along a planned way, one without drives straight. People are told the `name` of the place, if the map has it. */
 export interface GotoPlace {
   type: "goto";
   x: number;
   y: number;
   heading?: number | null;
+  name?: string;
   speed?: number;
   robot?: number | null;
 }
@@ -733,11 +742,12 @@ export interface Patrol {
   robot?: number | null;
 }
 
-/** A place of a patrol, with a heading to turn to there if one is given. */
+/** A place of a patrol, with a heading to turn to there if one is given, and its name. */
 export interface Stopover {
   x: number;
   y: number;
   heading?: number | null;
+  name?: string;
 }
 
 /** Drive about slowly until the robot is sure where it is on the map. */
@@ -811,6 +821,7 @@ export interface PlanWay {
   x: number;
   y: number;
   heading?: number | null;
+  name?: string;
   speed?: number;
   robot?: number | null;
 }
@@ -1009,6 +1020,6 @@ export interface RecordRun {
   robot?: number | null;
 }
 
-export type ToPage = Hello | Status | Robots | Scans | Map | MapDraft | World | People | Class | ClassRobots | Way | Navigation | Mapping | Told | Refused | EditRefused | Added | Pong | Details | NoDetails | Config;
+export type ToPage = Hello | Status | Robots | Scans | Map | MapDraft | World | People | Class | ClassRobots | Way | Navigation | GoalProgress | Mapping | Told | Refused | EditRefused | Added | Pong | Details | NoDetails | Config;
 
 export type ToServer = Drive | Stop | EmergencyStop | ResetEmergencyStop | SwitchMotors | TakeControl | TakeOver | HandOver | ReleaseControl | StartMode | GotoPlace | MakeMap | EndMode | Patrol | LookAround | PlaceRobot | StartGroupMode | WatchDetails | AskConfig | WatchLasers | PlanWay | Ping | AddBox | AddPerson | AddRobot | Move | Remove | PressStopButton | PlugCable | SetCharge | Pause | Step | SetSpeed | EraseWalls | DrawWall | Forbid | NamePlace | RenameObject | RemoveObject | UndoMapEdit | DiscardMapEdits | SaveMap | PauseRobots | PutBack | FreeSeat | LockJoining | ShareAddresses | RecordRun;

@@ -1,7 +1,7 @@
 // A class on the page of one robot: the port for the student's own programs, recordings, and banners that say who
 // keeps the robot from being driven.
 
-import { byId, make, makeButton, put, putItems, set } from "../dom.js";
+import { byId, make, makeButton, put, putItems, sentence, set } from "../dom.js";
 import { ask } from "../http.js";
 import { part } from "../panels/widgets.js";
 import { copy } from "./invitation.js";
@@ -161,7 +161,6 @@ export class OwnRobot {
   }
 }
 
-const sentence = (words) => `${words[0].toUpperCase()}${words.slice(1)}.`;
 
 function stateOf(recording) {
   if (recording === null) return "Nothing is recorded now.";

@@ -1,7 +1,7 @@
 // Sending the selected robot to a goal: a tap on the map proposes it, a button starts the drive.
 // Nothing drives before that button; the server refuses goals that the map forbids.
 
-import { byId, degrees, hasModifier, isTyping, number, put } from "../dom.js";
+import { byId, degrees, hasModifier, isTyping, number, put, putProse, sentence } from "../dom.js";
 import { STEPS, TURN, kindOf } from "./gestures.js";
 import { placeAt } from "./places.js";
 import { KNOB, knobOf } from "./target.js";
@@ -12,12 +12,17 @@ const NEAR = 0.15; // m between a target and the place of the map that it means:
 const MOST = 19; // stops before the last one
 const ROUND = Math.PI / 36; // headings that are dragged are multiples of it
 
+const STOPS = "It stops when this page is closed or silent for 2 s.";
+
 const timeOf = (seconds) => (seconds < 90 ? `${seconds} s` : `${Math.round(seconds / 60)} min`);
 
-const pointOf = ({ x, y, heading }) => (heading === null ? { x, y } : { x, y, heading });
+const pointOf = ({ x, y, heading, name }) => ({ x, y, name, ...(heading !== null && { heading }) });
 
 export class GotoTool {
-  /** The goal that is proposed, {x, y, heading or null, toward, name}, or null. */
+  /**
+   * The goal that is proposed, {x, y, heading or null, toward, name}, or null. Once it has been sent
+   * to a robot that plans its way, `sent` is the number of that; it stays until the robot sets out.
+   */
   proposal = null;
   /** The first places of a patrol that is being put together, {x, y, heading, name}. */
   stops = [];
@@ -29,6 +34,8 @@ export class GotoTool {
   #changed;
   #turning = false;
   #listed = "";
+  #statuses = new Map(); // of the newest goal of each robot
+  #waits = { text: "", since: 0 };
 
   /**
    * @param view, scene, model
@@ -45,12 +52,12 @@ export class GotoTool {
     this.#speed = speed;
     this.#changed = changed;
     byId("goto-go").addEventListener("click", () => this.#go());
-    byId("goto-close").addEventListener("click", () => this.withdraw());
+    byId("goto-close").addEventListener("click", () => this.#callOff());
     byId("goto-any").addEventListener("click", () => this.#turn(null));
     byId("goto-tell").addEventListener("click", () => this.#place());
     byId("goto-add").addEventListener("click", () => this.#add());
     byId("goto-place").addEventListener("change", ({ target }) => this.#pick(Number(target.value)));
-    byId("goto").addEventListener("click", () => (this.proposal ? this.withdraw() : this.#proposeMiddle()));
+    byId("goto").addEventListener("click", () => (this.proposal ? this.#callOff() : this.#proposeMiddle()));
     addEventListener("keydown", (event) => this.#key(event, driving), { capture: true });
   }
 
@@ -102,8 +109,18 @@ export class GotoTool {
     return over;
   }
 
+  /** Takes the proposal away; one that has been sent stays until the server answers. */
   withdraw() {
+    if (this.proposal && !this.proposal.sent) this.#close();
+  }
+
+  #callOff() {
     if (!this.proposal) return;
+    if (this.proposal.sent) this.#send({ type: "end_mode", robot: this.proposal.sent });
+    this.#close();
+  }
+
+  #close() {
     const inside = byId("goto-card").contains(document.activeElement);
     this.proposal = null;
     this.stops = [];
@@ -114,6 +131,7 @@ export class GotoTool {
   /** Shows the proposal. It outlives moments without news from the robot, in which nothing is sent. */
   show() {
     if (this.proposal && (this.#model.viewer || !this.#model.selected)) [this.proposal, this.stops] = [null, []];
+    if (this.proposal?.sent && !this.#model.live) this.proposal.sent = null;
     this.#aim();
     byId("goto-card").hidden = !this.proposal;
     byId("goto").hidden = this.#model.viewer;
@@ -132,25 +150,58 @@ export class GotoTool {
     const { x, y, heading, name } = this.proposal;
     const turned = heading === null ? "" : `, heading ${number(degrees(heading), 0)}°`;
     const go = this.#model.several ? `${this.#model.selected.name}: go` : "Go";
-    const { way, length, seconds, refusal, closed } = this.proposal;
-    const waits = closed ? ` ${closed[0].toUpperCase()}${closed.slice(1)}; it waits before it.` : "";
+    const { way, length, seconds, refusal, closed, sent, failure } = this.proposal;
+    const waits = closed ? ` ${sentence(`${closed}; it waits before it`)}` : "";
     const far = way?.length ? ` ${length.toFixed(1)} m, about ${timeOf(seconds)}.${waits}` : "";
     const where = name || `${x.toFixed(2)}, ${y.toFixed(2)} m`;
     const before = this.stops.map((stop) => `${stop.name || `${stop.x.toFixed(1)}, ${stop.y.toFixed(1)}`}, then `).join("");
     const last = this.stops.at(-1);
     const added = last !== undefined && last.x === x && last.y === y;
     const question = added ? `${go} to ${before}where? Choose the next place.` : `${go} to ${before}${where}${turned}${before && ", again and again"}?${far}`;
-    put(byId("goto-where"), refusal ? `No way to ${where}: ${refusal}.` : question);
+    const said = refusal ? `No way to ${where}: ${refusal}.` : failure ? `It does not go to ${where}: ${failure}.` : question;
+    putProse(byId("goto-where"), sent ? `It goes to ${before}${where} as soon as it knows the way.` : said);
     put(byId("goto-go"), before ? "Patrol" : "Go");
-    byId("goto-go").disabled = !this.possible || Boolean(refusal) || (added && this.stops.length < 2);
+    byId("goto-go").disabled = !this.possible || Boolean(refusal || sent) || (added && this.stops.length < 2);
     byId("goto-note").hidden = Boolean(refusal);
-    byId("goto-any").hidden = heading === null;
+    put(byId("goto-note"), this.#preparation() || STOPS);
+    byId("goto-any").hidden = heading === null || Boolean(sent);
     const { plans } = this.#model.selected.hello;
-    byId("goto-tell").hidden = !plans || before !== "";
+    byId("goto-tell").hidden = !plans || before !== "" || Boolean(sent);
     byId("goto-tell").disabled = !this.possible;
-    byId("goto-add").hidden = !plans || this.stops.length >= MOST;
+    byId("goto-add").hidden = !plans || this.stops.length >= MOST || Boolean(sent);
     byId("goto-add").disabled = Boolean(refusal) || added;
     this.#list();
+  }
+
+  /** The reason why no way can be planned yet, and for how long that has been so, or "". */
+  #preparation() {
+    const { navigation } = this.#model.selected;
+    const text = navigation && !navigation.reason ? navigation.problem : "";
+    if (text !== this.#waits.text) this.#waits = { text, since: performance.now() };
+    return text && `${sentence(text)} ${Math.round((performance.now() - this.#waits.since) / 1000)} s so far.`;
+  }
+
+  /** The server's news of a goal; returns what is to be shown of it elsewhere, or "". */
+  takeGoal({ robot, status, text }) {
+    const [before, mine] = [this.#statuses.get(robot), this.proposal?.sent === robot];
+    this.#statuses.set(robot, status);
+    const ended = status === "aborted" || status === "canceled";
+    if (mine && ended) {
+      Object.assign(this.proposal, { sent: null, failure: text });
+      this.#changed();
+      return "";
+    }
+    if (mine && status !== "accepted") this.#close();
+    const told = status === "executing" || (status === "aborted" && before === "accepted");
+    return told && text ? sentence(text) : "";
+  }
+
+  /** A request was refused; returns whether it was the goal. */
+  takeRefusal(text) {
+    const robot = this.proposal?.sent;
+    if (!robot || this.#statuses.has(robot)) return false;
+    this.takeGoal({ robot, status: "aborted", text });
+    return true;
   }
 
   /** The server's answer to a proposal: the way there, or the reason why there is none. */
@@ -208,7 +259,7 @@ export class GotoTool {
     this.#aim();
     const { plans, forbids } = this.#model.selected.hello;
     if (forbids) this.proposal.refusal = forbids;
-    if (plans) this.#send({ type: "plan_way", robot: this.#model.selected.id, x, y, speed: this.#speed() });
+    if (plans) this.#send({ type: "plan_way", robot: this.#model.selected.id, x, y, name, speed: this.#speed() });
     this.#changed();
   }
 
@@ -232,13 +283,21 @@ export class GotoTool {
     if (!last || last.x !== goal.x || last.y !== goal.y) goals.push(goal);
     if (goals.length > 1) this.#send({ type: "patrol", robot, places: goals, speed });
     else this.#send({ type: "goto", robot, ...goal, speed });
-    this.withdraw();
+    if (!this.#model.selected.hello.plans) {
+      this.#close();
+      return;
+    }
+    this.#statuses.delete(robot);
+    Object.assign(this.proposal, { sent: robot, failure: "" });
+    if (byId("goto-card").contains(document.activeElement)) byId("goto-close").focus();
+    this.#changed();
   }
 
   /** The robot is at the proposed place, with the proposed heading if there is one. */
   #place() {
-    this.#send({ type: "place_robot", robot: this.#model.selected.id, ...pointOf(this.proposal) });
-    this.withdraw();
+    const { name: _, ...pose } = pointOf(this.proposal);
+    this.#send({ type: "place_robot", robot: this.#model.selected.id, ...pose });
+    this.#close();
   }
 
   /** More places follow the proposed one: the next click proposes another. */
@@ -252,7 +311,7 @@ export class GotoTool {
     if (hasModifier(event) || isTyping(event)) return;
     if (event.key === "g") this.#proposeMiddle();
     else if (!this.proposal) return;
-    else if (event.key === "Escape") this.withdraw();
+    else if (event.key === "Escape") this.#callOff();
     else if (event.shiftKey && event.code in STEPS && !driving()) this.#nudge(...STEPS[event.code]);
     else if (event.key === "[" || event.key === "]") this.#turn(this.proposal.toward + (event.key === "[" ? TURN : -TURN));
     else return;

@@ -51,7 +51,7 @@ export class Whereabouts {
   show() {
     const { selected, live, viewer, snapshot } = this.#model;
     const navigation = live ? selected?.navigation : null;
-    byId("unsure").hidden = !navigation || navigation.sure || snapshot?.mode === LOOKS;
+    byId("unsure").hidden = !navigation?.reason || navigation.sure || snapshot?.mode === LOOKS;
     if (byId("unsure").hidden) return;
     const who = this.#model.several ? `${selected.name} is not sure` : "Not sure";
     put(byId("unsure-why"), `${who} where it is: ${navigation.reason}.`);

@@ -1,6 +1,6 @@
 // The fields of forms of modes: made from the server's descriptions, and read when a mode is started.
 
-import { make, makeButton, put } from "../dom.js";
+import { make, makeButton, put, sentence } from "../dom.js";
 
 const RETRY = 2000; // ms
 
@@ -42,8 +42,6 @@ export const button = (id, text, act, extra = "") => makeButton(text, { id, clas
 
 /** Whether a number is none or out of range; numbers between two steps are right. */
 const isWrong = ({ validity }) => validity.badInput || validity.rangeUnderflow || validity.rangeOverflow;
-
-const sentence = (hint) => `${hint[0].toUpperCase()}${hint.slice(1)}.`;
 
 /** The fields of one mode. */
 export class Fields {

@@ -1,6 +1,6 @@
 // The selected robot at a glance: the top bar, the numbers beside the map, and the notices over it.
 
-import { byId, degrees, number, put, putLines, set } from "../dom.js";
+import { byId, degrees, number, put, putLines, putProse, set } from "../dom.js";
 
 const TOAST = 4000; // ms
 const BRIEF = 600; // ms that an expected reason to stand lasts before it is shown
@@ -160,7 +160,8 @@ function reason(model, retryAt) {
 /** A short message that goes away by itself after some time [ms]. */
 export function toast(text, lasts = TOAST) {
   const element = byId("toast");
-  if (element.hidden || element.textContent !== text) element.textContent = text; // else it would be read out again
+  if (element.hidden) element.replaceChildren(); // so that it is read out again
+  putProse(element, text);
   element.hidden = false;
   clearTimeout(toastTimer);
   toastTimer = setTimeout(() => (element.hidden = true), lasts);
