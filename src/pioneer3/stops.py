@@ -60,12 +60,19 @@ NO_STOP: Final = Stop()
 
 @dataclass(slots=True)
 class Freshness:
-    """Tells whether a command counts, from when it began and what came between."""
+    """Tells whether a command counts, from when it began and what came between.
 
-    _began_after: int = 0
-    _answered_after: int = 0
-    _silent: str | None = None
-    _overruled: str | None = None
+    Attributes:
+        began_after: Number of the last stop when it began.
+        answered_after: The same when it last began, led away, or freed the wheels.
+        silent: The reason to ignore it until it is answered or resumes, or `None`.
+        overruled: The reason to ignore it for good, or `None`.
+    """
+
+    began_after: int = 0
+    answered_after: int = 0
+    silent: str | None = None
+    overruled: str | None = None
 
     @classmethod
     def new(cls, last: Stop) -> "Freshness":
@@ -74,30 +81,13 @@ class Freshness:
 
     def answer(self, last: Stop) -> None:
         """Lead away from what was in the way, or free the wheels, after the stop `last`."""
-        self._answered_after, self._silent = last.number, None
-
-    def fall_silent(self, why: str) -> None:
-        """Count no more, for the reason `why`, until it is answered or resumed."""
-        self._silent = why
-
-    def resume(self) -> None:
-        """Count although it fell silent; what else stopped it still counts."""
-        self._silent = None
-
-    def overrule(self, why: str) -> None:
-        """Count no more, for the reason `why`."""
-        self._overruled = why
-
-    @property
-    def is_silent(self) -> bool:
-        """Whether it fell silent, and goes on."""
-        return self._silent is not None
+        self.answered_after, self.silent = last.number, None
 
     def ignored(self, last: Stop) -> Refusal | None:
         """Return the refusal of the command after the stop `last`, or `None`."""
-        if why := self._overruled or self._silent:
+        if why := self.overruled or self.silent:
             return Refusal(f"{why}; {LET_GO}")
-        since = self._began_after if last.stalled is None else self._answered_after
+        since = self.began_after if last.stalled is None else self.answered_after
         return last.told if last.outdates(since) else None
 
 

@@ -100,6 +100,8 @@ class Pilot:
         last_stop: A command must have begun after this stop.
         drove: Whether a command of this session may have moved the robot.
         refusal: The reason that nothing may drive the present robot, or `None`.
+        blocked: The reason to ignore velocity commands until a fresh one, or `None`.
+        sent: The last twist sent [m/s, rad/s]; `None` while raw commands drive the robot.
     """
 
     def __init__(self, *, auto_enable: bool = True) -> None:
@@ -110,13 +112,13 @@ class Pilot:
         self.last_stop = Stop()
         self.drove = False
         self.refusal: str | None = None
+        self.blocked: str | None = None
+        self.sent: Twist2 | None = None
         self._request = MotionRequest()
         self._snapshot: Snapshot | None = None
         self._command = VelocityCommand(STILL, -inf, after=0)
         self._checked_at = -inf
-        self._sent: Twist2 | None = None
         self._sent_at = self._stopped_at = self._interval_until = -inf
-        self._blocked: str | None = None
         self._recovering_from: Stop | None = None
         self._recovery_until = -inf
         self._bumped_since = inf
@@ -136,13 +138,13 @@ class Pilot:
         self._accelerations = limits.accelerations
         self._request = MotionRequest(stop=True)
         self._count_stop(self.last_stop.why)  # commands from before the connection do not count
-        self._sent, self._sent_at, self._checked_at = STILL, -inf, now
+        self.sent, self._sent_at, self._checked_at = STILL, -inf, now
         self.deadline = now + REPEAT
 
     def session_lost(self, why: str, now: float) -> None:
         """Forget all commands: none may reach the next session."""
         self._request = MotionRequest()
-        self._snapshot, self._sent, self._left_to_raw_commands = None, None, False
+        self._snapshot, self.sent, self._left_to_raw_commands = None, None, False
         self._motors_wanted, self._motors_seen, self._enable_tries = None, False, 0
         self.deadline = inf
         self._block(f"the link was lost ({why})", now)
@@ -154,11 +156,11 @@ class Pilot:
         if self.forbidden:
             return self.forbidden
         if self._snapshot is None:
-            return self.last_stop.told if self._blocked else NO_ROBOT
+            return self.last_stop.told if self.blocked else NO_ROBOT
         if self.last_stop.outdates(command.after):
             return self.last_stop.told
         twist, stalled = command.twist, self.last_stop.stalled
-        self._blocked, self._left_to_raw_commands = None, False
+        self.blocked, self._left_to_raw_commands = None, False
         if (
             stalled is not None
             and self._recovering_from != self.last_stop
@@ -180,13 +182,13 @@ class Pilot:
         if self._snapshot is None:
             self._count_stop(self.last_stop.why)
         else:
-            self._blocked = None
+            self.blocked = None
             self._count_stop(STOPPED)
         self._request = replace(self._request, twist=None)
-        if self._sent != STILL or now >= self._stopped_at + MIN_INTERVAL:
+        if self.sent != STILL or now >= self._stopped_at + MIN_INTERVAL:
             self._request = replace(self._request, stop=True)
             self._stopped_at = now
-        self._sent, self._sent_at = STILL, now
+        self.sent, self._sent_at = STILL, now
 
     def emergency_stop(self, now: float) -> None:
         """Stop as hard as the robot can, motors off, until :meth:`reset_emergency_stop`."""
@@ -206,7 +208,7 @@ class Pilot:
     def leave_to_raw_commands(self, now: float) -> None:
         """Leave motion to raw commands until :meth:`stop` or a fresh velocity command."""
         self._block("a raw command drives the robot", now)
-        self._left_to_raw_commands, self._sent = True, None
+        self._left_to_raw_commands, self.sent = True, None
         self.drove = True
 
     def set_motors(self, *, on: bool, now: float) -> Refusal | None:
@@ -261,26 +263,16 @@ class Pilot:
             return LATCHED
         return Refusal(self.refusal) if self.refusal else None
 
-    @property
-    def blocked(self) -> str | None:
-        """The reason to ignore velocity commands until a fresh one, or `None`."""
-        return self._blocked
-
     def asked(self, now: float) -> Twist2:
         """Return the twist of the velocity command at `now` [s], before limits."""
         return self._command.twist if now < self._command.until else STILL
-
-    @property
-    def sent(self) -> Twist2 | None:
-        """The last twist sent [m/s, rad/s]; `None` while raw commands drive the robot."""
-        return self._sent
 
     @property
     def stands(self) -> bool:
         """Whether the robot was told to stand, and does; or its motors have no power."""
         if self._snapshot is None or not self._snapshot.motors.enabled:
             return True
-        return self._sent == STILL and self._at_rest and self._observed_at > self._sent_at
+        return self.sent == STILL and self._at_rest and self._observed_at > self._sent_at
 
     @property
     def asked_for_motion(self) -> bool:
@@ -308,7 +300,7 @@ class Pilot:
         return not (command.twist.is_zero or command.answers_stall or now < self._recovery_until)
 
     def _block(self, why: str, now: float, *, stalled: Twist2 | None = None) -> None:
-        self._blocked = why
+        self.blocked = why
         self._count_stop(why, stalled)
         self._forget_command()
 
@@ -367,14 +359,14 @@ class Pilot:
         self._check_bumpers(twist, now)
         due = now >= self._sent_at + REPEAT and not (twist.is_zero and self._at_rest)
         change_at = self._interval_until - (BURST - 1) * MIN_INTERVAL
-        changed = twist != self._sent and (twist.is_zero or now >= change_at)
+        changed = twist != self.sent and (twist.is_zero or now >= change_at)
         if changed and not twist.is_zero:
             self._interval_until = max(self._interval_until, now) + MIN_INTERVAL
         if changed or due:
             self._request = replace(self._request, twist=twist)
             self.drove |= not twist.is_zero
-            self._sent, self._sent_at = twist, now
-        again = self._sent_at + REPEAT if twist == self._sent else change_at
+            self.sent, self._sent_at = twist, now
+        again = self._sent_at + REPEAT if twist == self.sent else change_at
         power_at = inf if self._motors_wanted else self._motors_wanted_at + BRAKING
         due_at = (again, self._command.until, power_at, now + REPEAT)
         self.deadline = min(due for due in due_at if due > now)

@@ -4,7 +4,7 @@ import asyncio
 import logging
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from math import inf
 from typing import Protocol
 
@@ -109,10 +109,7 @@ class _Part:
 
     stack: Stack
     freshness: Freshness
-    is_held: bool = field(init=False)
-
-    def __post_init__(self) -> None:
-        self.is_held = any(isinstance(ranked.action, Hold) for ranked in self.stack.actions)
+    is_held: bool
 
 
 class Arbiter:
@@ -271,8 +268,9 @@ class Arbiter:
         return any(_has(part.stack, action) for part in self._parts)
 
     def _join(self, stack: Stack) -> None:
-        self.remembers |= not all(isinstance(ranked.action, Hold) for ranked in stack.actions)
-        self._parts.append(_Part(stack, Freshness.new(self.last_stop)))
+        holds = [isinstance(ranked.action, Hold) for ranked in stack.actions]
+        self.remembers |= not all(holds)
+        self._parts.append(_Part(stack, Freshness.new(self.last_stop), any(holds)))
 
     def start(self, mode: Stack) -> Refusal | None:
         """Stop, then let `mode` drive in place of the one before."""

@@ -41,7 +41,7 @@ class Hold(Action):
         else:
             self._renewed = True
             if now >= self._until:
-                self.freshness.fall_silent(f"{self.name} fell silent while it drove")
+                self.freshness.silent = f"{self.name} fell silent while it drove"
             if leads_away(twist, self._twist):
                 self.freshness.answer(last)
         self._twist, self._set_at, self._until = twist, now, now + seconds
@@ -53,7 +53,7 @@ class Hold(Action):
     def overrule(self, why: str, now: float) -> None:
         """Want nothing until what is held at `now`, if anything, has been let go of."""
         if now < self._until and not self._twist.is_zero:
-            self.freshness.overrule(why)
+            self.freshness.overruled = why
 
     def ignored(self, last: Stop) -> Refusal | None:
         """Return the refusal of this after the stop `last`, or `None`."""
@@ -61,7 +61,7 @@ class Hold(Action):
 
     def fell_silent(self, now: float) -> bool:
         """Return whether this is a stream that has just stopped coming without letting go."""
-        is_late = now >= self._until and not self.freshness.is_silent
+        is_late = now >= self._until and not self.freshness.silent
         return self.streams and self._renewed and is_late and not self._twist.is_zero
 
     def holds(self, now: float, last: Stop) -> bool:

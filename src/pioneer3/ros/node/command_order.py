@@ -149,9 +149,9 @@ class CommandStream:
         else:
             self._pauses.clear()
         self._hold.set(twist, now, self._timeout, last)
-        self._settles = self._resumes and self._hold.freshness.is_silent and not contested
+        self._settles = self._resumes and bool(self._hold.freshness.silent) and not contested
         if self._settles and steady:
-            self._hold.freshness.resume()
+            self._hold.freshness.silent = None
             self._settles, self.resumed = False, True
         return None if self._settles else self._hold.ignored(last)
 
