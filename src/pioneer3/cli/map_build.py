@@ -84,7 +84,7 @@ def build(
     require_navigation()
     target = _target(output, continue_, force=force)
     if from_ is not None:
-        return _from_file(from_, target, link, navigation.settings)
+        return _from_file(from_, target, link, navigation.settings(link))
     begin = _Begin.of(continue_, start)
     keeper = _Keeper(target)
     connect = partial(link.connect, max_speed=max_speed, navigation=navigation)

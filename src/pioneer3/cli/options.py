@@ -85,12 +85,18 @@ def robots_of(words: Sequence[str], given: Path | None) -> "tuple[OfFleet, ...]"
         fleet = read_fleet(path)
         robots = named(words, fleet)
     return tuple(
-        OfFleet(robot.name, port_of(fleet, robot.name), camera_of(robot), given_model(fleet, robot))
+        OfFleet(
+            name=robot.name,
+            port=port_of(fleet, robot.name),
+            camera=camera_of(robot),
+            model=given_model(fleet, robot),
+            navigation=robot.navigation,
+        )
         for robot in robots
     )
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class OfFleet:
     """A robot of a fleet.
 
@@ -99,12 +105,14 @@ class OfFleet:
         port: The robot's.
         camera: URL of its camera, if it has one.
         model: The one that the file gives it.
+        navigation: Settings of its navigation.
     """
 
     name: str
     port: str
     camera: str | None
     model: "GivenModel"
+    navigation: "NavigationSettings"
 
 
 def reads(
@@ -350,7 +358,7 @@ class LinkOptions(RobotOptions):
             camera=self.camera or self.fleet_camera,
             line_map=line_map,
             start=start,
-            settings=(navigation or NAVIGATION).settings,
+            settings=(navigation or NAVIGATION).settings(self),
         )
         async with connection as robot:
             yield robot
@@ -371,16 +379,17 @@ class NavigationOptions:
 
     set_: Annotated[tuple[str, ...], Parameter(name="--set", metavar="SETTING"), SEVERAL] = ()
 
-    @property
-    def settings(self) -> "NavigationSettings":
-        """The settings.
+    def settings(self, link: "RobotOptions") -> "NavigationSettings":
+        """Return the settings for a robot: these options', those of the fleet file, the usual ones.
 
         Raises:
             ConfigError: There is no such setting, or the value is out of range.
         """
         from pioneer3.nav.settings import AS_SHIPPED
 
-        return AS_SHIPPED.with_texts(self.set_)
+        fleet = fleet_of(link.fleet) if link.robot is not None else None
+        known = fleet.robot(link.robot).navigation if fleet and link.robot else AS_SHIPPED
+        return known.with_texts(self.set_)
 
 
 NAVIGATION = NavigationOptions()

@@ -11,6 +11,7 @@ from cyclopts import Parameter
 from pioneer3.cli.options import (
     CAMERA_VARIABLE,
     MODEL_VARIABLE,
+    NAVIGATION,
     NO_LASERS,
     PORT,
     PORT_VARIABLE,
@@ -21,6 +22,7 @@ from pioneer3.cli.options import (
     FleetFile,
     LaserOptions,
     Model,
+    NavigationOptions,
     Speed,
     TcpPort,
     WorldOptions,
@@ -60,6 +62,7 @@ def run(
     key: Path | None = None,
     max_speed: Speed | None = None,
     record: Path | None = None,
+    navigation: NavigationOptions = NAVIGATION,
 ) -> int:
     """Serve the live page of robots; without --port, of simulated ones of its own.
 
@@ -88,7 +91,9 @@ def run(
         key: Its private key, a file that only you may read.
         max_speed: Keep below this.
         record: New file for every byte; --port replay:FILE plays it. Of several robots: FILE-NAME.
+        navigation: Settings.
     """
+    from pioneer3.nav.settings import AS_SHIPPED
     from pioneer3.sim.worldfile import RobotSpec
     from pioneer3.sim.worldfile.arguments import parse_robot
     from pioneer3.web.live import Options, live
@@ -99,10 +104,11 @@ def run(
         port = tuple(one.port for one in of_fleet)
         cameras = tuple(one.camera for one in of_fleet)
         models = tuple(one.model for one in of_fleet)
+        settings = tuple(one.navigation for one in of_fleet)
         robots = tuple(RobotSpec(model="", name=one.name) for one in of_fleet)
     else:
         robots, cameras = tuple(map(parse_robot, robot)), (None,) * len(port)
-        models = ()
+        models, settings = (), (AS_SHIPPED,)
     if model is not None and port:
         models = (model,) * len(port)
     elif model not in {None, os.environ.get(MODEL_VARIABLE)}:
@@ -131,6 +137,7 @@ def run(
         camera_if_one=camera == os.environ.get(CAMERA_VARIABLE),
         cameras=cameras,
         models=models,
+        settings=tuple(one.with_texts(navigation.set_) for one in settings),
         announced=None if no_announce else partial(_announced, served_at),
     )
     return run_until_told_to_leave(live(options, write_line))

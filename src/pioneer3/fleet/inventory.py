@@ -136,7 +136,9 @@ def _table(robot: Robot, defaults: Defaults) -> dict[str, object]:
     """Return the table of a robot, without usual values."""
     known = usual(robot, defaults)
     values = {key: getattr(robot, key) for key in keys(Robot)}
-    return {key: value for key, value in values.items() if value != known.get(key, "")}
+    given = [key for key, value in values.items() if value != known.get(key, "")]
+    written_out = table_of(robot)
+    return {key: written_out.get(key, values[key]) for key in given}
 
 
 DOCUMENTATION_ADDRESS = "192.0.2.1"

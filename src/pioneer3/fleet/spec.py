@@ -11,6 +11,7 @@ from msgspec import Meta
 from pioneer3.errors import ConfigError
 from pioneer3.fleet.network import LABEL, Name, Network, network_of
 from pioneer3.links.urls import split_host, split_url
+from pioneer3.nav.settings import AS_SHIPPED, NavigationSettings
 from pioneer3.tables import Key, nearest
 
 ALL: Final = "all"
@@ -65,6 +66,7 @@ class Robot:
         ros: Version of ROS on its computer, `1` or `2`; empty for none.
         network: Name of its network of ROS 2; empty for the first `[[network]]`.
         node: Name of the ROS node that drives it, in ROS 2 with its namespace.
+        navigation: Settings of its navigation, such as `navigation.planner.margin = 0.05`, in SI.
         note: For people.
         line: In the file; 0 for a robot that is in none.
     """
@@ -81,6 +83,7 @@ class Robot:
     ros: Ros = ""
     network: str = ""
     node: Node = ""
+    navigation: NavigationSettings = AS_SHIPPED
     note: str = ""
     line: Annotated[int, Key()] = field(default=0, compare=False)
 
@@ -205,6 +208,7 @@ def usual(robot: Robot, defaults: Defaults) -> Mapping[str, Any]:
         "host": robot.name,
         "bridge": defaults.bridge if bridged else 0,
         "node": usual_node(robot.name, robot.ros),
+        "navigation": AS_SHIPPED,
     }
 
 

@@ -11,6 +11,7 @@ from pioneer3.arcos.host_events import Timing
 from pioneer3.errors import LinkError, NoRobotError
 from pioneer3.links import Opener
 from pioneer3.models import GivenModel
+from pioneer3.nav.settings import AS_SHIPPED, NavigationSettings
 from pioneer3.navigation.connect import connect_async
 from pioneer3.robot.devices.laser import LaserSource
 from pioneer3.robot.lasers.driver import LaserDriver
@@ -44,6 +45,7 @@ class Target:
         timing: Time limits of the link.
         lasers: Its laser range finders.
         camera: URL of the MJPEG stream of its camera.
+        settings: Those of its navigation.
     """
 
     url: str
@@ -57,6 +59,7 @@ class Target:
     timing: Timing | None = None
     lasers: tuple[LaserSpec, ...] = ()
     camera: str | None = None
+    settings: NavigationSettings = AS_SHIPPED
 
 
 @asynccontextmanager
@@ -137,6 +140,7 @@ class RobotConnection:
                 timing=target.timing,
                 lasers=target.lasers,
                 camera=target.camera,
+                settings=target.settings,
             ) as robot,
             self._in_scene(robot) as scene,
             self._page.hosting(robot, scene, target.name, self._number) as view,

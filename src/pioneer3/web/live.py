@@ -12,6 +12,7 @@ from pioneer3.arcos.host_events import Timing
 from pioneer3.errors import ConfigError, PortBusyError
 from pioneer3.models import GivenModel
 from pioneer3.names import free_name
+from pioneer3.nav.settings import AS_SHIPPED, NavigationSettings
 from pioneer3.robot.lasers.spec import LaserSpec
 from pioneer3.sim.realism import Realism
 from pioneer3.sim.server.laser import SimulatedLaser
@@ -63,6 +64,7 @@ class Options:
         camera_if_one: Whether several robots leave `camera` out; else they refuse it.
         cameras: Those of the robots at `ports`, if any is known: one for each, or `None`.
         models: Those that somebody names for the robots at `ports`, one for each, or empty.
+        settings: Those of navigation, one for each robot, or one for all.
         announced: Lets others find the page in the network while the block lasts; not called for
             one on loopback.
     """
@@ -86,6 +88,7 @@ class Options:
     camera_if_one: bool = False
     cameras: tuple[str | None, ...] = ()
     models: tuple[GivenModel, ...] = ()
+    settings: tuple[NavigationSettings, ...] = (AS_SHIPPED,)
     announced: Callable[[Served], AbstractAsyncContextManager[None]] | None = None
 
 
@@ -205,6 +208,7 @@ def _with_options(
     files: list[Path | None] = [options.record] * len(targets)
     if options.record is not None and len(targets) > 1:
         files = own_files(options.record, targets)
+    settings = options.settings * (len(targets) if len(options.settings) == 1 else 1)
     return [
         replace(
             target,
@@ -213,8 +217,9 @@ def _with_options(
             record=file,
             lasers=(*lasers, *target.lasers),
             camera=camera or target.camera,
+            settings=own,
         )
-        for target, file in zip(targets, files, strict=True)
+        for target, file, own in zip(targets, files, settings, strict=True)
     ]
 
 

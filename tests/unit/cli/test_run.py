@@ -294,6 +294,7 @@ name = "p3at-2"
 address = "192.0.2.2"
 port = "tcp://p3at-2:8101"
 camera = "http://192.0.2.3/video"
+navigation.planner.margin = 0.05
 [groups]
 front = ["p3at-1", "p3at-2"]
 """
@@ -327,6 +328,22 @@ def test_robots_of_the_fleet_have_their_cameras(
         None,
         "http://192.0.2.3/video",
     ]
+
+
+def test_navigation_is_as_the_fleet_file_says_and_before_that_as_the_option(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("fleet.toml").write_text(FLEET)
+    options = given("run --robot front --set localizer.particles=100", monkeypatch)
+    targets = asyncio.run(hosted_by(options, monkeypatch))
+    assert [target.settings.planner.margin for target in targets] == [0.07, 0.05]
+    assert {target.settings.localizer.particles for target in targets} == {100}
+    options = given("run --robot front --set planner.margin=9cm", monkeypatch)
+    targets = asyncio.run(hosted_by(options, monkeypatch))
+    assert {target.settings.planner.margin for target in targets} == {0.09}
+    with pytest.raises(ConfigError, match=r"did you mean planner\.margin"):
+        given("run --set planner.margn=9cm", monkeypatch)
 
 
 @pytest.mark.parametrize("robots", ["-r p3at -r p3dx", "-p tcp://a:1 -p tcp://b:2", "-m {world}"])

@@ -91,6 +91,8 @@ def test_robots_of_ros_2_are_on_the_first_network_or_on_the_one_they_name() -> N
     assert fleet.network(far).connect == ("tls/fleet.example.org:7447",)
     assert fleet.network(far).file("key", fleet.path.parent) == Path("lab/tls/laptop.key")
     assert fleet.network(far).file("credentials", fleet.path.parent) is None
+    tuned = parse_fleet(fleet.path, f"{text}navigation.planner.margin = 0.05\n")
+    assert parse_fleet(fleet.path, to_toml(tuned)) == tuned
     alone = parse_fleet(Path("fleet.toml"), TWO)
     assert alone.network(alone.robots[0]) == Network(name="")
     assert parse_fleet(fleet.path, to_toml(fleet)) == fleet
