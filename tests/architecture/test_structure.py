@@ -1,6 +1,7 @@
 """The shape of the package: no circles of imports, no deep folders, tasks that somebody awaits."""
 
 import ast
+import re
 from collections.abc import Iterator
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
@@ -160,3 +161,44 @@ def test_no_code_looks_into_our_own_sentences() -> None:
             if len(words.split()) > 1 and words not in MARKS:
                 found.append(f"{module}:{text.lineno}: {words!r}")
     assert found == []
+
+
+LEAST = 4
+"""Modules of a package whose door lists them."""
+
+
+def test_the_door_of_a_package_lists_its_modules() -> None:
+    """The root's door is the public names; CONTRIBUTING draws its packages."""
+    inside: dict[str, list[str]] = {}
+    for module in MODULES:
+        package, _, name = module.rpartition(".")
+        inside.setdefault(package, []).append(name)
+    missing = {
+        package: absent
+        for package, names in inside.items()
+        if package.startswith("pioneer3.") and len(names) >= LEAST
+        if (absent := sorted({*names} - {*listed(package)}))
+    }
+    assert missing == {}
+
+
+def listed(package: str) -> list[str]:
+    """Return the first words of the table in a package's docstring."""
+    table = re.search(
+        r"^=+ +=+\nmodule +contents\n=[= ]+\n(.*?)^=", door(package), re.MULTILINE | re.DOTALL
+    )
+    return re.findall(r"^(\w+) +\S", table[1], re.MULTILINE) if table else []
+
+
+def door(package: str) -> str:
+    return ast.get_docstring(ast.parse(MODULES[package].read_text())) or ""
+
+
+def test_a_door_lists_nothing_else() -> None:
+    assert [
+        f"{package}.{name}"
+        for package, path in MODULES.items()
+        if path.name == "__init__.py"
+        for name in listed(package)
+        if f"{package}.{name}" not in MODULES
+    ] == []

@@ -1,5 +1,15 @@
 """Learning and evaluation: Gymnasium and PettingZoo environments over the simulated world.
 
+============  ===================================================================================
+module        contents
+============  ===================================================================================
+environments  the environments
+rendering     pictures of robots in their map
+simulation    the simulation that all environments share: robots on their way to goals, as arrays
+maps          maps for many episodes at once
+task          the task of an environment: the map, the sensors, the reward
+============  ===================================================================================
+
 Importing this package registers `pioneer3/Goal-v0`, for `gymnasium.make` and
 `gymnasium.make_vec`. It needs the extra `gym`.
 """

@@ -1,4 +1,20 @@
-"""Robot types: sizes, limits, conversion factors, sensor mounts."""
+"""Robot types: sizes, limits, conversion factors, sensor mounts.
+
+===========  ================================================================================
+module       contents
+===========  ================================================================================
+description  frames, links and shapes of a robot, from its model
+lasers       laser range finders as data: field, range, timing, errors, interfaces
+numbers      all numbers of a robot's body with their units and sources, to be read by people
+physics      masses, motors and tires of a robot's body, for simulators in three dimensions
+shape        heights, wheels and casters of a robot, which ARIA's flat files do not have
+cameras      the makes of cameras that robots carry, as far as their pictures go
+catalog      finds the model of a robot: shipped ones by name, others from a file
+aria         reads ARIA's `.p` robot parameter files (facts.md 6.1)
+parameters   keys and values of an ARIA parameter file, converted to SI
+model        one robot type as frozen numbers, and the range of each number
+===========  ================================================================================
+"""
 
 from pioneer3.models.catalog import (
     Fallback,

@@ -6,12 +6,14 @@ Where a report has the same name, the command is called `Request...` (`CONFIG` i
 and have the ARCOS name itself: `named("ROTKP", 40)`.
 
 ==========  =====================================================================
-module      commands
+module      contents
 ==========  =====================================================================
 driving     session, motion, limits
 devices     sensors, inputs and outputs, gripper, serial ports, sounds, batteries
 simulators  for simulators only
 table       all others
+codec       commands to payloads and back
+arguments   arguments of commands on the wire, and their units (protocol.md 1.3)
 ==========  =====================================================================
 """
 

@@ -3,14 +3,15 @@
 Fields hold the numbers on the wire; their names end in the unit, or in `_raw` where the robot
 model decides it. Bytes that belong to no field are kept in `extra`.
 
-==========  ================================================================
-module      reports
-==========  ================================================================
+==========  ============================================================================
+module      contents
+==========  ============================================================================
 session     handshake, configuration, the end
 sip         the standard report
 devices     sensors, gripper, serial ports, batteries, arm, safety, texts
 simulators  simulated lasers and the simulation's state
-==========  ================================================================
+codec       reports to payloads and back: reading and writing again gives the same bytes
+==========  ============================================================================
 """
 
 # Each module's own __all__ is the one list of its names; repeating them here would be a second.

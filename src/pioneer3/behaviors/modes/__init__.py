@@ -1,5 +1,16 @@
 """Modes: behaviors that drive by themselves, each described once, in a file of its own.
 
+=======  ===================================================
+module   contents
+=======  ===================================================
+group    the modes of several robots together
+by_hand  stacks for the demo, which people or a camera steer
+goto     modes that turn the robot, or drive it to a place
+wander   the mode that wanders (facts.md 7.7)
+follow   the mode that follows a person
+mode     the description of a mode
+=======  ===================================================
+
 The page's forms, the HTTP API, the command line, ROS's demos, the demo and the table in
 `docs/how-to/behave.md` are made from :data:`MODES`.
 """

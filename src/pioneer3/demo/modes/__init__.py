@@ -1,4 +1,17 @@
-"""The lab's thirteen modes and ARIA's two, in the order in which ARIA lists them (facts.md 8.2)."""
+"""The lab's thirteen modes and ARIA's two, in the order in which ARIA lists them (facts.md 8.2).
+
+========  ==================================================================================
+module    contents
+========  ==================================================================================
+sensors   sonars, bumpers and the laser (facts.md 8.7, 8.8, 8.11)
+reports   the configuration, the flags
+position  driving distances and turning right angles (facts.md 8.9)
+driving   driving with keys, guarded and not, and by itself (facts.md 8.3, 8.4)
+devices   the gripper, the compass and the input and output lines (facts.md 8.5, 8.10, 8.14)
+camera    a pan-tilt-zoom camera by hand: its make, its port, then its keys (facts.md 8.6)
+acts      driving after a colour that ACTS sees (facts.md 8.12)
+========  ==================================================================================
+"""
 
 from pioneer3.behaviors.modes import Wander
 from pioneer3.demo.mode import Description

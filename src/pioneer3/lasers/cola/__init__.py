@@ -7,8 +7,6 @@ wire           frames, words, numbers
 scan           LMDscandata, the telegram of a scan, both ways
 configuration  the settings that both sides exchange, the numbers of errors and states
 families       limits of the LMS-1xx, LMS-5xx and TiM
-script         the requests up to the first scan, in order
-wishes         the settings that fulfil a program's wishes
 clock          from the laser's clock to ours
 readings       from LMDscandata to a scan in metres
 script         the requests up to the first scan, in order

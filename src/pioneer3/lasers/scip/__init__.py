@@ -15,7 +15,6 @@ unit        one laser: laser, motor, clock, identity
 session     one host at that: commands and answers
 requests    the parameters of measuring commands
 sweeps      readings of one turn as SCIP sends them
-line        bytes that leave at the speed of a serial line
 ==========  ================================================================================
 
 Facts: docs/reference/scip.md.

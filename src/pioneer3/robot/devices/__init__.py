@@ -1,21 +1,22 @@
 """The devices of a robot besides wheels and sonars, each used in SI units.
 
-=============  ==============================================================================
-module         devices
-=============  ==============================================================================
-sensor         the base of all sensors: readings on demand
-gripper        paddles, lift, beams
-lines          digital and analog inputs and outputs
-compass        TCM2
-gyro           heading from samples, where the robot sends them
-laser          scans of a simulator's laser, and the interface of every laser
-camera         pan, tilt and zoom; canon and sony encode the bytes, aux_port sends them
-pictures       the pictures of a camera, and its pan, tilt and zoom in one place
-status         flags and faults by name, safety systems, CONFIG on demand
-acts           blobs of colour, from the ACTS server
-presence       whether the robot has a device, and the evidence
-typed          a command that a person types
-=============  ==============================================================================
+===========  ========================================================================
+module       contents
+===========  ========================================================================
+sensor       the base of all sensors: readings on demand
+gripper      paddles, lift, beams
+lines        digital and analog inputs and outputs
+compass      TCM2
+gyro         heading from samples, where the robot sends them
+laser        scans of a simulator's laser, and the interface of every laser
+camera       pan, tilt and zoom; canon and sony encode the bytes, aux_port sends them
+pictures     the pictures of a camera, and its pan, tilt and zoom in one place
+status       flags and faults by name, safety systems, CONFIG on demand
+acts         blobs of colour, from the ACTS server
+presence     whether the robot has a device, and the evidence
+aux_port     a serial port of the robot's controller
+camera_kind  makes of cameras: the interface of all, Sony's EVI-D30 and Canon's VC-C4
+===========  ========================================================================
 
 Devices never move the wheels: motion belongs to the arbiter.
 """

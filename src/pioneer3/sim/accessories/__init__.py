@@ -1,10 +1,8 @@
 """Accessories of a robot's controller; none of them reads a clock.
 
 =============  =============================================================================
-module         purpose
+module         contents
 =============  =============================================================================
-fitted         all accessories of one robot, the only one that firmware uses; which those
-               are, `sim/equipment.py` says
 base           the interface of an accessory, and the interface of the robot that carries it
 digital_io     digital and analog inputs and outputs, and a PeopleBot's table sensors
 gauges         battery gauge, wheel encoders, joystick
@@ -12,7 +10,10 @@ gyro           samples for the host's heading correction
 compass        TCM2
 gripper        paddles, break beams and lift
 aux_port       auxiliary serial ports
-canon, sony    pan-tilt-zoom cameras for these ports; pan_tilt_zoom has their axes
+collection     all accessories of one robot
+sony           Sony EVI-D30 in VISCA
+canon          Canon VC-C4: the commands that ARIA's `ArVCC4` sends, and its answers
+pan_tilt_zoom  the three axes of a pan-tilt-zoom camera, which move at constant speed
 =============  =============================================================================
 """
 

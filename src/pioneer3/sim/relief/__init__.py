@@ -1,4 +1,15 @@
-"""The third dimension of a world: heights of walls, and solids that robots drive over or meet."""
+"""The third dimension of a world: heights of walls, and solids that robots drive over or meet.
+
+=========  ======================================================================================
+module     contents
+=========  ======================================================================================
+relief     all that the third dimension adds to a map: heights of its walls, and solids
+solids     the solids of a world file
+keys       ranges of lengths and angles in a world file, and the keys of poses
+shapes     the shapes that the solids of a world consist of, in the map frame; as seen from above
+mesh_file  reads meshes: STL, binary or text, and the points and faces of OBJ
+=========  ======================================================================================
+"""
 
 from pioneer3.sim.relief.relief import FLAT, WALL_HEIGHT, Relief
 from pioneer3.sim.relief.solids import (

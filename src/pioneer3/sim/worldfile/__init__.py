@@ -1,4 +1,19 @@
-"""Worlds in TOML: a map with robots, boxes, walls, places and people."""
+"""Worlds in TOML: a map with robots, boxes, walls, places and people.
+
+============  ===================================================================================
+module        contents
+============  ===================================================================================
+arguments     options of a command line about robots and starts, which override a world file
+flattened     solids of a world as a plane treats them, in words
+drawing       drawings of worlds: their lines and markers, as SVG and as PNG
+on_map        makes a world file of a map and its relief
+load          finds maps and worlds: shipped ones by name, others by the path of their file
+toml          reads and writes world files: TOML with a table for each object of a world
+solid_checks  refuses solids of a world file that cannot be there, with file, line and key
+spec          the contents of a world file: map, robots, solids, places and people; frozen, in SI
+person        people who walk: their position is a function of time alone
+============  ===================================================================================
+"""
 
 from pioneer3.sim.worldfile.load import ClientMaps, file_in, load_map, load_world, shipped_worlds
 from pioneer3.sim.worldfile.person import Person, outlines_at
