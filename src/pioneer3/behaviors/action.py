@@ -118,11 +118,8 @@ class Contribution:
     """The part of one action in a decision.
 
     Attributes:
-        action: Its name.
         channel: A channel of :class:`Desire`; headings have become turns.
-        value: The value it asked for.
         strength: The strength that counted: higher priorities took the rest.
-        reason: The reason it gave.
         lacks: Whether that is something it must know and does not.
     """
 
@@ -212,8 +209,6 @@ class Goal:
     """A place in odometry's frame.
 
     Attributes:
-        x: [m].
-        y: [m].
         heading: To turn to there [rad], or `None`.
         person: Whether it is the place of a person who is followed.
         to_go: Way that is left [m], where one is planned; its driver decides when to give up.
@@ -281,10 +276,8 @@ class Stack:
     """Actions that drive together.
 
     Attributes:
-        name: Shown to people.
         priority: Against other stacks; within, each action has its own.
         actions: Highest priority first.
-        hint: Its effect, in a few words.
     """
 
     name: str

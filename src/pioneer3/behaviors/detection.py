@@ -30,10 +30,6 @@ class ClutterPoint:
 
     Attributes:
         x: In odometry's frame [m].
-        y: [m].
-        first: When it was first heard of [s].
-        last: When last [s].
-        echoes: How often.
     """
 
     x: float
@@ -140,7 +136,6 @@ class PersonDetector:
     Attributes:
         latest: The last firing of each transducer, by its number.
         now: [s]
-        model: Of the robot.
         clutter: The known furniture.
     """
 

@@ -133,7 +133,6 @@ class ActionError(Exception):
 
     Attributes:
         stack: Name of the stack it belongs to.
-        action: Its name.
     """
 
     def __init__(self, stack: str, action: str, error: Exception) -> None:

@@ -15,7 +15,6 @@ class Formation:
     """An arrangement of robots.
 
     Attributes:
-        name: As people ask for it.
         doing: Its shape, in a few words.
         place: Returns the place of a follower, in spacings; followers count from 1.
     """

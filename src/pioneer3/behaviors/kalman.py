@@ -18,10 +18,6 @@ class KalmanFilter:
 
     Args:
         x: Of the first measurement [m].
-        y: [m].
-        stamp: When it was made [s].
-        sigma: Its standard deviation [m].
-        fastest: Highest speed that is believed [m/s].
     """
 
     def __init__(

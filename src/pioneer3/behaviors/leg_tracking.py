@@ -90,10 +90,8 @@ class LegTrack:
 
     Attributes:
         estimate: Of the middle between their legs, in odometry's frame.
-        seen: When a leg was last seen [s].
         found: When the first one was [s].
         walked: Whether they have ever left the place where they were first seen.
-        pairs: How often both legs were seen.
         single: For how many scans in turn only one leg has been seen.
         strolls: For how many they have moved as fast as somebody who walks.
         legs: Those of the last scan.

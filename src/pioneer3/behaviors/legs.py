@@ -43,7 +43,6 @@ class Leg(NamedTuple):
 
     Attributes:
         x: Of its middle, in odometry's frame [m].
-        y: [m].
         width: Across the beams [m].
         free: Whether all beside it is farther away; otherwise only a part of it may be seen.
     """

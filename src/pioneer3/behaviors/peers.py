@@ -15,12 +15,8 @@ class Peer:
     """Another robot.
 
     Attributes:
-        name: Of it.
         pose: Where it was, in this robot's odometry frame [m, rad].
-        twist: Its motion then [m/s, rad/s].
-        stamp: When that was [s, monotonic].
         length: Twice from its middle to its farther end [m].
-        width: From side to side [m].
     """
 
     name: str

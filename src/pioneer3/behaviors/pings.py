@@ -20,10 +20,8 @@ class Ping:
     Attributes:
         number: Of the transducer.
         x: Of the transducer, in odometry's frame [m].
-        y: [m].
         axis: Where it looks, in odometry's frame [rad].
         distance: Range [m]; `inf` when nothing echoed.
-        stamp: When [s].
     """
 
     number: int

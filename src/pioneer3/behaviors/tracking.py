@@ -36,8 +36,6 @@ class Track:
 
     Attributes:
         estimate: Of their middle, in odometry's frame.
-        seen: When their last echo came [s].
-        found: When their first echo came [s].
         walked: Whether they have ever left the place where they were first heard.
         echoes: The last one of each transducer that has heard them, by its number.
     """

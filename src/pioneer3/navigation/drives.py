@@ -37,17 +37,12 @@ class Drive:
     """A drive to one place after the other.
 
     Attributes:
-        goals: The places, in their order.
         legs: Ways that are left to drive, the present one among them; `inf` without an end.
-        action: Drives.
         mode: It and its guards.
-        way: The present one.
-        at: Number of the present place.
         closed_since: When its way was first found closed [s].
         closed: The reason, as it is now.
         arrived: When the robot came to the present place [s], if there are more.
         skipped: Places in turn that no way leads to.
-        since: When it set out [s].
         aside: Whether it lets others pass, at a place beside their ways.
     """
 
@@ -84,19 +79,8 @@ class Drives:
     """The drives of one robot, one at a time.
 
     Args:
-        robot: The robot.
-        costs: Of the map for the robot.
-        localization: On the map.
-        sightings: Things that are not on the map.
-        traffic: The other robots.
         in_thread: Runs what takes long.
         name: Of the robot, for the drivers of the others.
-
-    Attributes:
-        line_map: The map.
-        robot: The robot.
-        present: The drive of now, or `None`.
-        ways: Plans them.
     """
 
     def __init__(

@@ -102,17 +102,10 @@ class FollowWay(Action):
     """Drives along the way of a :class:`Follower`, in the map's frame.
 
     Attributes:
-        follower: Chooses the velocities.
-        odom_in_map: Returns the transform of now.
         unsure: Returns the reason that nobody knows where the robot is, or `None`.
-        sightings: Things that are not on the map.
         walls: Points of the map's walls [m], shape (W, 2).
         preferred_speed: Returns the highest speed that is wanted at a place of the map [m/s].
-        top_speed: [m/s].
         last: Whether the goal is the last one; else somebody sends it on.
-        arrived: Whether it stands at the goal.
-        done: Whether it stands at the last one.
-        failed: The reason to give up, or `None`.
         blocked: Whether no motion leads on.
         waits: The reason to stand for a while, or empty.
     """

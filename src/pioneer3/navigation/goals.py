@@ -107,7 +107,6 @@ class GoalServer:
     """Carries out the goals of one robot. :meth:`run` does the work.
 
     Args:
-        robot: The robot.
         navigator: Returns its navigator, which may take a while to be ready.
         patience: Longest wait for news of a robot on its way [s].
 

@@ -52,14 +52,8 @@ class Localization:
     """Tells a localizer all that a robot senses. :meth:`take` and :meth:`search` do the work.
 
     Args:
-        robot: The robot.
-        localizer: On the map.
         in_thread: Runs what takes long.
         by_laser: Whether it looks; else it listens to its sonars.
-
-    Attributes:
-        line_map: The map.
-        by_laser: The same.
     """
 
     def __init__(
@@ -174,13 +168,7 @@ LOOK_PATIENCE = 120.0
 
 @dataclass(slots=True)
 class UntilSure(Action):
-    """Ends a mode once it is sure where the robot is, or after a while; asks for no motion.
-
-    Attributes:
-        estimate: Returns where the robot is.
-        done: Whether it is sure.
-        failed: The reason to give up, or `None`.
-    """
+    """Ends a mode once it is sure where the robot is, or after a while; asks for no motion."""
 
     estimate: Callable[[], Estimate]
     name: str = "look around"

@@ -26,7 +26,6 @@ class TruePose:
     """Asks the simulator of a robot for its pose, at every connection.
 
     Args:
-        robot: The robot.
         period: Pause between two questions [s]; `None` asks for a pose with each report.
 
     Attributes:

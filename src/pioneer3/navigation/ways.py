@@ -43,8 +43,6 @@ class Ways:
     """Plans the ways of one robot.
 
     Args:
-        costs: Of the map for it.
-        sightings: Things that are not on the map.
         clock: Returns the time [s].
         in_thread: Runs what takes long.
     """

@@ -23,7 +23,6 @@ class ReportRequest:
 
     Attributes:
         begin: Commands that start the reports; harmless when sent twice.
-        end: Commands that stop them.
         answers: Classes of the reports; empty if none come.
 
     Raises:

@@ -18,11 +18,7 @@ LOST_AFTER = 2.5
 
 
 class Driven(Protocol):
-    """A robot with an arbiter, as programs, keyboards, modes and live displays use it.
-
-    Attributes:
-        arbiter: Resolves all actions.
-    """
+    """A robot with an arbiter, as programs, keyboards, modes and live displays use it."""
 
     arbiter: Arbiter
 

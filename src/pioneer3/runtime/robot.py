@@ -34,7 +34,6 @@ class Robot(Driven):
         lasers: The laser range finders at the computer, each on a link of its own; without any,
             that of a simulator, in the robot's own stream.
         navigator: Knows where it is on a map; `None` without a map.
-        settings: Of its navigation.
     """
 
     def __init__(

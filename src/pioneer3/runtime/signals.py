@@ -40,7 +40,6 @@ class StopOnSignals:
     """Stops one robot when a signal comes, for the length of a block; see this module.
 
     Args:
-        loop: Of the robot.
         stop: Lets the robot stand; called in `loop`.
         close: Ends the session and returns; `None` where the end of `loop` does that.
     """

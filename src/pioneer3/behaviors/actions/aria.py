@@ -23,7 +23,6 @@ class AvoidSide(Action):
 
     Attributes:
         obstacle_distance: Nearer than this to the robot's circle is near [m].
-        turn_amount: [rad].
     """
 
     obstacle_distance: float = 0.3

@@ -45,8 +45,6 @@ class Explore(Action):
     with a rear corner that swung into the wall beside the robot; with them 1, 32 times.
 
     Attributes:
-        speed: [m/s].
-        side_clearance: [m].
         front_clearance: Nearer than this it takes another way [m].
     """
 

@@ -41,9 +41,7 @@ class KeepFormation(Action):
     """Keeps a place beside a leader, as if both were parts of one body.
 
     Attributes:
-        leader: Its name.
         place: x ahead of it, y to its left [m].
-        peers: The other robots.
         top_speed: Of the robot [m/s].
     """
 
@@ -78,9 +76,7 @@ class FollowLeader(Action):
     """Follows the track of a leader, at a distance along it.
 
     Attributes:
-        leader: Its name.
         distance: Along the track, from middle to middle [m].
-        peers: The other robots.
         top_speed: Of the robot [m/s].
     """
 
@@ -141,9 +137,6 @@ class SpreadOut(Action):
 
     Attributes:
         apart: From middle to middle [m].
-        peers: The other robots.
-        speed: [m/s].
-        done: Whether it is as far as wanted from all.
     """
 
     apart: float

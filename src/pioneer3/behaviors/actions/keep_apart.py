@@ -42,7 +42,6 @@ class _Room:
     """The room that is left towards a peer.
 
     Attributes:
-        peer: The peer.
         at: Its pose in the robot's frame.
         gap: Way that is left to the margin, less the way that the peer needs to stop [m].
         apart: Between the circles around both [m]; negative where they overlap.
@@ -67,9 +66,6 @@ class LimiterPeers(Action):
     room to stop. The speed along the line between them counts, now and after the turn that
     the robot is about to make: robots that pass each other at a distance hold nobody up. One
     that has been silent may be nearer than it was.
-
-    Attributes:
-        peers: The other robots.
     """
 
     peers: Peers

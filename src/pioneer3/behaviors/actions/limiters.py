@@ -322,12 +322,9 @@ class DeceleratingLimiter(Action):
         backwards: Which way.
         clearance: Kept in any case ahead of the robot [m].
         side_clearance_at_slow_speed: Kept beside it [m].
-        side_clearance_at_fast_speed: [m].
         padding_at_slow_speed: Kept ahead beyond `clearance` [m].
-        padding_at_fast_speed: [m].
         slow_speed: At and below it the former of two hold [m/s]; between the speeds, in proportion.
         fast_speed: At and above it the latter hold [m/s].
-        preferred_decel: [m/s^2].
         reaction: From an echo until the robot obeys [s]: a report's cycle and 0.3 s each way, as
             over a bad radio link.
         emergency_decel: When something is nearer than `clearance` [m/s^2]; 0 for the robot's own.

@@ -29,9 +29,7 @@ class Move(Action):
     """Drive `distance` [m] along the heading at the start; negative is backwards.
 
     Attributes:
-        speed: Top speed [m/s].
         deceleration: The robot's own [m/s^2].
-        tolerance: Near enough [m].
     """
 
     distance: float
@@ -68,9 +66,7 @@ class Turn(Action):
     """Turn by `angle` [rad], counter-clockwise positive; more than a full turn is possible.
 
     Attributes:
-        rate: Top turn rate [rad/s].
         deceleration: The robot's own [rad/s^2].
-        tolerance: Near enough [rad].
     """
 
     angle: float
@@ -127,13 +123,7 @@ class Goto(Action):
     every snapshot.
 
     Attributes:
-        x: [m].
-        y: [m].
         heading: To turn to in the end [rad], or `None`.
-        close_distance: Near enough [m].
-        speed: Top speed [m/s].
-        speed_to_turn_at: [m/s].
-        turn_amount: [rad].
         done: Whether it has arrived and stands; then it wants nothing.
     """
 

@@ -42,7 +42,6 @@ class RatioInput(Action):
         full_forwards: Speed at full forwards [m/s]; `None` is the robot's limit.
         full_backwards: [m/s]; `None` is a quarter of the robot's limit.
         turn_at_full_forwards: Turn rate when driving so fast [rad/s].
-        turn_at_full_backwards: [rad/s].
         turn_at_rest: Turn rate when standing [rad/s].
         key_step: Contribution of full speed per key.
     """

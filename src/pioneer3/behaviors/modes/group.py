@@ -28,7 +28,6 @@ class Membership:
     Attributes:
         leader: Name of the leader; empty in a group without one.
         number: Of the follower's place, from 1.
-        peers: The other robots.
     """
 
     leader: str

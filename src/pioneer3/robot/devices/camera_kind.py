@@ -33,7 +33,6 @@ class CameraKind(Protocol):
     """The bytes of one make; angles are in range, zoom is 0 to 1.
 
     Attributes:
-        title: For people.
         pan: Range to the left [rad].
         tilt: Range up [rad].
         position_size: Bytes of the answer to :attr:`where`.

@@ -19,13 +19,9 @@ class CompassReading:
     """The compass at one instant.
 
     Attributes:
-        stamp: When it was received [s, monotonic].
         heading: Clockwise from magnetic north, as on every compass [rad], in (-pi, pi].
-        pitch: [rad].
-        roll: [rad].
         magnetic: Field along x, y and z, in the module's unit (usually uT).
         temperature: [degrees Celsius].
-        error: Bits of the module.
         calibration_h: Score of the horizontal calibration.
         calibration_v: Score of the vertical calibration.
         calibration_m: Score of the magnetic calibration.

@@ -32,7 +32,6 @@ class GyroReading:
     """The gyro at one instant.
 
     Attributes:
-        stamp: When it was received [s, monotonic].
         heading: Turned since the first standstill, counter-clockwise [rad], in (-pi, pi].
         rate: Turn rate in the last sample [rad/s].
         temperature_raw: In the last sample, uncalibrated.

@@ -26,7 +26,6 @@ class LinesReading:
     """All lines at one instant.
 
     Attributes:
-        stamp: When it was received [s, monotonic].
         digital_in: Whether each line is high, shape (8 n,); line 8 is the first of byte 1.
         digital_out: Likewise.
         analog: [V], by port.

@@ -83,8 +83,6 @@ class Sensor(Generic[V]):
     """Readings of one device, requested while they are wanted.
 
     Args:
-        supervisor: Of the robot.
-        kind: Its description.
         read: Returns the reading in a report received at a time [s], or `None`.
 
     Attributes:

@@ -34,7 +34,6 @@ class Mounting:
     """The place of a laser on the robot.
 
     Attributes:
-        sensor_in_robot: Its pose [m, rad].
         upside_down: Whether it hangs head down, so that it turns clockwise.
         masked: Sectors to leave out, such as posts of the robot itself; in the laser's frame, as
             :attr:`Scan.angles` are, seen from above.

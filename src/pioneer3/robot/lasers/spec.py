@@ -23,12 +23,10 @@ class LaserSpec:
     """A laser of a robot, as it was asked for.
 
     Attributes:
-        url: Of its port.
         name: In scans, frames and messages.
         protocol: Its language; `None` to find out.
         mounting: Its place; `None` for that of the robot's model.
         masked: Sectors to leave out, besides those of the robot's model.
-        settings: For the scans.
         time_offset: Added to the times of scans [s].
         record: New file for every byte on its wire.
     """

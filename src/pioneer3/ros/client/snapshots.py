@@ -64,7 +64,6 @@ class SnapshotBuilder:
     """Keeps the newest message of each type; makes a snapshot of them.
 
     Args:
-        model: Of the robot.
         motors_on: Whether the motors count as on before a message says so.
     """
 
@@ -153,10 +152,6 @@ class SnapshotSubscriber:
     """Subscribes to the topics of a robot, and makes snapshots of them.
 
     Args:
-        topics: Of the robot.
-        model: Of the robot.
-        take: Given each snapshot, in the loop.
-        middleware: Where the topics are.
         sonar: Whether to subscribe to the distances of each transducer.
     """
 
