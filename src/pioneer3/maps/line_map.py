@@ -17,8 +17,12 @@ Role = Literal["goal", "dock", "home", "place", "line", "area"]
 
 _SPEED = re.compile(r"\d+(\.\d*)?|\.\d+")
 
-UNKNOWN, OCCUPIED, FREE = range(3)
-"""States of a cell."""
+UNKNOWN = 0
+"""State of a cell that nobody has seen."""
+OCCUPIED = 1
+"""State of a cell with a wall."""
+FREE = 2
+"""State of a cell with nothing in it."""
 
 
 class Bounds(NamedTuple):

@@ -20,8 +20,12 @@ from pioneer3.units import MM
 
 RESOLUTION = 0.05
 """Default side of a pixel [m], as usual with ROS's own map saver."""
-OCCUPIED, UNKNOWN, FREE = 0, 205, 254
-"""Shades of map_saver."""
+OCCUPIED = 0
+"""Shade of a wall, of map_saver."""
+UNKNOWN = 205
+"""Shade of the unknown, of map_saver."""
+FREE = 254
+"""Shade of free ground, of map_saver."""
 KNOWN = frozenset(
     {"Goal", "GoalWithHeading", "Dock", "RobotHome", "ForbiddenLine", "ForbiddenArea"}
 )

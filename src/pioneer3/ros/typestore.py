@@ -6,8 +6,13 @@ from typing import Any, Final
 
 import numpy as np
 
-BASE, NAME, ARRAY = 1, 2, 3
-"""Kinds of fields in rosbags' definitions (`Nodetype`); all others are sequences."""
+BASE = 1
+"""Kind of a field of a base type in rosbags' definitions (`Nodetype`); kinds not here are
+sequences."""
+NAME = 2
+"""Kind of a field of a named type."""
+ARRAY = 3
+"""Kind of a field that is an array."""
 DTYPES: Final[Mapping[str, str]] = {"byte": "uint8", "char": "uint8"}
 """Types of numpy where they have other names."""
 ZEROS: Final[Mapping[str, object]] = {

@@ -41,9 +41,12 @@ Publish = Callable[[messages.Navigation | None], None]
 
 PERIOD = 0.5
 """Clients hear of the way and of the certainty so often [s]."""
-CLICK, TURN_SPREAD, ANY_HEADING = 0.3, 0.3, 2.0
-"""Standard deviations of a place and a heading that somebody clicked, and of no heading
-[m, rad, rad]."""
+CLICK = 0.3
+"""Standard deviation of a place that somebody clicked [m]."""
+TURN_SPREAD = 0.3
+"""Standard deviation of a heading that somebody clicked [rad]."""
+ANY_HEADING = 2.0
+"""Standard deviation of a heading that nobody told [rad]."""
 SPARSE = 5
 """Step between drawn points of a way."""
 PATROL_TIME = 3600.0

@@ -12,8 +12,10 @@ from pioneer3.models.physics import Inertia
 
 TIMESTEP: Final = 0.002
 """Step of the simulation [s]: a tire's contact needs two or more in its time constant."""
-COLLISION, VISUAL = "3", "2"
-"""Groups of geoms."""
+COLLISION = "3"
+"""Group of the geoms that touch things."""
+VISUAL = "2"
+"""Group of the geoms that are seen."""
 COLLIDES: Final = "collision"
 """In the name of a geom that touches things."""
 SIDES: Final = ("left", "right")

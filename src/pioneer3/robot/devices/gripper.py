@@ -14,11 +14,15 @@ from pioneer3.robot.devices.sensor import PATIENCE, Sensor, SensorKind, Shown
 from pioneer3.robot.report_requests import ReportRequest
 from pioneer3.robot.supervisor import Supervisor
 
-USER_IO, GENERAL_IO = 1, 2
-"""Wirings of a gripper, as numbered in GRIPPER packets (protocol.md 5.6)."""
+USER_IO = 1
+"""Wiring of a gripper to the user's inputs, as in GRIPPER packets (protocol.md 5.6)."""
+GENERAL_IO = 2
+"""Wiring of a gripper to the general inputs, as in GRIPPER packets."""
 SENSORS = 0x3F
-LIFT_MOVES, GRIP_MOVES_ON_USER_IO = 0x40, 0x04
-"""Bits of the SIP's byte for user-IO grippers, besides the digital inputs (protocol.md 4.7)."""
+LIFT_MOVES = 0x40
+"""Bit of a lift that moves, in the SIP's byte for user-IO grippers (protocol.md 4.7)."""
+GRIP_MOVES_ON_USER_IO = 0x04
+"""Bit of a grip that moves, in that byte."""
 
 LIFT_LEAST = 3.0
 """Least time of a lift in the exercise [s] (facts.md 8.5)."""

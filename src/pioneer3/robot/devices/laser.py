@@ -99,8 +99,12 @@ def _angles(start: float, end: float, count: int) -> tuple[float, ...]:
     return tuple(start + i * step for i in range(count))
 
 
-FIRST, LAST, STEP = radians(-90), radians(90), radians(1)
-"""The scan of ARIA's lms2xx, the laser of a Pioneer 3."""
+FIRST = radians(-90)
+"""First direction of ARIA's lms2xx, the laser of a Pioneer 3 [rad]."""
+LAST = radians(90)
+"""Last direction of it [rad]."""
+STEP = radians(1)
+"""Angle from one reading of it to the next [rad]."""
 FINEST = radians(0.1)
 REAL = (
     "Lasers of real robots are connected to a serial port or the network of the computer, not to"

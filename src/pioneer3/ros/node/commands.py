@@ -24,8 +24,10 @@ QUEUE: Final = 10
 """Messages that wait in a connection: to drop one would part a zero from its command."""
 PENDING: Final = 100
 """Commands that wait for the loop."""
-WARNINGS, WARNED_WITHIN = 5, 10.0
-"""At most so many warnings of refused commands within that time [s]."""
+WARNINGS = 5
+"""Warnings of refused commands at most."""
+WARNED_WITHIN = 10.0
+"""Time within which there are so many [s]."""
 REMEMBERED: Final = 64
 """Publishers that are remembered."""
 

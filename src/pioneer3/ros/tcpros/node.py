@@ -29,8 +29,12 @@ WORKERS: Final = 8
 """Calls at once: to the master, to publishers, and to nodes whether they respond, of each."""
 CONNECTIONS: Final = 512
 """Connections to topics and services at once; further ones are refused."""
-MASTER, PUBLISHERS, NODES = range(3)
-"""Kinds of calls, which have threads of their own."""
+MASTER = 0
+"""Kind of calls to the master; each kind has threads of its own."""
+PUBLISHERS = 1
+"""Kind of calls to publishers."""
+NODES = 2
+"""Kind of calls to nodes."""
 SETTLING: Final = 5.0
 """Longest wait for the master at the start [s]."""
 ENDING: Final = 2.0

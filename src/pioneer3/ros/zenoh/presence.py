@@ -18,8 +18,12 @@ PERIOD: Final = 1.0
 """Between two looks [s]."""
 PATIENCE: Final = 2.0
 """An end that takes longer to answer is not there [s]."""
-INIT, VERSION, CLIENT = 0x01, 0x09, 0x02
-"""The first message of a session: its kind, the protocol's version, an identity of one byte."""
+INIT = 0x01
+"""Kind of the first message of a session."""
+VERSION = 0x09
+"""Version of the protocol in it."""
+CLIENT = 0x02
+"""Identity of one byte in it."""
 
 log = logging.getLogger(__name__)
 

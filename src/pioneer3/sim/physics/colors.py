@@ -58,8 +58,17 @@ def paint(spec: Any, obstacles: Mapping[str, Obstacle]) -> None:
 
 COUNT = 6
 """Number of MuJoCo's groups."""
-WALLS, THINGS, PARTS, TOUCHING, BODIES, LEGS = range(COUNT)
-"""Tall walls; the floor and all else that sensors meet; small parts of robots, which are only
-drawn; solids that only touch; people as sonars and eyes meet them, and as lasers do."""
+WALLS = 0
+"""Group of tall walls."""
+THINGS = 1
+"""Group of the floor and all else that sensors meet."""
+PARTS = 2
+"""Group of small parts of robots, which are only drawn."""
+TOUCHING = 3
+"""Group of solids that only touch."""
+BODIES = 4
+"""Group of people as sonars and eyes meet them."""
+LEGS = 5
+"""Group of people as lasers meet them."""
 DRAWN = WALLS, THINGS, PARTS, BODIES
 """By cameras."""
