@@ -26,7 +26,7 @@ from collections.abc import Awaitable, Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from pioneer3.behaviors.action import Stack
 from pioneer3.errors import LinkError, MotionError, PioneerError, Refusal
@@ -38,8 +38,8 @@ from pioneer3.state import Charging
 from pioneer3.tasks import running
 
 if TYPE_CHECKING:
+    from pioneer3.nav.estimate import Estimate
     from pioneer3.nav.planner import NoWay, Way
-    from pioneer3.navigation.navigator import Navigator
 
 log = logging.getLogger(__name__)
 
@@ -103,6 +103,34 @@ class NavigationGoal:
     after: int = 0
 
 
+class Planning(Protocol):
+    """A navigator, as goals use it; see :class:`~pioneer3.navigation.navigator.Navigator`."""
+
+    @property
+    def estimate(self) -> "Estimate":
+        """The place of the robot."""
+
+    async def find(self) -> bool:
+        """Wait until it is sure where the robot is; return whether."""
+
+    async def plan(self, goal: Destination) -> "Way | NoWay":
+        """Return a way from where the robot is."""
+
+    def mode(
+        self,
+        goal: Destination,
+        way: "Way",
+        speed: float | None = None,
+        *,
+        after: Sequence[Destination] = (),
+        rounds: float = 1,
+    ) -> Stack:
+        """Return the mode that drives along a way."""
+
+    def looking_around(self) -> Stack:
+        """Return the mode that finds out where the robot is."""
+
+
 class GoalServer:
     """Carries out the goals of one robot. :meth:`run` does the work.
 
@@ -117,7 +145,7 @@ class GoalServer:
     def __init__(
         self,
         robot: Driven,
-        navigator: "Callable[[], Awaitable[Navigator]]",
+        navigator: Callable[[], Awaitable[Planning]],
         patience: float = LOST_AFTER,
     ) -> None:
         self.current: NavigationGoal | None = None
@@ -213,7 +241,7 @@ class GoalServer:
         if self.current is goal:
             self.end(status, text)
 
-    async def _drive(self, goal: NavigationGoal, navigator: "Navigator") -> str:
+    async def _drive(self, goal: NavigationGoal, navigator: Planning) -> str:
         """Carry out a goal; return how it succeeded.
 
         Raises:
@@ -232,7 +260,7 @@ class GoalServer:
         return "arrived"
 
     async def _places(
-        self, goal: NavigationGoal, navigator: "Navigator"
+        self, goal: NavigationGoal, navigator: Planning
     ) -> Sequence[Destination] | None:
         """Return the places once the robot is sure of its own, or has waited long enough."""
         if goal.places is None:
@@ -245,7 +273,7 @@ class GoalServer:
         return places or goal.places()
 
     async def _way(
-        self, goal: NavigationGoal, places: Sequence[Destination], navigator: "Navigator"
+        self, goal: NavigationGoal, places: Sequence[Destination], navigator: Planning
     ) -> tuple[Stack, str]:
         """Return the mode that drives to places, and the reason to wait on the way, or nothing."""
         from pioneer3.nav.planner import NoWay
