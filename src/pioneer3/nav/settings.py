@@ -4,9 +4,11 @@ The command line (`--set planner.margin=5cm`), ROS parameters, files and the doc
 classes. What nobody tunes is a constant beside the code that it belongs to.
 """
 
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields, replace
 from difflib import get_close_matches
+from inspect import getdoc
 from typing import Annotated, Any, Final, get_type_hints
 
 from msgspec import Meta
@@ -17,111 +19,77 @@ from pioneer3.units import ANGLE, DURATION, LENGTH, Quantity
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PlannerSettings:
-    """Settings of ways, and of the drives along them."""
+    """Settings of ways, and of the drives along them.
 
-    margin: Annotated[
-        float,
-        Meta(ge=0.0, le=0.5, description="room on either side of the robot in narrow places"),
-        LENGTH,
-    ] = 0.07
-    turning_margin: Annotated[
-        float, Meta(ge=0.0, le=0.5, description="room around a robot that turns"), LENGTH
-    ] = 0.03
-    comfort: Annotated[
-        float,
-        Meta(ge=0.05, le=2.0, description="room beside the robot; more is worth no detour"),
-        LENGTH,
-    ] = 0.35
-    narrow_cost: Annotated[
-        float,
-        Meta(ge=0.0, le=50.0, description="metres of detour that a metre without room is worth"),
-    ] = 3.0
-    period: Annotated[
-        float, Meta(ge=0.2, le=60.0, description="time between two plans"), DURATION
-    ] = 1.0
-    held_up: Annotated[
-        float,
-        Meta(ge=1.0, le=600.0, description="time without headway before another way is taken"),
-        DURATION,
-    ] = 6.0
-    blocked: Annotated[
-        float,
-        Meta(ge=1.0, le=3600.0, description="time before a way that is closed is given up"),
-        DURATION,
-    ] = 15.0
-    blocked_by_people: Annotated[
-        float,
-        Meta(ge=1.0, le=3600.0, description="this time while people are about"),
-        DURATION,
-    ] = 90.0
-    pause: Annotated[
-        float,
-        Meta(ge=0.0, le=3600.0, description="time that a patrol stands at each place"),
-        DURATION,
-    ] = 3.0
+    Attributes:
+        margin: Room on either side of the robot in narrow places.
+        turning_margin: Room around a robot that turns.
+        comfort: Room beside the robot; more is worth no detour.
+        narrow_cost: Metres of detour that a metre without room is worth.
+        period: Time between two plans.
+        held_up: Time without headway before another way is taken.
+        blocked: Time before a way that is closed is given up.
+        blocked_by_people: Time before it is given up while people are about.
+        pause: Time that a patrol stands at each place.
+    """
+
+    margin: Annotated[float, Meta(ge=0.0, le=0.5), LENGTH] = 0.07
+    turning_margin: Annotated[float, Meta(ge=0.0, le=0.5), LENGTH] = 0.03
+    comfort: Annotated[float, Meta(ge=0.05, le=2.0), LENGTH] = 0.35
+    narrow_cost: Annotated[float, Meta(ge=0.0, le=50.0)] = 3.0
+    period: Annotated[float, Meta(ge=0.2, le=60.0), DURATION] = 1.0
+    held_up: Annotated[float, Meta(ge=1.0, le=600.0), DURATION] = 6.0
+    blocked: Annotated[float, Meta(ge=1.0, le=3600.0), DURATION] = 15.0
+    blocked_by_people: Annotated[float, Meta(ge=1.0, le=3600.0), DURATION] = 90.0
+    pause: Annotated[float, Meta(ge=0.0, le=3600.0), DURATION] = 3.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LocalizerSettings:
-    """Settings of the search for the robot's place on a map."""
+    """Settings of the search for the robot's place on a map.
 
-    particles: Annotated[
-        int, Meta(ge=50, le=5000, description="particles that track the robot")
-    ] = 500
-    way: Annotated[
-        float, Meta(ge=0.01, le=1.0, description="way after which readings count"), LENGTH
-    ] = 0.1
-    turn: Annotated[
-        float, Meta(ge=0.01, le=1.0, description="turn after which readings count"), ANGLE
-    ] = 0.1
-    way_error: Annotated[
-        float, Meta(ge=0.0, le=0.5, description="error of odometry by its way, sigma [m/m]")
-    ] = 0.03
-    turn_error: Annotated[
-        float, Meta(ge=0.0, le=0.5, description="error of odometry by its turn, sigma [rad/rad]")
-    ] = 0.06
-    agreement: Annotated[
-        float,
-        Meta(ge=0.3, le=1.0, description="share of beams that fit the map at a place found"),
-    ] = 0.9
-    told_agreement: Annotated[
-        float,
-        Meta(ge=0.3, le=1.0, description="share of beams that fit the map at a place told"),
-    ] = 0.75
-    contradiction: Annotated[
-        float, Meta(ge=0.0, le=0.95, description="share of beams that fit where it is lost")
-    ] = 0.7
+    Attributes:
+        particles: Particles that track the robot.
+        way: Way after which readings count.
+        turn: Turn after which readings count.
+        way_error: Error of odometry by its way, sigma [m/m].
+        turn_error: Error of odometry by its turn, sigma [rad/rad].
+        agreement: Share of beams that fit the map at a place found.
+        told_agreement: Share of beams that fit the map at a place told.
+        contradiction: Share of beams that fit the map below which the robot is lost.
+    """
+
+    particles: Annotated[int, Meta(ge=50, le=5000)] = 500
+    way: Annotated[float, Meta(ge=0.01, le=1.0), LENGTH] = 0.1
+    turn: Annotated[float, Meta(ge=0.01, le=1.0), ANGLE] = 0.1
+    way_error: Annotated[float, Meta(ge=0.0, le=0.5)] = 0.03
+    turn_error: Annotated[float, Meta(ge=0.0, le=0.5)] = 0.06
+    agreement: Annotated[float, Meta(ge=0.3, le=1.0)] = 0.9
+    told_agreement: Annotated[float, Meta(ge=0.3, le=1.0)] = 0.75
+    contradiction: Annotated[float, Meta(ge=0.0, le=0.95)] = 0.7
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MapperSettings:
-    """Settings of maps that are made, and of the exploration for them."""
+    """Settings of maps that are made, and of the exploration for them.
 
-    cell: Annotated[
-        float,
-        Meta(ge=0.01, le=0.2, description="side of a cell"),
-        LENGTH,
-    ] = 0.025
-    way: Annotated[
-        float, Meta(ge=0.05, le=2.0, description="way after which a scan is kept"), LENGTH
-    ] = 0.25
-    turn: Annotated[
-        float, Meta(ge=0.05, le=1.5, description="turn after which a scan is kept"), ANGLE
-    ] = 0.25
-    way_error: Annotated[
-        float, Meta(ge=0.0, le=0.5, description="error of odometry by its way, sigma [m/m]")
-    ] = 0.03
-    turn_error: Annotated[
-        float, Meta(ge=0.0, le=0.5, description="error of odometry by its turn, sigma [rad/rad]")
-    ] = 0.1
-    period: Annotated[
-        float, Meta(ge=0.2, le=60.0, description="time between two drawings"), DURATION
-    ] = 1.0
-    patience: Annotated[
-        float,
-        Meta(ge=5.0, le=600.0, description="time without new ground before an edge is given up"),
-        DURATION,
-    ] = 45.0
+    Attributes:
+        cell: Side of a cell.
+        way: Way after which a scan is kept.
+        turn: Turn after which a scan is kept.
+        way_error: Error of odometry by its way, sigma [m/m].
+        turn_error: Error of odometry by its turn, sigma [rad/rad].
+        period: Time between two drawings.
+        patience: Time without new ground before an edge is given up.
+    """
+
+    cell: Annotated[float, Meta(ge=0.01, le=0.2), LENGTH] = 0.025
+    way: Annotated[float, Meta(ge=0.05, le=2.0), LENGTH] = 0.25
+    turn: Annotated[float, Meta(ge=0.05, le=1.5), ANGLE] = 0.25
+    way_error: Annotated[float, Meta(ge=0.0, le=0.5)] = 0.03
+    turn_error: Annotated[float, Meta(ge=0.0, le=0.5)] = 0.1
+    period: Annotated[float, Meta(ge=0.2, le=60.0), DURATION] = 1.0
+    patience: Annotated[float, Meta(ge=5.0, le=600.0), DURATION] = 45.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -233,16 +201,18 @@ class Setting:
 
 
 def _settings_of(group: str, kind: type) -> Iterable[Setting]:
+    meanings = dict(re.findall(r"^    (\w+): (.*)\.$", getdoc(kind) or "", re.MULTILINE))
     for one in fields(kind):
         notes: tuple[Any, ...] = get_type_hints(kind, include_extras=True)[one.name].__metadata__
         (meta,) = (note for note in notes if isinstance(note, Meta))
+        meaning = meanings.get(one.name, "")
         yield Setting(
             name=f"{group}.{one.name}",
             default=getattr(kind(), one.name),
             low=float(meta.ge or 0),
             high=float(meta.le or 0),
             quantity=next((note for note in notes if isinstance(note, Quantity)), None),
-            meaning=meta.description or "",
+            meaning=meaning[:1].lower() + meaning[1:],
         )
 
 
