@@ -5,6 +5,7 @@ module          contents
 ==============  =================================================================================
 connect         connecting, with or without a map
 navigator       a robot on a map: its state, ways, going to places
+goals           goals, from the request to the end: the action server
 localization    where it is, from its scans or echoes, and the mode that finds it out
 ways            ways that are planned anew
 drives          drives along ways: planned anew, held up, given way

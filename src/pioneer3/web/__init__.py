@@ -21,7 +21,6 @@ page_map     the map of a page: the one that it shows, and the one that its robo
 robot_view   one robot of the page: its control, and the messages that describe it
 mapping      makes maps with a robot of the page, and saves them in the server's folder
 navigation   takes a robot of the page to places of its map, along planned ways
-errand       a way that a script asks for, over the API
 details      details of a robot beyond its snapshots
 editor       changes of the simulated world that drivers make on the page
 world        the simulated world as pages see it: its map, its things by number, and their changes

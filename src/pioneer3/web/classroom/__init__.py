@@ -5,7 +5,6 @@ module     contents
 =========  =================================================================================
 live       `pioneer3 class`: robots with a bridge each, the page, and the class, in one loop
 classroom  a class: students join and get a robot each
-small      small snapshots of a class's robots, for the teacher's page
 robot      one robot of a class
 =========  =================================================================================
 """
