@@ -225,12 +225,10 @@ class Client:
     def _fill_in_robot(self, request: requests.AnyRequest) -> None:
         """Let a request without a number be about the only robot that this client sees."""
         own = self._audience.robot
-        if own is None or getattr(request, "robot", own) is not None:
-            return  # it needs no number, or has one
         if isinstance(request, requests.EmergencyStop) and self.role is not Role.STUDENT:
             return  # it means all robots
         if isinstance(request, requests.RobotRequest | requests.RecordRun):
-            request.robot = own
+            request.robot = own if request.robot is None else request.robot
 
     def _check_permission(self, request: requests.AnyRequest) -> Message | None:
         """Return the refusal of a request that this role may not make, or `None`."""
