@@ -1,12 +1,14 @@
 """Sending the robot to a place of the map, with mouse, finger and keys."""
 
-from collections.abc import Iterator
+import asyncio
+from collections.abc import Callable, Iterator
 from functools import partial
 from math import hypot, pi
 
 import pytest
 from playwright.sync_api import Page, expect
 
+from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
 from pioneer3.maps import LineMap, MapObject
 from tests.browser.drawn import rest, state
@@ -60,6 +62,23 @@ def test_the_robot_goes_there_and_the_page_says_so(office: Page, product: Produc
     until(lambda: state(office, "snapshot.mode") is None, 60.0)
     assert away(product, 4.0, 3.4) < 0.25
     expect(office.locator("#mode-card")).to_be_hidden()
+
+
+def test_the_card_stays_while_navigation_is_compiled_and_tells_the_reason(
+    office: Page, product: Product, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async def prepare(in_thread: object, tell: Callable[[str], None]) -> None:
+        tell("compiling navigation, once")
+        await asyncio.sleep(2.0)
+        raise ConfigError("the extra `nav` is missing")
+
+    monkeypatch.setattr("pioneer3.web.navigation.prepare_navigation", prepare)
+    office.mouse.click(*spot(office, 7.0, 5.1))
+    office.locator("#goto-go").click()
+    expect(office.locator("#goto-note")).to_contain_text("Compiling navigation, once.")
+    expect(office.locator("#goto-where")).to_have_text("No way to Lab: the extra nav is missing.")
+    expect(office.locator("#goto-where code")).to_have_text("nav")
+    assert speed(product) == 0.0
 
 
 def test_ending_it_stops_the_robot(office: Page, product: Product) -> None:
