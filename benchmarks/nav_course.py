@@ -17,8 +17,8 @@ from pioneer3.geometry import Pose2, wrap
 from pioneer3.maps import Bounds, LineMap, read_map, shipped_map
 from pioneer3.models import RobotModel, load_model
 from pioneer3.sim.body import Body
+from pioneer3.sim.free_space import FreeGrid
 from pioneer3.sim.kernels import Kernels
-from pioneer3.sim.placement.free_space import FreeGrid
 from pioneer3.sim.realism import Realism
 from pioneer3.sim.sensors import SONAR_RANGE
 from pioneer3.sim.world import World

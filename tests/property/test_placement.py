@@ -7,9 +7,9 @@ from hypothesis import strategies as st
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
 from pioneer3.models import load_model
-from pioneer3.sim.placement.footprint import overlap
-from pioneer3.sim.placement.free_space import Obstructions
-from pioneer3.sim.placement.placer import PlacementRequest, place_all
+from pioneer3.sim.collision import overlap
+from pioneer3.sim.free_space import Obstructions
+from pioneer3.sim.placer import PlacementRequest, place_all
 from pioneer3.sim.worldfile import Box, Place, Start, Wall, WorldFile
 from tests.combinations import examples
 

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from pioneer3.errors import ConfigError
 from pioneer3.maps import Bounds, LineMap
+from pioneer3.sim.free_space import FreeGrid, Obstructions, places_inside
 from pioneer3.sim.kernels import build_grid
-from pioneer3.sim.placement.free_space import FreeGrid, Obstructions, places_inside
 
 Float = NDArray[np.float64]
 Bool = NDArray[np.bool_]

@@ -17,10 +17,10 @@ from pioneer3.gym.task import Task
 from pioneer3.maps import LineMap
 from pioneer3.models import RobotModel, load_model
 from pioneer3.sim.body import Body
+from pioneer3.sim.collision import turning_circle
 from pioneer3.sim.dynamics import dynamics_of
 from pioneer3.sim.kernels import WORTH_COMPILING, Kernels, laser_fan
 from pioneer3.sim.kernels.drives import LONGEST, STALLED, TOP, VELOCITY
-from pioneer3.sim.placement.footprint import turning_circle
 from pioneer3.sim.realism import Realism
 from pioneer3.sim.sensors import SONAR_RANGE
 from pioneer3.sim.world import World

@@ -14,8 +14,7 @@ from pioneer3.maps import LineMap, write_aria_map, write_map_server
 from pioneer3.nav.mapper import Mapper
 from pioneer3.sim.relief import FLAT, Relief
 from pioneer3.sim.worldfile import write_world
-from pioneer3.sim.worldfile.flattened import solids_in_words
-from pioneer3.sim.worldfile.on_map import not_on_map, split
+from pioneer3.sim.worldfile.flattened import not_on_map, solids_in_words, split
 from pioneer3.text import read_bytes, write_bytes, wrong
 
 FORMATS = (".map", ".yaml", ".toml")

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from pioneer3.geometry import Pose2
 from pioneer3.sim.body import Body
+from pioneer3.sim.collision import outline
 from pioneer3.sim.obstacles import Obstacle
-from pioneer3.sim.placement.footprint import outline
 from pioneer3.sim.raycast import cast_reference
 from pioneer3.sim.world import World
 from pioneer3.sim.worldfile import Box

@@ -19,9 +19,9 @@ from pioneer3.maps.map_server import KEYS, MapServerFile
 from pioneer3.models import RobotModel, load_model
 from pioneer3.names import printable
 from pioneer3.sim.collision import footprint_hits
+from pioneer3.sim.free_space import FreeGrid
 from pioneer3.sim.physics.elements import check_hull, shown_name
-from pioneer3.sim.placement.free_space import FreeGrid
-from pioneer3.sim.placement.spawn import SpawnedRobot, spawn_robots
+from pioneer3.sim.placer import SpawnedRobot, spawn_robots
 from pioneer3.sim.relief import Mesh, Ramp
 from pioneer3.sim.worldfile import RobotSpec, WorldFile, load_world
 from pioneer3.text import decoded, read_bytes

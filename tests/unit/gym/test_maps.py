@@ -9,8 +9,8 @@ from pioneer3.gym.maps import BASE, SPARE, Distance, FreeSpace, TiledMap
 from pioneer3.maps import LineMap, empty_map, shipped_map
 from pioneer3.maps.line_map import distances
 from pioneer3.models import load_model
-from pioneer3.sim.placement.footprint import turning_circle
-from pioneer3.sim.placement.free_space import Obstructions
+from pioneer3.sim.collision import turning_circle
+from pioneer3.sim.free_space import Obstructions
 from tests.unit.gym.rooms import ROOM, rooms
 
 MODEL = load_model("p3at-sh")

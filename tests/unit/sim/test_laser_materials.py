@@ -11,7 +11,7 @@ from pioneer3.maps.materials import Material
 from pioneer3.models.lasers import LASERS
 from pioneer3.sim.laser_scanner import Arc
 from pioneer3.sim.raycast import cast_reference
-from pioneer3.sim.surfaces import Surfaces
+from pioneer3.sim.sensing import Surfaces
 from pioneer3.sim.worldfile import Box
 from tests.unit.sim.test_laser_scanner import (
     UTM,

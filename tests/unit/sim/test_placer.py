@@ -13,7 +13,7 @@ from pioneer3.geometry import ORIGIN, Pose2
 from pioneer3.maps import LineMap, MapObject, empty_map, shipped_maps
 from pioneer3.maps.line_map import distances
 from pioneer3.models import RobotModel, load_model
-from pioneer3.sim.placement.footprint import (
+from pioneer3.sim.collision import (
     hits,
     inside,
     outline,
@@ -21,8 +21,8 @@ from pioneer3.sim.placement.footprint import (
     stands_in,
     turning_circle,
 )
-from pioneer3.sim.placement.free_space import FreeGrid, Obstructions
-from pioneer3.sim.placement.placer import GAP, PlacementRequest, place_all
+from pioneer3.sim.free_space import FreeGrid, Obstructions
+from pioneer3.sim.placer import GAP, PlacementRequest, place_all
 from pioneer3.sim.worldfile import Box, Wall, WorldFile, load_map
 from pioneer3.sim.worldfile.spec import Start
 

@@ -8,9 +8,9 @@ import pytest
 
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
+from pioneer3.sim.collision import stands_in
 from pioneer3.sim.equipment import EquipmentOptions
-from pioneer3.sim.placement.footprint import stands_in
-from pioneer3.sim.placement.spawn import SpawnedRobot, obstacle_outlines, spawn_robots, unique_name
+from pioneer3.sim.placer import SpawnedRobot, obstacle_outlines, spawn_robots, unique_name
 from pioneer3.sim.worldfile import Box, Person, RobotSpec, WorldFile, load_world
 
 

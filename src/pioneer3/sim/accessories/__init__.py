@@ -6,8 +6,7 @@ module         contents
 base           the interface of an accessory, and the interface of the robot that carries it
 digital_io     digital and analog inputs and outputs, and a PeopleBot's table sensors
 gauges         battery gauge, wheel encoders, joystick
-gyro           samples for the host's heading correction
-compass        TCM2
+heading        TCM2 compass; gyro, whose samples the host corrects its heading with
 gripper        paddles, break beams and lift
 aux_port       auxiliary serial ports
 collection     all accessories of one robot

@@ -12,11 +12,10 @@ from pioneer3.arcos.reports import Report
 from pioneer3.sim.accessories.aux_port import AuxPort
 from pioneer3.sim.accessories.base import NOTHING, Accessory, CarryingRobot, Inputs
 from pioneer3.sim.accessories.canon import CanonVcc4
-from pioneer3.sim.accessories.compass import Compass
 from pioneer3.sim.accessories.digital_io import DigitalIo, TableIr, nothing_low
 from pioneer3.sim.accessories.gauges import BatteryGauge, Encoders, Joystick
 from pioneer3.sim.accessories.gripper import Gripper, NoGripper
-from pioneer3.sim.accessories.gyro import Gyro
+from pioneer3.sim.accessories.heading import Compass, Gyro
 from pioneer3.sim.accessories.sony import SonyEvi
 from pioneer3.sim.equipment import PORTS, Camera, Equipment
 

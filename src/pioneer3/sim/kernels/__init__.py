@@ -25,8 +25,7 @@ from pioneer3.sim.kernels.kernels import (
     Kernels,
     compiled_kernels,
 )
-from pioneer3.sim.kernels.mounts import Fan, Mounts, laser_fan, sonar_mounts
-from pioneer3.sim.kernels.robots import Robots
+from pioneer3.sim.kernels.robots import Fan, Mounts, Robots, laser_fan, sonar_mounts
 from pioneer3.sim.kernels.walls import Grid, build_grid
 
 __all__ = [

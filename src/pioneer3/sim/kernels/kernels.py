@@ -16,8 +16,7 @@ from pioneer3.jit import KernelCache, fast, numba_version, plain
 from pioneer3.sim.kernels import fans, motion, rays
 from pioneer3.sim.kernels.drives import Drives
 from pioneer3.sim.kernels.echoes import ALL, Echoes
-from pioneer3.sim.kernels.mounts import Fan, Mounts, laser_fan, sonar_mounts
-from pioneer3.sim.kernels.robots import Robots, place
+from pioneer3.sim.kernels.robots import Fan, Mounts, Robots, laser_fan, place, sonar_mounts
 from pioneer3.sim.kernels.walls import Grid, build_grid
 
 Float = NDArray[np.float64]

@@ -17,15 +17,22 @@ from numpy.typing import NDArray
 
 from pioneer3.geometry import Pose2
 from pioneer3.maps.image import read_image
-from pioneer3.sim.relief.keys import CENTER, FILE, PLACED, Elevation, Friction, Height, Size, Slope
 from pioneer3.sim.relief.mesh_file import read_mesh
 from pioneer3.sim.relief.shapes import (
+    CENTER,
     FARTHEST,
+    FILE,
     NONE,
+    PLACED,
     Block,
     Column,
+    Elevation,
+    Friction,
+    Height,
     Hull,
     Part,
+    Size,
+    Slope,
     Terrain,
     Wedge,
     outer,

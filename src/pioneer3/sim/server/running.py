@@ -17,13 +17,11 @@ from pioneer3.geometry import Pose2
 from pioneer3.links.urls import url_of
 from pioneer3.models import RobotModel, load_model
 from pioneer3.sim.body import Body
-from pioneer3.sim.collision import footprint_hits
+from pioneer3.sim.collision import footprint_hits, hits, overlap, stands_in
 from pioneer3.sim.equipment import Equipment
 from pioneer3.sim.firmware import Firmware
 from pioneer3.sim.obstacles import Obstacle
-from pioneer3.sim.placement.footprint import hits, overlap, stands_in
-from pioneer3.sim.placement.placer import PlacementRequest, Placer
-from pioneer3.sim.placement.spawn import unique_name
+from pioneer3.sim.placer import PlacementRequest, Placer, unique_name
 from pioneer3.sim.server import Simulation
 from pioneer3.sim.server.faults import LinkFaults
 from pioneer3.sim.server.laser import SimulatedLaser

@@ -23,7 +23,7 @@ from pioneer3.sim.body import Body
 from pioneer3.sim.dynamics import dynamics_of
 from pioneer3.sim.firmware import Firmware
 from pioneer3.sim.kernels import CACHE, WORTH_COMPILING, WORTH_THREADS, compiled_kernels
-from pioneer3.sim.placement.spawn import SpawnedRobot, spawn_robots
+from pioneer3.sim.placer import SpawnedRobot, spawn_robots
 from pioneer3.sim.realism import Realism
 from pioneer3.sim.server import Simulation
 from pioneer3.sim.server.faults import LinkFaults

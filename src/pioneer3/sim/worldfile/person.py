@@ -11,7 +11,7 @@ from msgspec import Meta
 from numpy.typing import NDArray
 
 from pioneer3.geometry import Pose2
-from pioneer3.sim.relief.keys import Point
+from pioneer3.sim.relief.shapes import Point
 
 Float = NDArray[np.float64]
 

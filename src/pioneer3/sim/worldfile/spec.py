@@ -18,18 +18,19 @@ from pioneer3.maps.line_map import solid_walls
 from pioneer3.maps.materials import Codes, Material, codes_of
 from pioneer3.sim.equipment import NO_OPTIONS, EquipmentOptions
 from pioneer3.sim.relief import SOLIDS, WALL_HEIGHT, Relief, Solid
-from pioneer3.sim.relief.keys import (
+from pioneer3.sim.relief.shapes import (
     PLACED,
     Angle,
+    Block,
     Coordinate,
     Elevation,
     Friction,
     Height,
+    Part,
     Point,
     Size,
     pose_of,
 )
-from pioneer3.sim.relief.shapes import Block, Part
 from pioneer3.sim.relief.solids import SENSOR_HEIGHT
 from pioneer3.sim.worldfile.person import Person
 from pioneer3.tables import Key, degrees_of

@@ -27,7 +27,7 @@ from pioneer3.sim.relief import (
     Step,
     Table,
 )
-from pioneer3.sim.relief.keys import Angle, Coordinate, pose_of
+from pioneer3.sim.relief.shapes import Angle, Coordinate, pose_of
 from pioneer3.sim.worldfile.person import Person
 from pioneer3.sim.worldfile.solid_checks import check_solids
 from pioneer3.sim.worldfile.spec import Box, Place, RobotSpec, Wall, WorldFile

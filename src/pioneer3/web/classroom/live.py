@@ -14,7 +14,7 @@ from pioneer3.errors import ConfigError, PortBusyError
 from pioneer3.links import Link, Opener, opener
 from pioneer3.links.memory import null_modem
 from pioneer3.models import GivenModel, load_model
-from pioneer3.sim.placement.spawn import spawn_robots
+from pioneer3.sim.placer import spawn_robots
 from pioneer3.sim.realism import Realism
 from pioneer3.sim.server.port import RobotPort
 from pioneer3.sim.server.running import RunningSimulation, SimulatedRobot

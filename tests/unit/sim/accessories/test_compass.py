@@ -7,7 +7,7 @@ from pioneer3.arcos import commands, reports
 from pioneer3.arcos.commands import Tcm2Mode
 from pioneer3.geometry import Pose2, wrap
 from pioneer3.sim.accessories.base import NOTHING
-from pioneer3.sim.accessories.compass import Compass
+from pioneer3.sim.accessories.heading import Compass
 from tests.unit.sim.accessories.carrier import FakeCarrier, answers, cycles
 
 

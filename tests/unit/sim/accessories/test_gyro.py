@@ -6,7 +6,7 @@ import pytest
 from pioneer3.arcos import commands, reports
 from pioneer3.arcos.commands import GyroMode
 from pioneer3.geometry import Pose2, wrap
-from pioneer3.sim.accessories.gyro import Gyro
+from pioneer3.sim.accessories.heading import Gyro
 from tests.unit.sim.accessories.carrier import FakeCarrier
 
 ON, OFF = commands.Gyro(GyroMode.ON), commands.Gyro(GyroMode.OFF)

@@ -9,10 +9,10 @@ from pioneer3.arcos import commands, reports
 from pioneer3.arcos.commands import Command, RequestMode, Tcm2Mode
 from pioneer3.arcos.reports import Report
 from pioneer3.sim.accessories.base import Accessory, ReportRequest
-from pioneer3.sim.accessories.compass import Compass
 from pioneer3.sim.accessories.digital_io import DigitalIo
 from pioneer3.sim.accessories.gauges import BatteryGauge, Encoders, Joystick
 from pioneer3.sim.accessories.gripper import Gripper, NoGripper
+from pioneer3.sim.accessories.heading import Compass
 from tests.unit.sim.accessories.carrier import FakeCarrier, answers, cycles
 
 TCM2 = {

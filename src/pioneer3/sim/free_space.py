@@ -12,7 +12,7 @@ from pioneer3.maps import Bounds, LineMap
 from pioneer3.maps.grid import samples
 from pioneer3.maps.line_map import distances
 from pioneer3.models import RobotModel
-from pioneer3.sim.placement.footprint import hits, inside, which_inside
+from pioneer3.sim.collision import hits, inside, which_inside
 
 Float = NDArray[np.float64]
 Bool = NDArray[np.bool_]
