@@ -351,7 +351,7 @@ async def test_robots_come_and_go_while_time_passes() -> None:
         await link.write(HELLO)
         await sips(link, 3)
         assert port.connected
-        assert firmware.watchdog == 20
+        assert firmware.device.watchdog == 20
         await lab.simulation.remove(firmware)
         async with asyncio.timeout(5):
             while await link.read():
@@ -365,6 +365,6 @@ async def test_robots_come_and_go_while_time_passes() -> None:
 async def test_simstat_tells_how_time_passes() -> None:
     async with Lab(Pacer(10)) as lab:
         await asyncio.sleep(2.5)
-        times = lab.simulation.ports[0].firmware.step_times
+        times = lab.simulation.ports[0].firmware.console.step_times
         assert (times.simulated, times.wanted) == (0.1, 0.01)
         assert times.measured == pytest.approx(0.01, rel=0.05)

@@ -15,7 +15,6 @@ map_convert    reads, checks and converts maps and worlds by their names, for `p
 map_check      checks a map or world file
 physics        robots with mass, motors and tires among walls with height, by MuJoCo
 sensing        measurements of robots' sensors, without errors: on a plane, or in three dimensions
-surfaces       walls of other materials than plain ones, and the glass among them
 body           one simulated robot: its true pose, its odometry, its drive, its energy
 motion         a robot's drive as the firmware sees it: two axes and the motors' power
 obstacles      boxes, and people on their paths: the things in a world that may move, beside robots
@@ -23,8 +22,9 @@ realism        errors of a simulated robot, as large as those of a real one
 kernels        the simulator's inner loops: motion, rays, fans and footprints of all robots at once
 raycast        range to the nearest wall along each ray. Arrays in, arrays out
 sensors        sensors of a body
-placement      places for robots: footprints, free space, and starts
-collision      collision of a robot's rectangle with walls
+placer         starts of robots: a home, a given pose, beside the map or anywhere
+free_space     the cells where a disc fits, and the places for robots of one size among them
+collision      a robot's rectangle: what it collides with, and the bumper segments that are pressed
 worldfile      worlds in TOML: a map with robots, boxes, walls, places and people
 relief         the third dimension of a world
 equipment      the accessories of a robot: those it has, and the choices of people about them

@@ -33,7 +33,6 @@ class Dynamics(Protocol):
 
     def new_sensing(self, sonar: SonarErrors) -> Sensing:
         """Return the sensors that belong to these dynamics; `sonar` has the transducers' beam."""
-        ...
 
     def change_map(self, line_map: LineMap, grid: Grid, relief: Relief) -> None:
         """Replace all that stands still.
@@ -41,7 +40,6 @@ class Dynamics(Protocol):
         Raises:
             ConfigError: A part of it is impossible; then all stays as it was.
         """
-        ...
 
     def change_bodies(
         self,
@@ -55,18 +53,15 @@ class Dynamics(Protocol):
         `robots` are in the order of `drives`; `outlines` are those of robots, then of `obstacles`.
         A step changes the drives and the poses of the outlines.
         """
-        ...
 
     def place(self) -> None:
         """Take over the poses that others have written into the outlines."""
-        ...
 
     def step(self, kernels: Kernels, dt: float, noise: Float | None) -> None:
         """Let `dt` [s] pass, at most `LONGEST`; then outlines and drives are up to date.
 
         `noise` is as for :meth:`Kernels.step <pioneer3.sim.kernels.Kernels.step>`.
         """
-        ...
 
     def start(self, kernels: Kernels, dt: float) -> Future[None] | None:
         """Begin a step on another thread, or return `None` if it is not worth one.
@@ -74,19 +69,15 @@ class Dynamics(Protocol):
         When the work is done, :meth:`finish` ends the step. Nothing else is called before, but
         poses may be written into the outlines.
         """
-        ...
 
     def finish(self, kernels: Kernels) -> None:
         """End the step that :meth:`start` has begun."""
-        ...
 
     def speeds(self, number: int) -> Speeds:
         """Return speed and turn rate of robot `number` by its encoders."""
-        ...
 
     def imu(self, number: int) -> ImuReading:
         """Return exact rates and accelerations of robot `number`, averaged over a step."""
-        ...
 
 
 class PlanarDynamics:

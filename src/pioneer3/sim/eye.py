@@ -5,7 +5,7 @@ behind them.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import inf, pi, tan
 from typing import Literal
 
@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from pioneer3.geometry import Pose2
 from pioneer3.sim.body import Body
 from pioneer3.sim.collision import outline
-from pioneer3.sim.obstacles import Obstacle
 from pioneer3.sim.raycast import cast_reference
 from pioneer3.sim.world import World
 from pioneer3.sim.worldfile import Box
@@ -99,17 +98,13 @@ def look(world: World, body: Body, eye: Eye, pan: float = 0.0, tilt: float = 0.0
 def _things(world: World, body: Body) -> Iterator[tuple[Kind, Float]]:
     """Yield the kind and the sides of everything but `body` and the walls."""
     for obstacle in world.obstacles:
-        yield ("box" if isinstance(obstacle.kind, Box) else "person"), _sides(obstacle)
+        yield (
+            ("box" if isinstance(obstacle.kind, Box) else "person"),
+            obstacle.outline_at(obstacle.pose),
+        )
     for other in world.robots:
         if other is not body:
             yield "robot", outline(other.model, other.robot_in_world)
-
-
-def _sides(obstacle: Obstacle) -> Float:
-    kind, pose = obstacle.kind, obstacle.pose
-    if isinstance(kind, Box):
-        return replace(kind, pose=pose).outline
-    return replace(kind, path=((pose.x, pose.y),)).outline_at(0.0)
 
 
 def _within_reach(sides: Float, at: Pose2) -> bool:

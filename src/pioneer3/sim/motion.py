@@ -21,73 +21,61 @@ from pioneer3.sim.kernels.drives import (
 )
 
 
+class _Row:
+    """An attribute that is one row of `Drives.axes`."""
+
+    def __init__(self, row: int) -> None:
+        self._row = row
+
+    def __get__(self, axis: "Axis", owner: type["Axis"]) -> float:
+        return axis.get(self._row)
+
+    def __set__(self, axis: "Axis", value: float) -> None:
+        axis.set(self._row, value)
+
+
 class Axis:
     """One velocity with its ramp, metres or radians alike: a view of one robot's numbers."""
+
+    velocity = _Row(VELOCITY)
+    """Now [1/s]."""
+    acceleration = _Row(ACCELERATION)
+    """Away from zero [1/s^2], positive; 0 means at once."""
+    deceleration = _Row(DECELERATION)
+    """Towards zero [1/s^2], positive; 0 means at once."""
+    top = _Row(TOP)
+    """Highest speed [1/s]."""
 
     def __init__(self, drives: Drives, axis: int, number: int) -> None:
         self._axes, self._axis, self._number = drives.axes, axis, number
 
     @property
-    def velocity(self) -> float:
-        """Now [1/s]."""
-        return self._get(VELOCITY)
-
-    @velocity.setter
-    def velocity(self, value: float) -> None:
-        self._set(VELOCITY, value)
-
-    @property
-    def acceleration(self) -> float:
-        """Away from zero [1/s^2], positive; 0 means at once."""
-        return self._get(ACCELERATION)
-
-    @acceleration.setter
-    def acceleration(self, value: float) -> None:
-        self._set(ACCELERATION, value)
-
-    @property
-    def deceleration(self) -> float:
-        """Towards zero [1/s^2], positive; 0 means at once."""
-        return self._get(DECELERATION)
-
-    @deceleration.setter
-    def deceleration(self, value: float) -> None:
-        self._set(DECELERATION, value)
-
-    @property
-    def top(self) -> float:
-        """Highest speed [1/s]."""
-        return self._get(TOP)
-
-    @top.setter
-    def top(self, value: float) -> None:
-        self._set(TOP, value)
-
-    @property
     def target(self) -> float:
         """Velocity wanted [1/s]."""
-        return self._get(TARGET)
+        return self.get(TARGET)
 
     @property
     def remaining(self) -> float | None:
         """Way left of a commanded distance, or `None` where a velocity is wanted."""
-        left = self._get(REMAINING)
+        left = self.get(REMAINING)
         return None if isnan(left) else left
 
     def go(self, velocity: float) -> None:
         """Hold `velocity`, at most :attr:`top`."""
-        self._set(TARGET, velocity)
-        self._set(REMAINING, nan)
+        self.set(TARGET, velocity)
+        self.set(REMAINING, nan)
 
     def travel(self, distance: float) -> None:
         """Cover `distance` and stand: a trapezoid."""
-        self._set(TARGET, 0.0)
-        self._set(REMAINING, distance)
+        self.set(TARGET, 0.0)
+        self.set(REMAINING, distance)
 
-    def _get(self, row: int) -> float:
+    def get(self, row: int) -> float:
+        """Return a row of `Drives.axes`."""
         return self._axes.item(row, self._axis, self._number)
 
-    def _set(self, row: int, value: float) -> None:
+    def set(self, row: int, value: float) -> None:
+        """Set a row of `Drives.axes`."""
         self._axes[row, self._axis, self._number] = value
 
 

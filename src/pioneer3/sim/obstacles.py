@@ -84,6 +84,12 @@ class Obstacle:
             self._shift = pose.x - path.x, pose.y - path.y
         self.pose = pose
 
+    def outline_at(self, pose: Pose2) -> Float:
+        """Return its sides at `pose` [m], shape (S, 4)."""
+        if isinstance(self.kind, Box):
+            return replace(self.kind, pose=pose).outline
+        return replace(self.kind, path=((pose.x, pose.y),)).outline_at(0.0)
+
     def walk(self, dt: float, bodies: Float) -> bool:
         """Let `dt` [s] pass; who meets a robot waits until it is gone, or turns round.
 

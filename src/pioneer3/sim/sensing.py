@@ -142,27 +142,22 @@ class Sensing(Protocol):
 
     def change_map(self, line_map: LineMap, grid: Grid, relief: Relief) -> None:
         """Replace what stands still; `grid` is of all walls."""
-        ...
 
     def change_bodies(
         self, robots: Sequence[Body], obstacles: Sequence[Obstacle], outlines: Robots
     ) -> None:
         """Replace robots and obstacles; `outlines` are of these, in this order."""
-        ...
 
     def forget(self) -> None:
         """Discard all that depends on places."""
-        ...
 
     def sonar(self, kernels: Kernels, mounts: Mounts, owners: Int32 | None) -> Float:
         """Return ranges of the transducers of some robots or all [m], shape (F, mounts.most)."""
-        ...
 
     def fans(
         self, kernels: Kernels, fan: Fan, limit: float, owners: Int32, people: People = "legs"
     ) -> Float:
         """Return the ranges of a laser on each of the F robots `owners` [m], shape (F, B)."""
-        ...
 
     def look(
         self, kernels: Kernels, fan: Fan, limit: float, number: int, people: People = "legs"
@@ -172,11 +167,9 @@ class Sensing(Protocol):
         Light goes through glass that it does not meet nearly at a right angle. The code of nothing
         is that of a plain wall.
         """
-        ...
 
     def bumpers(self, number: int) -> Bumpers:
         """Return the segments of the bumpers of robot `number` that something presses."""
-        ...
 
 
 class PlanarSensing:

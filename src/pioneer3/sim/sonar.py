@@ -39,7 +39,6 @@ class Cast(Protocol):
 
     def __call__(self, mounts: Mounts, owners: Int32 | None) -> Float:
         """Return exact ranges of transducers of some robots or all [m], (F, mounts.most)."""
-        ...
 
 
 class Sonars(Protocol):
@@ -47,39 +46,30 @@ class Sonars(Protocol):
 
     def set_robots(self, robots: Sequence[Body], before: Sequence[int]) -> None:
         """Replace the robots; `before` has the number that each had until now, -1 for a new one."""
-        ...
 
     def change_firing(self, body: Body) -> None:
         """Apply a changed `body.firing`."""
-        ...
 
     def invalidate(self) -> None:
         """Discard all measurements: the map has changed."""
-        ...
 
     def move(self, poses: Float) -> None:
         """Apply poses (3, N) set from outside: a robot or an obstacle was moved by hand."""
-        ...
 
     def advance(self, dt: float, poses: Float) -> None:
         """Let `dt` [s] pass, in which robots have driven to `poses` (3, N)."""
-        ...
 
     def expect(self, bodies: Iterable[Body]) -> None:
         """Announce the robots that :meth:`ranges` will be called for until the next step."""
-        ...
 
     def ranges(self, body: Body) -> Float:
         """Return the latest ranges of one robot, shape (M,)."""
-        ...
 
     def all_ranges(self) -> Float:
         """Return the latest ranges of all robots, shape (N, largest M)."""
-        ...
 
     def new_ranges(self, body: Body) -> tuple[Int, Float]:
         """Return the transducers that fired since the last call, and their ranges, both (F,)."""
-        ...
 
 
 class SimultaneousSonars:

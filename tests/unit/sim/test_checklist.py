@@ -189,7 +189,7 @@ def test_7_two_bytes_in_one_argument_and_the_uncounted_nul_of_a_string(bench: Be
     assert bench.speed == pytest.approx(0.0)
     assert bench.turn_rate > 0.5
     bench.firmware.receive(encode(b"\xee\x2b\x02hi\x00"), bench.now)
-    assert list(bench.firmware.messages) == ["hi"]
+    assert list(bench.firmware.console.messages) == ["hi"]
 
 
 def test_8_without_motors_nothing_moves_and_silence_stops_it(bench: Bench) -> None:

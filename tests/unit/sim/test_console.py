@@ -52,7 +52,7 @@ def test_reset_brings_it_home_with_its_odometry(bench: Bench) -> None:
 
 def test_simstat_tells_the_truth(bench: Bench) -> None:
     bench.body.robot_in_world = Pose2(1.2345, -2.0, radians(-90))
-    bench.firmware.step_times = StepTimes(simulated=0.02, wanted=0.01, measured=0.011)
+    bench.firmware.console.step_times = StepTimes(simulated=0.02, wanted=0.01, measured=0.011)
     bench.say(commands.RequestSimStat(RequestMode.ONCE))
     (stat,) = bench.hear()
     assert isinstance(stat, SimStat)
@@ -74,7 +74,7 @@ def test_simstat_tells_what_the_wheels_see_wrong(bench: Bench) -> None:
 
 def test_simstat_fits_the_wire_wherever_the_robot_is(bench: Bench) -> None:
     bench.body.robot_in_world = Pose2(1e9, -1e9, 0.0)
-    bench.firmware.step_times = StepTimes(simulated=100.0, wanted=0.0, measured=1e6)
+    bench.firmware.console.step_times = StepTimes(simulated=100.0, wanted=0.0, measured=1e6)
     bench.say(commands.RequestSimStat(RequestMode.ONCE))
     (stat,) = bench.hear()
     assert isinstance(stat, SimStat)
@@ -203,14 +203,14 @@ def test_messages_are_kept_and_logged(bench: Bench, caplog: pytest.LogCaptureFix
     with caplog.at_level(logging.INFO):
         bench.say(commands.SimMessage("hello"))
         bench.firmware.receive(frame(commands.OldMessage(b"\1\2\3old")), bench.now)
-    assert list(bench.firmware.messages) == ["hello", "old"]
+    assert list(bench.firmware.console.messages) == ["hello", "old"]
     assert "hello" in caplog.text
 
 
 def test_only_the_last_messages_are_kept(bench: Bench) -> None:
     for number in range(250):
         bench.say(commands.SimMessage(str(number)))
-    assert list(bench.firmware.messages) == [str(number) for number in range(150, 250)]
+    assert list(bench.firmware.console.messages) == [str(number) for number in range(150, 250)]
 
 
 def test_no_client_ends_the_simulator(bench: Bench) -> None:

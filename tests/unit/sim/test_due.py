@@ -55,7 +55,7 @@ def test_when_the_watchdog_expires_between_two_reports() -> None:
     bench.firmware.tick(0.04)
     bench.now = 0.05
     bench.say(ON, commands.Vel(0.3))
-    bench.firmware.watchdog = 0.04
+    bench.firmware.device.watchdog = 0.04
     assert bench.firmware.due == pytest.approx(0.09)
     bench.firmware.tick(bench.firmware.due)
     assert bench.body.drive.held
@@ -65,7 +65,7 @@ def test_when_the_watchdog_expires_between_two_reports() -> None:
 def test_config_tells_the_watchdog_of_the_hosts_own_time() -> None:
     bench = Bench().open()
     bench.hear()
-    bench.firmware.watchdog = 20.0
+    bench.firmware.device.watchdog = 20.0
     bench.say(commands.RequestConfig())
     (config,) = bench.hear()
     assert isinstance(config, reports.Config)
@@ -74,7 +74,7 @@ def test_config_tells_the_watchdog_of_the_hosts_own_time() -> None:
 
 def test_a_watchdog_of_nought_never_expires() -> None:
     bench = Bench().open()
-    bench.firmware.watchdog = 0.0
+    bench.firmware.device.watchdog = 0.0
     bench.say(ON, commands.Vel(0.3))
     bench.wait(5.0, pulse=False)
     assert bench.speed == pytest.approx(0.3)

@@ -243,7 +243,7 @@ async def test_the_last_words_of_a_host_that_vanishes_are_heard() -> None:
     site.port.received(host, encode(b"\xee\x2b\x02hi\0"))  # SIM_MESSAGE
     site.port.disconnected(host)
     site.tick()
-    assert list(site.firmware.messages) == ["hi"]
+    assert list(site.firmware.console.messages) == ["hi"]
     assert not site.port.is_open
 
 
@@ -441,4 +441,4 @@ async def test_the_watchdog_is_stretched_and_a_resting_one_rests() -> None:
     assert not site.body.drive.held
     never = Firmware(site.world, site.body, watchdog=0)
     RobotPort(never).scale_watchdog(inf)
-    assert never.watchdog == 0
+    assert never.device.watchdog == 0

@@ -7,7 +7,7 @@ from typing import Protocol
 from pioneer3.arcos import commands
 from pioneer3.arcos.commands import Command
 from pioneer3.arcos.reports import Report, SerialAux
-from pioneer3.sim.accessories.base import Inputs
+from pioneer3.sim.accessories.base import Accessory
 
 TTY = (commands.Tty2.ID, commands.Tty3.ID, commands.Tty4.ID)
 GETAUX = (commands.GetAux.ID, commands.GetAux2.ID, commands.GetAux3.ID)
@@ -33,7 +33,7 @@ class SerialDevice(Protocol):
         """Return the bytes since the last call."""
 
 
-class AuxPort:
+class AuxPort(Accessory):
     """One port: TTY sends out of it, GETAUX n waits until n bytes came in, GETAUX 0 forgets them.
 
     A request takes the place of one that still waits.
@@ -96,10 +96,6 @@ class AuxPort:
         self._serve(now)
         ready, self._ready = self._ready, []
         return ready
-
-    def inputs(self, sip: Inputs, now: float) -> Inputs:
-        """Return `sip` unchanged."""
-        return sip
 
     def hang_up(self) -> None:
         """Drop requests and received bytes; the device goes on."""

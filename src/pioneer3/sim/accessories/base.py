@@ -15,27 +15,9 @@ from pioneer3.models import RobotModel
 NO_FLAGS = SipFlag(0)
 
 
-class AxisState(Protocol):
-    """One velocity of the drive [m/s or rad/s]."""
-
-    @property
-    def velocity(self) -> float: ...
-
-
-class DriveState(Protocol):
-    """The velocities of the robot."""
-
-    @property
-    def linear(self) -> AxisState: ...
-    @property
-    def angular(self) -> AxisState: ...
-
-
 class BatteryState(Protocol):
     """The state of the battery."""
 
-    @property
-    def voltage(self) -> float: ...
     @property
     def charge(self) -> float: ...
     @property
@@ -49,8 +31,6 @@ class CarryingRobot(Protocol):
     def model(self) -> RobotModel: ...
     @property
     def robot_in_world(self) -> Pose2: ...
-    @property
-    def drive(self) -> DriveState: ...
     @property
     def battery(self) -> BatteryState: ...
     @property
@@ -73,20 +53,23 @@ class Inputs:
 NOTHING = Inputs()
 
 
-class Accessory(Protocol):
-    """One device that is connected to the controller."""
+class Accessory:
+    """One device that is connected to the controller; by default it says nothing by itself."""
 
     def obey(self, command: Command, now: float) -> bool:
         """Carry out `command` at `now` [s]; return whether it was meant for this accessory."""
+        raise NotImplementedError
 
     def reports(self, now: float, *, cycle: bool) -> Sequence[Report]:
         """Return the reports that are due: answers always, streams only if `cycle` is true."""
+        return ()
 
     def inputs(self, sip: Inputs, now: float) -> Inputs:
         """Return `sip` with this accessory's bits."""
+        return sip
 
     def hang_up(self) -> None:
-        """Stop the streams and motions of the ended session."""
+        """Stop the streams and motions of the ended session; other states stay."""
 
 
 @dataclass(slots=True)
@@ -105,3 +88,22 @@ class ReportRequest:
         due = self.once or (cycle and self.stream)
         self.once = False
         return due
+
+
+class ReportingAccessory(Accessory):
+    """An accessory that sends one kind of report, when that is requested."""
+
+    def __init__(self) -> None:
+        self._request = ReportRequest()
+
+    def read(self, now: float) -> Report:
+        """Return the report as it is at `now` [s]."""
+        raise NotImplementedError
+
+    def reports(self, now: float, *, cycle: bool) -> Sequence[Report]:
+        """Return the report when it is due."""
+        return (self.read(now),) if self._request.due(cycle=cycle) else ()
+
+    def hang_up(self) -> None:
+        """Send no more reports; other states stay."""
+        self._request = ReportRequest()

@@ -7,7 +7,6 @@ zero after the error byte, which commands need the host control mode, and that a
 the place of an old one without BUSY.
 """
 
-from collections.abc import Callable, Mapping
 from math import inf, radians
 
 from pioneer3.sim.accessories.pan_tilt_zoom import PtzAxes, PtzAxis, PtzPosition
@@ -33,7 +32,6 @@ ACCEPTED = (0x8E, 0xA1, 0xA5, 0xB0, 0xB5, 0xB7, 0x76)
 """LED, focus, gain, filters and digital zoom: acknowledged, without effect."""
 
 Answer = tuple[bytes, bytes]
-Handler = Callable[[bytes, float], Answer]
 
 
 class CanonVcc4:
@@ -48,19 +46,6 @@ class CanonVcc4:
         self._powered = self._controlled = False
         self._received = bytearray()
         self._said = bytearray()
-        self._handlers: Mapping[int, Handler] = {
-            0x50: self._pan_slew,
-            0x51: self._tilt_slew,
-            0x53: self._stop,
-            0x58: self._init,
-            0x62: self._pan_tilt,
-            0x63: self._position,
-            0x64: self._range,
-            0x87: lambda _parameters, _now: (OK, NAME),
-            0xA2: self._stop_zoom,
-            0xB3: self._zoom,
-            0xB4: self._zoom_position,
-        }
 
     def position(self, now: float) -> PtzPosition:
         """Return where the camera points."""
@@ -103,68 +88,71 @@ class CanonVcc4:
         elif not self._controlled:
             return (WRONG_MODE, b"")
         elif command not in ACCEPTED:
-            return self._carry_out(command, parameters, now)
+            try:
+                return (OK, self._carry_out(command, parameters, now))
+            except ValueError:
+                return (BAD_PARAMETER, b"")
         return (OK, b"")
 
-    def _carry_out(self, command: int, parameters: bytes, now: float) -> Answer:
-        handler = self._handlers.get(command)
-        try:
-            return handler(parameters, now) if handler else (BAD_PARAMETER, b"")
-        except ValueError:
-            return (BAD_PARAMETER, b"")
+    def _carry_out(self, command: int, parameters: bytes, now: float) -> bytes:
+        """Obey a command; return the data of the answer.
 
-    def _init(self, parameters: bytes, now: float) -> Answer:
-        self._axes.look(0.0, 0.0, now)
-        return (OK, b"")
+        Raises:
+            ValueError: There is no such command, or its parameters are wrong.
+        """
+        axes = self._axes
+        match command:
+            case 0x50:
+                _set_rate(axes.pan, parameters, now)
+            case 0x51:
+                _set_rate(axes.tilt, parameters, now)
+            case 0x53:
+                axes.stop(now)
+            case 0x58:
+                axes.look(0.0, 0.0, now)  # initialize
+            case 0x62:
+                self._pan_tilt(parameters, now)
+            case 0x63:
+                return self._pan_tilt_position(now)
+            case 0x64:
+                self._range(parameters, now)
+            case 0x87:
+                return NAME
+            case 0xA2:
+                axes.zoom.stop(now)
+            case 0xB3:
+                self._zoom(parameters, now)
+            case 0xB4:
+                return _hex4(round(axes.zoom.at(now) * ZOOM_STEPS))
+            case _:
+                raise ValueError
+        return b""
 
-    def _stop(self, parameters: bytes, now: float) -> Answer:
-        self._axes.stop(now)
-        return (OK, b"")
-
-    def _stop_zoom(self, parameters: bytes, now: float) -> Answer:
-        self._axes.zoom.stop(now)
-        return (OK, b"")
-
-    def _pan_slew(self, parameters: bytes, now: float) -> Answer:
-        return _set_rate(self._axes.pan, parameters, now)
-
-    def _tilt_slew(self, parameters: bytes, now: float) -> Answer:
-        return _set_rate(self._axes.tilt, parameters, now)
-
-    def _range(self, parameters: bytes, now: float) -> Answer:
+    def _range(self, parameters: bytes, now: float) -> None:
         if parameters[:1] == b"1":
             low, high = _angle(parameters[1:5]), _angle(parameters[5:])
             if not TILT_DOWN - STEP <= low <= high <= TILT_UP + STEP:
                 raise ValueError
             self._axes.tilt.low, self._axes.tilt.high = low, high
             self._axes.tilt.stop(now)
-        return (OK, b"")
 
-    def _pan_tilt(self, parameters: bytes, now: float) -> Answer:
+    def _pan_tilt(self, parameters: bytes, now: float) -> None:
         pan, tilt = -_angle(parameters[:4]), _angle(parameters[4:])
         axis = self._axes.tilt
         if abs(pan) > PAN + STEP / 2 or not axis.low - STEP / 2 <= tilt <= axis.high + STEP / 2:
             raise ValueError
         self._axes.look(pan, tilt, now)
-        return (OK, b"")
 
-    def _position(self, parameters: bytes, now: float) -> Answer:
+    def _pan_tilt_position(self, now: float) -> bytes:
         position = self.position(now)
-        return (
-            OK,
-            _hex4(CENTRE + round(-position.pan / STEP))
-            + _hex4(CENTRE + round(position.tilt / STEP)),
-        )
+        pan, tilt = round(-position.pan / STEP), round(position.tilt / STEP)
+        return _hex4(CENTRE + pan) + _hex4(CENTRE + tilt)
 
-    def _zoom(self, parameters: bytes, now: float) -> Answer:
+    def _zoom(self, parameters: bytes, now: float) -> None:
         steps = _number(parameters, 4)
         if steps > ZOOM_STEPS:
             raise ValueError
         self._axes.zoom.go(steps / ZOOM_STEPS, now)
-        return (OK, b"")
-
-    def _zoom_position(self, parameters: bytes, now: float) -> Answer:
-        return (OK, _hex4(round(self.position(now).zoom * ZOOM_STEPS)))
 
 
 def _number(digits: bytes, count: int) -> int:
@@ -182,7 +170,7 @@ def _hex4(value: int) -> bytes:
     return b"%04X" % value
 
 
-def _set_rate(axis: PtzAxis, parameters: bytes, now: float) -> Answer:
+def _set_rate(axis: PtzAxis, parameters: bytes, now: float) -> None:
     steps = _number(parameters, 3)
     if steps not in SLEWS:
         raise ValueError
@@ -190,4 +178,3 @@ def _set_rate(axis: PtzAxis, parameters: bytes, now: float) -> Answer:
     axis.stop(now)
     axis.rate = steps * STEP
     axis.go(target, now)
-    return (OK, b"")

@@ -44,23 +44,12 @@ IGNORED: Final = frozenset(
 ) | {commands.Say.ID}
 
 
-class IgnoredCommands:
+class IgnoredCommands(Accessory):
     """Takes commands that have no effect in the simulator, without an answer."""
 
     def obey(self, command: Command, now: float) -> bool:
         """Return whether `command` is one of them."""
         return command.ID in IGNORED
-
-    def reports(self, now: float, *, cycle: bool) -> Sequence[Report]:
-        """Return no reports."""
-        return ()
-
-    def inputs(self, sip: Inputs, now: float) -> Inputs:
-        """Return `sip` unchanged."""
-        return sip
-
-    def hang_up(self) -> None:
-        """Do nothing."""
 
 
 class Accessories:

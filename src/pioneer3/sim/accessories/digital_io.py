@@ -1,6 +1,6 @@
 """Digital and analog inputs and outputs, and table sensors (protocol.md 3.2, 4.2, 4.7, 5.3)."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from enum import IntFlag
 from math import isfinite
@@ -10,7 +10,7 @@ from pioneer3.arcos.commands import Command
 from pioneer3.arcos.reports import Io, Report
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
-from pioneer3.sim.accessories.base import CarryingRobot, Inputs, ReportRequest
+from pioneer3.sim.accessories.base import CarryingRobot, Inputs, ReportingAccessory
 from pioneer3.sim.equipment import TableWiring
 
 BYTES_IN = 4
@@ -30,7 +30,7 @@ def nothing_low() -> int:
     return 0
 
 
-class DigitalIo:
+class DigitalIo(ReportingAccessory):
     """32 inputs and 8 outputs, all high at first, and 8 analog ports of 0 to 5 V.
 
     Attributes:
@@ -41,13 +41,13 @@ class DigitalIo:
 
     def __init__(self, held_low: Callable[[], int] = nothing_low) -> None:
         """`held_low` returns the input lines that sensors pull down now, as bits."""
+        super().__init__()
         self.outputs = 0xFF
         self.ports_on: set[int] = set()
         self.selected = 0
         self._inputs = ALL_HIGH
         self._volts = [0.0] * PORTS
         self._held_low = held_low
-        self._request = ReportRequest()
 
     def set_input(self, line: int, *, high: bool) -> None:
         """Put a level on input `line`, 0..31; line 8 is the first of the second byte."""
@@ -78,16 +78,12 @@ class DigitalIo:
                 return False
         return True
 
-    def reports(self, now: float, *, cycle: bool) -> Sequence[Report]:
-        """Return the IO report when it is due."""
-        if not self._request.due(cycle=cycle):
-            return ()
-        return (
-            Io(
-                digital_in=tuple(self._levels().to_bytes(BYTES_IN, "little")),
-                digital_out=(self.outputs,),
-                analog_raw=tuple(round(volts / FULL_SCALE * STEPS) for volts in self._volts),
-            ),
+    def read(self, now: float) -> Report:
+        """Return the levels of all lines and ports."""
+        return Io(
+            digital_in=tuple(self._levels().to_bytes(BYTES_IN, "little")),
+            digital_out=(self.outputs,),
+            analog_raw=tuple(round(volts / FULL_SCALE * STEPS) for volts in self._volts),
         )
 
     def inputs(self, sip: Inputs, now: float) -> Inputs:
@@ -102,10 +98,6 @@ class DigitalIo:
             compass_raw=sip.compass_raw,
             flags=sip.flags,
         )
-
-    def hang_up(self) -> None:
-        """Send no more reports; the outputs stay as they are."""
-        self._request = ReportRequest()
 
     def _levels(self) -> int:
         return self._inputs & ~self._held_low() & ALL_HIGH

@@ -1,7 +1,5 @@
 """Accessories that only report: battery, wheel encoders, joystick (protocol.md 5.2, 5.8, 5.9)."""
 
-from abc import ABC, abstractmethod
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import isfinite
 from typing import ClassVar
@@ -12,7 +10,7 @@ from pioneer3.arcos.reports import BatteryInfo, Report, SipFlag, SmartBattery
 from pioneer3.arcos.reports import Encoders as EncoderReport
 from pioneer3.arcos.reports import Joystick as JoystickReport
 from pioneer3.errors import ConfigError
-from pioneer3.sim.accessories.base import BatteryState, CarryingRobot, Inputs, ReportRequest
+from pioneer3.sim.accessories.base import BatteryState, CarryingRobot, Inputs, ReportingAccessory
 from pioneer3.sim.body import EMPTY, FULL
 
 LOW = 11.5
@@ -29,36 +27,17 @@ def charge_percent(battery: BatteryState) -> int:
 Request = commands.RequestBatteryInfo | commands.RequestEncoders | commands.JoyInfo
 
 
-class Gauge(ABC):
-    """A device that answers one kind of request with one kind of report."""
+class Gauge(ReportingAccessory):
+    """A device that answers one kind of request."""
 
     request: ClassVar[type[Request]]
-
-    def __init__(self) -> None:
-        self._asked = ReportRequest()
-
-    @abstractmethod
-    def read(self) -> Report:
-        """Return the report."""
 
     def obey(self, command: Command, now: float) -> bool:
         """Take requests for reports."""
         if not isinstance(command, self.request):
             return False
-        self._asked.set(command.how)
+        self._request.set(command.how)
         return True
-
-    def reports(self, now: float, *, cycle: bool) -> Sequence[Report]:
-        """Return the report when it is due."""
-        return (self.read(),) if self._asked.due(cycle=cycle) else ()
-
-    def inputs(self, sip: Inputs, now: float) -> Inputs:
-        """Return `sip` unchanged."""
-        return sip
-
-    def hang_up(self) -> None:
-        """Send no more reports."""
-        self._asked = ReportRequest()
 
 
 class BatteryGauge(Gauge):
@@ -70,7 +49,7 @@ class BatteryGauge(Gauge):
         super().__init__()
         self._body = body
 
-    def read(self) -> Report:
+    def read(self, now: float) -> Report:
         """Return the charge."""
         percent = charge_percent(self._body.battery)
         battery = SmartBattery(
@@ -97,7 +76,7 @@ class Encoders(Gauge):
         self._body = body
         self._ticks = TICKS_PER_METRE[body.model.drive]
 
-    def read(self) -> Report:
+    def read(self, now: float) -> Report:
         """Return the counts."""
         left, right = (_s32(way * self._ticks) for way in self._body.wheel_travel)
         return EncoderReport(left_counts=left, right_counts=right)
@@ -147,7 +126,7 @@ class Joystick(Gauge):
         super().__init__()
         self.stick = StickPosition()
 
-    def read(self) -> Report:
+    def read(self, now: float) -> Report:
         """Return the stick's position."""
         stick = self.stick
         return JoystickReport(

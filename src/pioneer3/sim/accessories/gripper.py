@@ -4,15 +4,14 @@ Paddles and lift move at constant speed until something stops them. The bits are
 reads; Player reads the same byte in another way (facts.md 13, row 20).
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import copysign, inf
 
 from pioneer3.arcos import commands
-from pioneer3.arcos.commands import Command, GripperAction, RequestMode
+from pioneer3.arcos.commands import Command, GripperAction
 from pioneer3.arcos.reports import GripperState, GripperSwitch, Report
 from pioneer3.errors import ConfigError
-from pioneer3.sim.accessories.base import Inputs, ReportRequest
+from pioneer3.sim.accessories.base import Inputs, ReportingAccessory
 
 OPENING = 0.215
 """Between the open paddles [m]; unverified, like the next two."""
@@ -140,7 +139,7 @@ TWENTY_MS = 0.02
 VALUED = (GripperAction.PRESSURE, GripperAction.LIFT_CARRY)
 
 
-class Gripper:
+class Gripper(ReportingAccessory):
     """A gripper on the general inputs (type 2), delivered open and down.
 
     GRIPPER 16 (PRESSURE) and 17 (LIFT_CARRY) wait for the GRIPPERVAL that ARIA sends next: it sets
@@ -148,11 +147,11 @@ class Gripper:
     """
 
     def __init__(self) -> None:
+        super().__init__()
         self._paddles, self._lift = Paddles(), Lift()
         self._paddles.squeeze = GRASP_TIME
         self._held: HeldObject | None = None
         self._valued: GripperAction | None = None
-        self._request = ReportRequest()
         self._time: float | None = None
 
     @property
@@ -255,12 +254,10 @@ class Gripper:
             self._lift.drive(1, duration)
         self._valued = None
 
-    def reports(self, now: float, *, cycle: bool) -> Sequence[Report]:
-        """Return the gripper's state when it is due."""
-        if not self._request.due(cycle=cycle):
-            return ()
+    def read(self, now: float) -> Report:
+        """Return the gripper's state."""
         grasp_time = min(0xFF, round(self._paddles.squeeze / TWENTY_MS))
-        return (GripperState(GENERAL_IO, self.switches(now), grasp_time),)
+        return GripperState(GENERAL_IO, self.switches(now), grasp_time)
 
     def inputs(self, sip: Inputs, now: float) -> Inputs:
         """Show the switches in the second I/O byte."""
@@ -269,7 +266,7 @@ class Gripper:
     def hang_up(self) -> None:
         """Stand still and send no more reports; a held object stays held."""
         self._act(GripperAction.HALT)
-        self._request = ReportRequest()
+        super().hang_up()
 
     def _advance(self, now: float) -> None:
         if self._time is not None and now > self._time:
@@ -281,11 +278,8 @@ class Gripper:
         return self._held.width if self._held else 0.0
 
 
-class NoGripper:
+class NoGripper(ReportingAccessory):
     """No gripper: it answers requests with "none", and ARIA's gripper stops asking."""
-
-    def __init__(self) -> None:
-        self._request = ReportRequest()
 
     def obey(self, command: Command, now: float) -> bool:
         """Take requests for reports; ignore commands to move."""
@@ -298,14 +292,6 @@ class NoGripper:
                 return False
         return True
 
-    def reports(self, now: float, *, cycle: bool) -> Sequence[Report]:
-        """Return the report "none" when it is due."""
-        return (GripperState(NO_GRIPPER, IDLE, 0),) if self._request.due(cycle=cycle) else ()
-
-    def inputs(self, sip: Inputs, now: float) -> Inputs:
-        """Return `sip` unchanged."""
-        return sip
-
-    def hang_up(self) -> None:
-        """Send no more reports."""
-        self._request.set(RequestMode.STOP)
+    def read(self, now: float) -> Report:
+        """Return the report "none"."""
+        return GripperState(NO_GRIPPER, IDLE, 0)

@@ -15,7 +15,13 @@ from pioneer3.arcos.commands import Command, GyroMode, Tcm2Mode
 from pioneer3.arcos.reports import Compass as CompassReport
 from pioneer3.arcos.reports import GyroRates, GyroSample, Report
 from pioneer3.geometry import wrap
-from pioneer3.sim.accessories.base import CarryingRobot, Inputs, ReportRequest
+from pioneer3.sim.accessories.base import (
+    Accessory,
+    CarryingRobot,
+    Inputs,
+    ReportingAccessory,
+    ReportRequest,
+)
 from pioneer3.units import degrees
 
 FIELD_LEVEL = 20.0
@@ -28,7 +34,7 @@ GOOD_SCORE = 9
 GOOD_FIELD_SCORE_HUNDREDTHS = 3000
 
 
-class Compass:
+class Compass(ReportingAccessory):
     """Measures the heading in the world, clockwise from magnetic north, 0 to 359.9 degrees.
 
     North is the y axis of the world unless set otherwise: with the usual east-north axes a robot
@@ -39,10 +45,10 @@ class Compass:
         self, body: CarryingRobot, rng: Generator, *, north: float = pi / 2, noise: float = 0.0
     ) -> None:
         """`north` is counter-clockwise from the world's x axis, `noise` a deviation [rad]."""
+        super().__init__()
         self._body = body
         self._rng = rng
         self._north, self._noise = north, noise
-        self._request = ReportRequest()
         self._on = True
         self._calibrating = self._calibrated = False
 
@@ -67,26 +73,22 @@ class Compass:
                 if mode is Tcm2Mode.SOFT_RESET:
                     self._calibrating = self._calibrated = False
 
-    def reports(self, now: float, *, cycle: bool) -> Sequence[Report]:
-        """Return the compass report when it is due."""
-        if not self._request.due(cycle=cycle):
-            return ()
+    def read(self, now: float) -> Report:
+        """Return the heading, and the level field at it."""
         heading = self._heading()
         score = GOOD_SCORE if self._calibrated else 0
-        return (
-            CompassReport(
-                heading_decidegrees=round(degrees(heading) * 10) % 3600,
-                pitch_decidegrees=0,
-                roll_decidegrees=0,
-                magnetic_x_hundredths=round(100 * FIELD_LEVEL * cos(heading)),
-                magnetic_y_hundredths=round(-100 * FIELD_LEVEL * sin(heading)),
-                magnetic_z_hundredths=round(100 * FIELD_DOWN),
-                temperature_decicelsius=TEMPERATURE_DECICELSIUS,
-                error=0,
-                calibration_h=score,
-                calibration_v=score,
-                calibration_m_hundredths=GOOD_FIELD_SCORE_HUNDREDTHS if self._calibrated else 0,
-            ),
+        return CompassReport(
+            heading_decidegrees=round(degrees(heading) * 10) % 3600,
+            pitch_decidegrees=0,
+            roll_decidegrees=0,
+            magnetic_x_hundredths=round(100 * FIELD_LEVEL * cos(heading)),
+            magnetic_y_hundredths=round(-100 * FIELD_LEVEL * sin(heading)),
+            magnetic_z_hundredths=round(100 * FIELD_DOWN),
+            temperature_decicelsius=TEMPERATURE_DECICELSIUS,
+            error=0,
+            calibration_h=score,
+            calibration_v=score,
+            calibration_m_hundredths=GOOD_FIELD_SCORE_HUNDREDTHS if self._calibrated else 0,
         )
 
     def inputs(self, sip: Inputs, now: float) -> Inputs:
@@ -94,10 +96,6 @@ class Compass:
         if not self._on:
             return sip
         return replace(sip, compass_raw=round(degrees(self._heading()) / 2) % 180)
-
-    def hang_up(self) -> None:
-        """Send no more reports; the heading stays in the standard report."""
-        self._request = ReportRequest()
 
     def _heading(self) -> float:
         heading = self._north - self._body.robot_in_world.theta
@@ -119,7 +117,7 @@ TELEPORT = 2.0
 """A rate above this times the model's top rate is not a turn: the robot was put elsewhere."""
 
 
-class Gyro:
+class Gyro(Accessory):
     """Measures the true turn rate, wheel slip included, and reports samples on request.
 
     With `packets` off it is one whose readings the controller uses itself (GyroType 2): GYRO is
@@ -200,10 +198,6 @@ class Gyro:
         samples = tuple(self._samples)
         self._samples.clear()
         return (GyroRates(samples),) if samples else ()
-
-    def inputs(self, sip: Inputs, now: float) -> Inputs:
-        """Return `sip` unchanged."""
-        return sip
 
     def hang_up(self) -> None:
         """Send no more samples."""

@@ -14,7 +14,6 @@ console      commands to the simulator itself
 ===========  ======================================================
 """
 
-from collections import deque
 from collections.abc import Callable
 from dataclasses import replace
 from math import inf
@@ -35,7 +34,7 @@ from pioneer3.sim.accessories import Accessories
 from pioneer3.sim.accessories.gauges import LOW
 from pioneer3.sim.body import EMPTY, Body
 from pioneer3.sim.equipment import Equipment
-from pioneer3.sim.firmware.console import Console, StepTimes
+from pioneer3.sim.firmware.console import Console
 from pioneer3.sim.firmware.instruments import Instruments
 from pioneer3.sim.firmware.laser import InBandLaser
 from pioneer3.sim.firmware.steering import steer
@@ -59,7 +58,9 @@ class Firmware:
 
     Attributes:
         identity: The names in its answers to SYNC2 and CONFIG.
-        device: Its end of the session with a host.
+        device: Its end of the session with a host; CONFIG keeps the watchdog from the start, which
+            is in the host's own seconds, whatever this one has.
+        console: Obeys commands to the simulator; has messages of hosts to the people there.
         on_map_changed: Called when a host has loaded another map, or failed to. By default this
             tells only that host; a server with several robots calls :meth:`tell` of each.
     """
@@ -92,7 +93,7 @@ class Firmware:
         self._nominal_watchdog = watchdog
         self._laser = InBandLaser(world, body)
         self._instruments = Instruments(world, body)
-        self._console = Console(
+        self.console = Console(
             world=world,
             body=body,
             equipment=self.accessories.equipment,
@@ -100,18 +101,6 @@ class Firmware:
             tell=self._map_changed,
         )
         self._next_report = 0.0
-
-    @property
-    def watchdog(self) -> float:
-        """Silence of the host that stops the robot [s], 0 for never; may be set at any time.
-
-        CONFIG keeps the value from the start, which is in the host's own seconds.
-        """
-        return self.device.watchdog
-
-    @watchdog.setter
-    def watchdog(self, silence: float) -> None:
-        self.device.watchdog = silence
 
     @property
     def due(self) -> float:
@@ -122,20 +111,6 @@ class Firmware:
         if not self.device.is_open:
             return inf
         return min(self._next_report, self.device.due, self.accessories.due)
-
-    @property
-    def messages(self) -> deque[str]:
-        """Messages of hosts to the people at the simulator (SIM_MESSAGE), the newest last."""
-        return self._console.messages
-
-    @property
-    def step_times(self) -> StepTimes:
-        """The durations of a step for SIMSTAT; may be set at any time."""
-        return self._console.step_times
-
-    @step_times.setter
-    def step_times(self, times: StepTimes) -> None:
-        self._console.step_times = times
 
     def receive(self, data: bytes, now: float) -> None:
         """Take bytes from the host at `now` [s, monotonic]."""
@@ -198,7 +173,7 @@ class Firmware:
     def _answer(self, now: float, *, cycle: bool = False) -> None:
         for report in self.accessories.reports(now, cycle=cycle):
             self.device.send(report)
-        for report in self._console.reports(cycle=cycle):
+        for report in self.console.reports(cycle=cycle):
             self.device.send(report)
 
     def _handle(self, event: Event, now: float) -> None:
@@ -212,7 +187,7 @@ class Firmware:
                 self.body.session_ended()
                 self._laser.off()
                 self._instruments.hang_up()
-                self._console.hang_up()
+                self.console.hang_up()
                 self.accessories.hang_up()
                 self._rename()
             case Commanded(command):
@@ -234,7 +209,7 @@ class Firmware:
             return
         if steer(self.body, command) or self._instruments.obey(command):
             return
-        if self.accessories.obey(command, now) or self._console.obey(command):
+        if self.accessories.obey(command, now) or self.console.obey(command):
             self._answer(now)
         elif isinstance(command, commands.RequestConfig):
             self.device.send(

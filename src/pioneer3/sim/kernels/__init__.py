@@ -7,10 +7,9 @@ kernels   motion, rays, fans and collisions of all robots at once. Arrays in, ar
 fans      laser fans: near segments rasterised onto the beams, the nearest one wins
 rays      sonar and single rays: from cell to cell through the grid
 motion    drives, and what stops them
-robots    all that moves, as arrays: poses, sizes, outlines, and a table of robots by cell
+robots    all that moves, as arrays, and its sensors: where rays start and where they point
 echoes    echoes of walls
 walls     walls sorted once into the cells of a uniform grid, as arrays that a kernel can walk
-mounts    sensors as arrays: where rays start on a robot and where they point
 drives    the drives of many robots as arrays, and the numbers that their motion goes by
 __main__  compiles the kernels and keeps the result: `python -m pioneer3.sim.kernels`
 ========  ====================================================================================

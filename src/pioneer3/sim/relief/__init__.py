@@ -5,8 +5,7 @@ module     contents
 =========  ======================================================================================
 relief     all that the third dimension adds to a map: heights of its walls, and solids
 solids     the solids of a world file
-keys       ranges of lengths and angles in a world file, and the keys of poses
-shapes     the shapes that the solids of a world consist of, in the map frame; as seen from above
+shapes     the shapes that the solids of a world consist of, their outlines, keys of their tables
 mesh_file  reads meshes: STL, binary or text, and the points and faces of OBJ
 =========  ======================================================================================
 """

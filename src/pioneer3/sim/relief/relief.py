@@ -25,7 +25,6 @@ class Origin(Protocol):
     @property
     def source(self) -> str:
         """Its file, for messages; empty without."""
-        ...
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -76,12 +76,10 @@ class Solid(Protocol):
     @property
     def pose(self) -> Pose2:
         """Where it is [m, rad]."""
-        ...
 
     @property
     def z(self) -> float:
         """Height of its foot, or of the origin of a mesh [m]."""
-        ...
 
     @property
     def parts(self) -> tuple[Part, ...]:
@@ -90,17 +88,14 @@ class Solid(Protocol):
         Raises:
             ConfigError: Its file cannot be read, or holds no solid.
         """
-        ...
 
     @property
     def walls(self) -> Float:
         """The walls that it is on a plane [m], shape (S, 4)."""
-        ...
 
     @property
     def outline(self) -> Float:
         """Its sides as seen from above [m], shape (S, 4)."""
-        ...
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -6,6 +6,7 @@ import socket
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from math import inf
 from typing import Final
 
@@ -17,6 +18,7 @@ from pioneer3.sim.equipment import Equipment
 from pioneer3.sim.firmware import Firmware
 from pioneer3.sim.physics.dynamics import Instant, MujocoDynamics
 from pioneer3.sim.physics.renderer import TakePicture
+from pioneer3.sim.server.listeners import StreamServer
 
 log = logging.getLogger(__name__)
 
@@ -78,8 +80,7 @@ class SimulatedCamera:
         self._wanted = 0
         self._arrival = asyncio.Event()
         self._jpeg, self._view = b"", self.model.wide
-        self._server: asyncio.Server | None = None
-        self._serving: set[asyncio.Task[None]] = set()
+        self._server: StreamServer | None = None
 
     @property
     def url(self) -> str:
@@ -139,30 +140,20 @@ class SimulatedCamera:
 
     async def listen(self, listener: socket.socket, now: Callable[[], float]) -> None:
         """Serve viewers at a listening socket; `now` returns the simulated time [s]."""
-        self.address = listener.getsockname()[:2]
-
-        def admit(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-            if len(self._serving) >= MOST_WAITING:
-                writer.close()
-                return
-            task = asyncio.ensure_future(self._serve(reader, writer, now))
-            self._serving.add(task)
-            task.add_done_callback(self._serving.discard)
-
-        self._server = await asyncio.start_server(admit, sock=listener, limit=LONGEST_REQUEST)
+        serve = partial(self._serve, now)
+        self._server = StreamServer(serve, most=MOST_WAITING, limit=LONGEST_REQUEST)
+        self.address = await self._server.listen(listener)
 
     def close(self) -> None:
         """Cut off all viewers and stop listening."""
         if self._server is not None:
             self._server.close()
-        for task in self._serving:
-            task.cancel()
 
     async def _serve(
         self,
+        now: Callable[[], float],
         reader: asyncio.StreamReader,
         writer: asyncio.StreamWriter,
-        now: Callable[[], float],
     ) -> None:
         """Answer one request; no viewer ends the simulator."""
         try:

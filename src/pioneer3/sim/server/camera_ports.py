@@ -3,12 +3,12 @@
 import asyncio
 import logging
 
-from pioneer3.errors import DeviceError, PortBusyError
+from pioneer3.errors import DeviceError
 from pioneer3.sim.equipment import Equipment
 from pioneer3.sim.firmware import Firmware
 from pioneer3.sim.physics.dynamics import MujocoDynamics
 from pioneer3.sim.server.camera import Shot, SimulatedCamera
-from pioneer3.sim.server.listeners import listening
+from pioneer3.sim.server.listeners import first_free, listening
 from pioneer3.sim.server.picture_process import PictureProcess
 from pioneer3.sim.world import World
 
@@ -16,7 +16,6 @@ log = logging.getLogger(__name__)
 
 FIRST_PORT = 8181
 """Port of the first camera's pictures; the others have the next free ones."""
-TRIES = 100
 STILL = 1.0
 """While time stands a picture is taken so often [s, real]."""
 RESTART = 5.0
@@ -50,20 +49,13 @@ class CameraPorts:
         if not self._process.backend:
             await self._process.start()
         camera = SimulatedCamera(self._dynamics, firmware, equipment, self._wake.set)
-        number = equipment.picture_port
+        number = 0 if self._free else None
+        if equipment.picture_port is not None:
+            number = equipment.picture_port
         if number is None:
-            number = 0 if self._free else FIRST_PORT
-            last = number + TRIES if number else 0
+            listener = await first_free(self._host, FIRST_PORT)
         else:
-            last = number
-        while True:
-            try:
-                listener = await listening(self._host, number)
-                break
-            except PortBusyError:
-                if number >= last:
-                    raise
-                number += 1
+            listener = await listening(self._host, number)
         await camera.listen(listener, lambda: self._world.time)
         self.cameras.append(camera)
         return camera

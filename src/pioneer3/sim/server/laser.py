@@ -36,6 +36,7 @@ class SimulatedLaser:
     Attributes:
         addresses: Host and number of its TCP ports, the first one for most programs.
         pty: Its serial port, or `None`.
+        hosts: Those that are connected.
     """
 
     def __init__(
@@ -58,10 +59,11 @@ class SimulatedLaser:
         self._powered, self._closed = True, False
         self._silent_until = -inf
         self._faults = LinkFaults()
-        self._hosts = self._new_hosts(wake)
+        kind = SeveralHosts if model.protocol is LaserProtocol.COLA else OneHost
+        self.hosts: LaserHosts = kind(device, self._faults, label=lambda: self.label, wake=wake)
         device.switch_on(world.time - SWITCHED_ON)
         device.tick(world.time - SAID)
-        self._hosts.exchange(world.time, heard=False)
+        self.hosts.exchange(world.time, heard=False)
 
     @property
     def label(self) -> str:
@@ -81,14 +83,9 @@ class SimulatedLaser:
         return url_of(*self.addresses[0])
 
     @property
-    def hosts(self) -> LaserHosts:
-        """The hosts that are connected."""
-        return self._hosts
-
-    @property
     def connected(self) -> bool:
         """Whether any host is connected."""
-        return self._hosts.connected
+        return self.hosts.connected
 
     @property
     def powered(self) -> bool:
@@ -103,7 +100,7 @@ class SimulatedLaser:
     @faults.setter
     def faults(self, faults: LinkFaults) -> None:
         self._faults = faults
-        self._hosts.use(faults)
+        self.hosts.use(faults)
 
     def unplug(self) -> None:
         """Pull the data cable out: hosts are disconnected, and new ones are turned away."""
@@ -135,8 +132,8 @@ class SimulatedLaser:
         self._listeners.append(listener)
         if isinstance(listener, PtyListener):
             self.pty = listener.path
-            if isinstance(self._hosts, OneHost):
-                self._hosts.set_terminal(lambda: listener.speed)
+            if isinstance(self.hosts, OneHost):
+                self.hosts.set_terminal(lambda: listener.speed)
 
     @property
     def on_serial_line(self) -> bool:
@@ -158,7 +155,7 @@ class SimulatedLaser:
         self._shut()
         if self._turn is None and self.device.turn is None:
             self._looked = now  # no turn begins before a host has asked for it
-        self._hosts.exchange(now, heard=self._powered and now >= self._silent_until)
+        self.hosts.exchange(now, heard=self._powered and now >= self._silent_until)
 
     def tick(self, now: float) -> None:
         """Let time pass until `now` [s, simulated], and send what is ready."""
@@ -175,7 +172,7 @@ class SimulatedLaser:
             listener.close()
         self._listeners.clear()
         self.addresses.clear()
-        self._hosts.shut(closed=True)
+        self.hosts.shut(closed=True)
 
     def _measure(self, now: float) -> None:
         """Take the readings that are due, and hand in the turns that are over."""
@@ -221,10 +218,6 @@ class SimulatedLaser:
         self._scanner.begin(arc, self._began)
         return True
 
-    def _new_hosts(self, wake: Callable[[], None]) -> LaserHosts:
-        kind = SeveralHosts if self.model.protocol is LaserProtocol.COLA else OneHost
-        return kind(self.device, self._faults, label=lambda: self.label, wake=wake)
-
     def _shut(self) -> None:
         """Disconnect hosts where cable or power are missing, or let them come again.
 
@@ -233,4 +226,4 @@ class SimulatedLaser:
         closed = self._faults.unplugged or not (self._powered or self.device.speed is not None)
         if closed != self._closed:
             self._closed = closed
-            self._hosts.shut(closed=closed)
+            self.hosts.shut(closed=closed)

@@ -8,12 +8,12 @@ from importlib import import_module
 from math import inf
 from typing import cast
 
-from pioneer3.errors import ConfigError, LinkError, PortBusyError
+from pioneer3.errors import ConfigError, LinkError
 from pioneer3.lasers.device import Device
 from pioneer3.models.lasers import HOKUYO_PORT, LaserModel, LaserProtocol, load_laser
 from pioneer3.sim.body import Body
 from pioneer3.sim.server.laser import SimulatedLaser
-from pioneer3.sim.server.listeners import PtyListener, TcpListener, listening
+from pioneer3.sim.server.listeners import PtyListener, TcpListener, first_free, listening
 from pioneer3.sim.world import World
 
 log = logging.getLogger(__name__)
@@ -26,8 +26,6 @@ DEVICES = {
 """Module and class of the device that speaks each protocol."""
 SERVER_PORT = 4001
 """Port of a serial line on the network, as many device servers have it."""
-TRIES = 100
-"""Ports that are tried, from the usual one on."""
 
 
 def device_of(model: LaserModel) -> Device:
@@ -129,21 +127,9 @@ async def _listeners(model: LaserModel, port: int | None, host: str) -> list[soc
     found: list[socket.socket] = []
     try:
         for usual in model.tcp_ports or (default,):
-            found.append(await _first_free(usual, host))  # noqa: PERF401  closed if one fails
+            found.append(await first_free(host, usual))  # noqa: PERF401  closed if one fails
     except LinkError:
         for listener in found:
             listener.close()
         raise
     return found
-
-
-async def _first_free(number: int, host: str) -> socket.socket:
-    """Listen at `number`, or at the first free port after it."""
-    last = number + TRIES
-    while True:
-        try:
-            return await listening(host, number)
-        except PortBusyError:
-            number += 1
-            if number == last:
-                raise

@@ -5,8 +5,10 @@ import errno
 import logging
 import os
 import socket
+from collections.abc import Callable, Coroutine
 from contextlib import suppress
 from io import FileIO
+from math import inf
 from typing import Any, Protocol
 
 from pioneer3.errors import LinkError, PortBusyError
@@ -22,6 +24,9 @@ OUT_OF_FILES = 1.0
 """Pause before the next try when this process may open no more files [s, real]."""
 SEND_BUFFER = 64 * 1024
 """Send buffer of a socket [bytes]; the system's would hide a host that takes nothing."""
+
+TRIES = 100
+"""Ports that are tried, from the usual one on."""
 
 SOCKETS_ARE_FILES = os.name == "posix"
 
@@ -113,6 +118,64 @@ class PtyListener:
         if self._slave >= 0:
             os.close(self._slave)
             self._slave = -1
+
+
+class StreamServer:
+    """Serves each connection to a listening socket in a task of its own.
+
+    More than `most` connections at a time are closed at once; a first line is at most `limit` bytes
+    long.
+    """
+
+    def __init__(
+        self,
+        serve: Callable[[asyncio.StreamReader, asyncio.StreamWriter], Coroutine[Any, Any, None]],
+        *,
+        most: float = inf,
+        limit: int = 1 << 16,
+    ) -> None:
+        self._serve, self._most, self._limit = serve, most, limit
+        self._server: asyncio.Server | None = None
+        self._serving: set[asyncio.Task[None]] = set()
+
+    async def listen(self, listener: socket.socket) -> tuple[str, int]:
+        """Serve the hosts that connect to `listener`; return its address and number."""
+        self._server = await asyncio.start_server(self._admit, sock=listener, limit=self._limit)
+        address, number = listener.getsockname()[:2]
+        return address, number
+
+    def _admit(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        if len(self._serving) >= self._most:
+            writer.close()
+            return
+        task = asyncio.ensure_future(self._serve(reader, writer))
+        self._serving.add(task)
+        task.add_done_callback(self._serving.discard)
+
+    def close(self) -> None:
+        """Stop listening, and cancel all tasks."""
+        if self._server is not None:
+            self._server.close()
+        for task in self._serving:
+            task.cancel()
+
+    async def closed(self) -> None:
+        """Close, and wait until all tasks have ended."""
+        self.close()
+        await asyncio.gather(*self._serving, return_exceptions=True)
+
+
+async def first_free(host: str, number: int) -> socket.socket:
+    """Return a socket that listens at `number`, or at the first free port after it.
+
+    Raises:
+        PortBusyError: There is none among the next :data:`TRIES`.
+        LinkError: As for :func:`listening`.
+    """
+    for usual in range(number, number + TRIES - 1):
+        with suppress(PortBusyError):
+            return await listening(host, usual)
+    return await listening(host, number + TRIES - 1)
 
 
 async def listening(host: str, number: int) -> socket.socket:

@@ -13,13 +13,13 @@ Rules, besides those of :mod:`pioneer3.sim.server.clients`:
 
 from collections.abc import Callable
 from math import inf
-from typing import Protocol
 
 from pioneer3.arcos.device import Phase
 from pioneer3.links import Link
 from pioneer3.sim.firmware import Firmware
 from pioneer3.sim.server.clients import STALE, Client, ClientSlot, LinkClient
 from pioneer3.sim.server.faults import Channel, LinkFaults
+from pioneer3.sim.server.listeners import PtyListener, TcpListener
 
 BYTES_PER_TICK = 256
 """Taken from a host and answered to it in each tick, on average: 115 200 baud are 230."""
@@ -27,13 +27,6 @@ BURST = 2 * BYTES_PER_TICK
 """The most in one tick."""
 MOST_WAITING = 4096
 """Most that waits for the coming ticks [bytes]; then the host waits."""
-
-
-class Listener(Protocol):
-    """A listening socket or a terminal, through which hosts connect."""
-
-    def close(self) -> None:
-        """Stop listening."""
 
 
 class RobotPort:
@@ -59,7 +52,7 @@ class RobotPort:
     ) -> None:
         self.firmware = firmware
         self.address: tuple[str, int] | None = None
-        self.listeners: list[Listener] = []
+        self.listeners: list[TcpListener | PtyListener] = []
         self.pending = False
         self.due = inf
         self.report_tick = 0
@@ -68,7 +61,7 @@ class RobotPort:
         self._final_bytes: bytes | None = None
         self._served: Client | None = None
         self._slot = ClientSlot(self._reset_for_host, lambda: self.label)
-        self._rated_watchdog = firmware.watchdog
+        self._rated_watchdog = firmware.device.watchdog
         self._heard_at = -inf
         self._inbox, self._outbox = bytearray(), b""
         self._budget, self._turn = BURST, 0
@@ -133,7 +126,7 @@ class RobotPort:
     def scale_watchdog(self, factor: float) -> None:
         """Let the watchdog wait `factor` times as long as the robot's own."""
         if self._rated_watchdog:
-            self.firmware.watchdog = self._rated_watchdog * factor
+            self.firmware.device.watchdog = self._rated_watchdog * factor
             self.due = -inf
 
     async def serve(self, link: Link) -> None:

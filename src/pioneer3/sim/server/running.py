@@ -243,7 +243,7 @@ class RunningSimulation:
             CommandError: A robot would stand in something there, or something on a robot.
         """
         if not isinstance(item, SimulatedRobot):
-            self._refuse_on_robots(_outline(item, pose), pose)
+            self._refuse_on_robots(item.outline_at(pose), pose)
             self.world.move_obstacle(item, pose)
         elif self.has_room(item.model, pose, item):
             item.body.robot_in_world = pose
@@ -273,7 +273,7 @@ class RunningSimulation:
         return not (
             hits(model, pose, self.world.map.walls)
             or any(overlap(model, pose, body.model, body.robot_in_world) for body in bodies)
-            or any(stands_in(model, pose, _outline(o, o.pose)) for o in self.world.obstacles)
+            or any(stands_in(model, pose, o.outline_at(o.pose)) for o in self.world.obstacles)
         )
 
     async def _listen(
@@ -322,7 +322,7 @@ class RunningSimulation:
 
     def _place_for(self, request: PlacementRequest) -> Pose2:
         standing = self.world.robots
-        obstacles = [_outline(obstacle, obstacle.pose) for obstacle in self.world.obstacles]
+        obstacles = [obstacle.outline_at(obstacle.pose) for obstacle in self.world.obstacles]
         placer = Placer(self.world.map, self._rng, obstacles, expected=len(standing) + 1)
         for body in standing:
             placer.occupy(body.model, body.robot_in_world)
@@ -348,11 +348,3 @@ def _overlap(one: Box, other: Box) -> bool:
         footprint_hits(a.pose, a.size[0] / 2, a.size[0] / 2, a.size[1] / 2, b.outline)
         for a, b in ((one, other), (other, one))
     )
-
-
-def _outline(obstacle: Obstacle, pose: Pose2) -> NDArray[np.float64]:
-    """Return the sides of a box or a person at `pose` [m], shape (S, 4)."""
-    kind = obstacle.kind
-    if isinstance(kind, Box):
-        return replace(kind, pose=pose).outline
-    return replace(kind, path=((pose.x, pose.y),)).outline_at(0.0)

@@ -234,7 +234,7 @@ class Simulation:
         wanted, measured = CYCLE / self.pace.speed, CYCLE / self.pace.real_time_factor
         times = StepTimes(simulated=CYCLE, wanted=wanted, measured=measured)
         for port in self.ports:
-            port.firmware.step_times = times
+            port.firmware.console.step_times = times
 
     def _receive(self, between_ticks: float) -> None:
         """Give all robots and lasers the bytes of their hosts, and send their answers.

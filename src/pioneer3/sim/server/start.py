@@ -8,6 +8,7 @@ from asyncio.subprocess import DEVNULL, PIPE
 from collections.abc import AsyncIterator, Iterator, Sequence
 from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -28,7 +29,7 @@ from pioneer3.sim.realism import Realism
 from pioneer3.sim.server import Simulation
 from pioneer3.sim.server.faults import LinkFaults
 from pioneer3.sim.server.laser import SimulatedLaser
-from pioneer3.sim.server.listeners import listening
+from pioneer3.sim.server.listeners import StreamServer, listening
 from pioneer3.sim.server.pacer import Pacer
 from pioneer3.sim.server.running import RunningSimulation, SimulatedRobot
 from pioneer3.sim.server.trackers import colour_trackers
@@ -56,23 +57,12 @@ async def robot_factory(
     Raises:
         LinkError: The port cannot be listened on.
     """
-    serving: set[asyncio.Task[None]] = set()
-
-    def serve(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-        task = asyncio.ensure_future(_serve(running, factory_robot, reader, writer))
-        serving.add(task)
-        task.add_done_callback(serving.discard)
-
-    listener = await listening(host, port)
-    address, number = listener.getsockname()[:2]
-    server = await asyncio.start_server(serve, sock=listener)
+    server = StreamServer(partial(_serve, running, factory_robot))
+    address = await server.listen(await listening(host, port))
     try:
-        yield url_of(address, number)
+        yield url_of(*address)
     finally:
-        server.close()
-        for task in serving:
-            task.cancel()
-        await asyncio.gather(*serving, return_exceptions=True)
+        await server.closed()
 
 
 async def _serve(

@@ -10,7 +10,7 @@ from typing import Final
 from pioneer3.acts import QUIT, REQUEST, Blob, encode
 from pioneer3.links.urls import url_of
 from pioneer3.sim.eye import Eye, Kind, look
-from pioneer3.sim.server.listeners import listening
+from pioneer3.sim.server.listeners import StreamServer, listening
 from pioneer3.sim.server.running import SimulatedRobot
 from pioneer3.sim.world import World
 
@@ -50,7 +50,6 @@ class ColourTracker:
 
     def __init__(self, world: World, robot: SimulatedRobot) -> None:
         self._world, self._robot = world, robot
-        self._serving: set[asyncio.Task[None]] = set()
 
     def picture(self) -> bytes:
         """Return the picture of the robot's camera in the protocol of ACTS."""
@@ -79,24 +78,12 @@ class ColourTracker:
         Raises:
             LinkError: The port cannot be listened on.
         """
-        listener = await listening(host, port)
-        address, number = listener.getsockname()[:2]
-        server = await asyncio.start_server(self._admit, sock=listener)
+        server = StreamServer(self._serve, most=MOST_CLIENTS)
+        address = await server.listen(await listening(host, port))
         try:
-            yield url_of(address, number)
+            yield url_of(*address)
         finally:
-            server.close()
-            for task in self._serving:
-                task.cancel()
-            await asyncio.gather(*self._serving, return_exceptions=True)
-
-    def _admit(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-        if len(self._serving) >= MOST_CLIENTS:
-            writer.close()
-            return
-        task = asyncio.ensure_future(self._serve(reader, writer))
-        self._serving.add(task)
-        task.add_done_callback(self._serving.discard)
+            await server.closed()
 
     async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         """Answer until the client quits or goes; no client ends the simulator."""

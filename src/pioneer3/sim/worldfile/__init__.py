@@ -4,9 +4,8 @@
 module        contents
 ============  ===================================================================================
 arguments     options of a command line about robots and starts, which override a world file
-flattened     solids of a world as a plane treats them, in words
+flattened     worlds without their third dimension: in words, and as a map with a world file
 drawing       drawings of worlds: their lines and markers, as SVG and as PNG
-on_map        makes a world file of a map and its relief
 load          finds maps and worlds: shipped ones by name, others by the path of their file
 toml          reads and writes world files: TOML with a table for each object of a world
 solid_checks  refuses solids of a world file that cannot be there, with file, line and key

@@ -10,19 +10,7 @@ from pioneer3.sim.accessories.base import Accessory
 
 
 @dataclass
-class FakeAxis:
-    velocity: float = 0.0
-
-
-@dataclass
-class FakeDrive:
-    linear: FakeAxis = field(default_factory=FakeAxis)
-    angular: FakeAxis = field(default_factory=FakeAxis)
-
-
-@dataclass
 class FakeBattery:
-    voltage: float = 13.0
     charge: float = 1.0
     fixed: float | None = None
 
@@ -31,7 +19,6 @@ class FakeBattery:
 class FakeCarrier:
     model: RobotModel = field(default_factory=lambda: load_model("p3dx-sh"))
     robot_in_world: Pose2 = ORIGIN
-    drive: FakeDrive = field(default_factory=FakeDrive)
     battery: FakeBattery = field(default_factory=FakeBattery)
     wheel_travel: tuple[float, float] = (0.0, 0.0)
 

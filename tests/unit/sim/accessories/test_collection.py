@@ -226,7 +226,6 @@ def run(said: list[tuple[Command, float]]) -> list[object]:
         rack.obey(command, now)
         heard += rack.reports(now, cycle=False)
         now += pause
-        carrier.drive.linear.velocity = pause
         carrier.robot_in_world = Pose2(now, -now, pause)
         rack.tick(now)
         heard += [*rack.reports(now, cycle=True), rack.inputs(now)]
