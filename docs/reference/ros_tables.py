@@ -27,7 +27,8 @@ from pioneer3.ros.node.laser_parameters import IGNORED, LaserParameters
 from pioneer3.ros.node.names import Profile
 from pioneer3.ros.node.navigation_topics import NAVIGATION_TOPICS
 from pioneer3.ros.node.parameter import Parameter, Value, rows_of
-from pioneer3.ros.node.parameters import parameters_in, read_parameters
+from pioneer3.ros.node.parameter_reading import read_parameters
+from pioneer3.ros.node.parameters import parameters_in
 from pioneer3.ros.node.services import NAVIGATION_SERVICES, SERVICES
 from pioneer3.ros.node.topic import Direction, Topic
 from pioneer3.ros.node.topics import TOPICS, laser_topic, transducer_topic

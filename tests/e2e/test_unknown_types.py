@@ -21,7 +21,7 @@ from pioneer3.links import Link
 from pioneer3.models import Fallback, GivenModel, load_model
 from pioneer3.navigation.connect import connect_async
 from pioneer3.ros.node.node import RobotNode
-from pioneer3.ros.node.parameters import read_parameters
+from pioneer3.ros.node.parameter_reading import read_parameters
 from pioneer3.runtime.robot import Robot
 from pioneer3.sim.server.start import simulator
 from pioneer3.tasks import running

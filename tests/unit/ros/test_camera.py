@@ -13,7 +13,7 @@ from pioneer3 import connect_async
 from pioneer3.errors import ConfigError
 from pioneer3.mjpeg import END, START
 from pioneer3.ros.node.node import RobotNode
-from pioneer3.ros.node.parameters import read_parameters
+from pioneer3.ros.node.parameter_reading import read_parameters
 from pioneer3.tasks import running
 from tests.cameras import TenASecond, jpeg_of
 from tests.support import SimulatedRobot

@@ -18,7 +18,7 @@ from pioneer3.ros.node.driving_parameters import (
     to_send,
     within_bounds,
 )
-from pioneer3.ros.node.parameters import read_parameters
+from pioneer3.ros.node.parameter_reading import read_parameters
 
 LIMITS = Limits(max_speed=0.7, max_turn_rate=1.5, deceleration=1.5)
 

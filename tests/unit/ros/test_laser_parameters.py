@@ -19,7 +19,7 @@ from pioneer3.ros.node.laser_parameters import (
 )
 from pioneer3.ros.node.names import Profile
 from pioneer3.ros.node.parameter import rows_of
-from pioneer3.ros.node.parameters import read_parameters
+from pioneer3.ros.node.parameter_reading import read_parameters
 
 
 def test_without_any_nothing_is_asked_for() -> None:

@@ -16,7 +16,7 @@ from pioneer3.robot.lasers.mounting import Mounting
 from pioneer3.ros.messages.diagnostics import device_id
 from pioneer3.ros.node.laser_node import LaserNode
 from pioneer3.ros.node.node import RobotNode
-from pioneer3.ros.node.parameters import read_parameters
+from pioneer3.ros.node.parameter_reading import read_parameters
 from pioneer3.tasks import running
 from tests.lasers import LaserUnit
 from tests.support import SimulatedRobot, until, wall_at

@@ -4,7 +4,7 @@ import pytest
 
 from pioneer3.errors import ConfigError
 from pioneer3.ros.node.names import CommandName, Profile, lab_commands, lab_node
-from pioneer3.ros.node.parameters import read_parameters
+from pioneer3.ros.node.parameter_reading import read_parameters
 from pioneer3.ros.node.topics import command_topics
 from pioneer3.ros.ros1.start import node_name
 

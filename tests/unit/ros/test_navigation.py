@@ -20,7 +20,7 @@ from pioneer3.navigation.connect import connect_async
 from pioneer3.ros.messages.goals import GoalState
 from pioneer3.ros.node.middleware import Sender
 from pioneer3.ros.node.node import RobotNode
-from pioneer3.ros.node.parameters import read_parameters
+from pioneer3.ros.node.parameter_reading import read_parameters
 from pioneer3.runtime.robot import Robot
 from pioneer3.sim.worldfile import Box
 from pioneer3.state import Charging

@@ -10,7 +10,7 @@ import pytest
 from pioneer3 import Robot, connect_async
 from pioneer3.ros.node.middleware import Response
 from pioneer3.ros.node.node import RobotNode
-from pioneer3.ros.node.parameters import read_parameters
+from pioneer3.ros.node.parameter_reading import read_parameters
 from pioneer3.tasks import running
 from tests.support import SimulatedRobot
 from tests.unit.ros.fakes import FakeMiddleware

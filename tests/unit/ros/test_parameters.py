@@ -12,6 +12,7 @@ from pioneer3.ros.node.driving_parameters import DrivingSettings
 from pioneer3.ros.node.laser_parameters import BELOW, LaserParameters
 from pioneer3.ros.node.names import Profile
 from pioneer3.ros.node.parameter import Acts, Parameter, ParameterKind, rows_of
+from pioneer3.ros.node.parameter_reading import read_parameters, unused_parameters
 from pioneer3.ros.node.parameters import (
     BELOW_NAMES,
     MODEL,
@@ -19,8 +20,6 @@ from pioneer3.ros.node.parameters import (
     SIMULATED,
     NodeParameters,
     parameters_in,
-    read_parameters,
-    unused_parameters,
 )
 
 ROWS = (

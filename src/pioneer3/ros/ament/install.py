@@ -22,7 +22,7 @@ from pioneer3.ros.installation import (
 from pioneer3.ros.node.driving_parameters import PARAMETERS as DRIVING
 from pioneer3.ros.node.names import Profile
 from pioneer3.ros.node.parameter import Parameter
-from pioneer3.ros.node.parameters import read_parameters
+from pioneer3.ros.node.parameter_reading import read_parameters
 from pioneer3.ros.ros2.distros import DEFAULT, Distro, distro_of
 
 PROGRAMS: Final = {"node": "", "bridge": "bridge", **DEMOS}

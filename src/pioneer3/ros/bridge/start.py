@@ -5,7 +5,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from math import inf, isfinite
 from pathlib import Path
-from typing import Final
 
 from pioneer3.errors import ConfigError
 from pioneer3.models import load_model
@@ -15,6 +14,7 @@ from pioneer3.ros.bridge.conversion import Converter, Frames
 from pioneer3.ros.bridge.rows import Robot, Row, ServiceRow, Side, Way, chosen, rows_of, services_of
 from pioneer3.ros.bridge.topic_file import parse_topic, read_topics, refuse_circles
 from pioneer3.ros.node.names import NODE, Profile
+from pioneer3.ros.node.parameter_reading import SHORTEST
 from pioneer3.ros.ros2.names import node_name
 from pioneer3.ros.ros2.network import BackendName
 from pioneer3.ros.ros2.start import NodeOptions, on_ros2
@@ -22,9 +22,6 @@ from pioneer3.ros.ros2.types import MessageTypes
 from pioneer3.ros.tcpros.node import ros1_node
 from pioneer3.ros.tcpros.subscriber import BRIDGE_FIELD
 from pioneer3.ros.tcpros.types import Ros1Types
-
-SHORTEST: Final = 0.1
-"""A shorter timeout of commands stops robots between two of them [s]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -17,7 +17,8 @@ publishing          publishes the topics of the table: each one when it is due, 
 topics              the table of topics
 topic               a row of the table of topics
 middleware          the part of a ROS middleware that nodes and clients need
-parameters          the parameters of a node: what each means, and what somebody has written of them
+parameter_reading   reads the parameters of a node as somebody has written them
+parameters          the parameters of a node: what each means, and what follows from their values
 laser_parameters    parameters of the laser range finder
 driving_parameters  parameters of driving
 parameter           a parameter of a node as one row

@@ -1,10 +1,10 @@
-"""The parameters of a node: what each means, and what somebody has written of them."""
+"""The parameters of a node: what each means, and what follows from their values."""
 
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from math import inf, pi, radians
-from typing import Any, Final
+from typing import Final
 
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
@@ -13,33 +13,19 @@ from pioneer3.nav.settings import AS_SHIPPED, SETTINGS, NavigationSettings
 from pioneer3.robot.assemble import SONAR_MAX
 from pioneer3.ros.messages.update import DRIVING, Beam, MessageOptions, NoEcho
 from pioneer3.ros.node.driving_parameters import DrivingSettings
-from pioneer3.ros.node.laser_parameters import BELOW, LaserParameters, read_laser_parameters
+from pioneer3.ros.node.laser_parameters import BELOW, LaserParameters
 from pioneer3.ros.node.names import SHAPE, Profile
 from pioneer3.ros.node.parameter import (
     ROS1,
     ROS2,
     Parameter,
     ParameterKind,
-    RawParameters,
     Value,
     full_name,
-    read,
     rows_of,
-    unused,
 )
 from pioneer3.units import ANGLE, LENGTH
 
-TIMEOUT: Final = {
-    Profile.COMPATIBILITY: 0.6,
-    Profile.STANDARD: 0.5,
-    Profile.BOTH: 0.6,
-    Profile.ROS2: 0.5,
-}
-"""Silence of cmd_vel after which the robot stops [s]."""
-SHORTEST: Final = 0.1
-"""No publisher keeps pace with a shorter timeout [s]."""
-LONG: Final = 2.0
-"""With a longer timeout [s] a robot drives on for metres when its publisher has crashed."""
 TOP_SPEED: Final = 10.0
 """No limit may be above it [m/s, rad/s]."""
 LEAST_VARIANCE: Final = 1e-12
@@ -53,10 +39,6 @@ MODEL: Final = "robot_model"
 """Parameter that the node writes itself while it runs: the robot's model."""
 SIMULATED: Final = "simulated"
 """Parameter that the node writes itself while it runs: whether the robot is a simulator."""
-IGNORED: Final = dict.fromkeys(
-    ("debug_aria", "aria_log_filename", "publish_aria_lasers"), "RosAria"
-)
-"""Parameters of RosAria that have no effect here."""
 NAVIGATION: Final = tuple(
     Parameter(
         setting.meaning,
@@ -342,97 +324,6 @@ def parameters_in(profile: Profile) -> tuple[Parameter, ...]:
     return tuple(row for row in rows_of(NodeParameters) if profile in row.profiles)
 
 
-def read_parameters(raw: RawParameters, profile: Profile | None = None) -> NodeParameters:
-    """Return the parameters of a node.
-
-    Args:
-        raw: As somebody has written them.
-        profile: Which names count; `None` where a parameter says so.
-
-    Raises:
-        ConfigError: a value is of the wrong kind or out of bounds.
-    """
-    if profile is None:
-        named = {name: value for name, value in raw.items() if name == "profile"}
-        profile = Profile(read(NodeParameters, named, Profile.COMPATIBILITY).profile)
-    given = replace(
-        read(NodeParameters, raw, profile),
-        profile=profile,
-        driving=read(DrivingSettings, raw, profile),
-        laser=read_laser_parameters(laser_part(raw, profile), profile, BELOW),
-        navigation=_navigation(raw, profile),
-    )
-    timeout = given.cmd_vel_timeout
-    if timeout and timeout < SHORTEST:
-        raise ConfigError(
-            f"{full_name('cmd_vel_timeout', profile)} must be {SHORTEST:g} s or more, or 0 for"
-            f" never, not {timeout:g}"
-        )
-    if given.sonar_min_range_m >= given.sonar_max_range_m:
-        least, most = (full_name(f"sonar_{each}_range_m", profile) for each in ("min", "max"))
-        raise ConfigError(f"{least} must be less than {most}")
-    _ = given.initial_pose
-    return _completed(given)
-
-
-def unused_parameters(raw: RawParameters, profile: Profile) -> list[str]:
-    """Return a sentence for each parameter in `raw` that changes nothing."""
-    named = set(raw) - {MODEL, SIMULATED, *BELOW_NAMES}
-    rows = *rows_of(NodeParameters), *rows_of(DrivingSettings)
-    sentences = unused(named, rows, profile, ignored=IGNORED)
-    for below in sorted(BELOW_NAMES - {BELOW}):
-        part = _part(raw, below, profile)
-        sentences += unused(part, _rows_below(below), profile, below=below, ignored={})
-    return sentences
-
-
-def laser_part(raw: RawParameters, profile: Profile) -> RawParameters:
-    """Return the parameters of the laser.
-
-    Raises:
-        ConfigError: their name is a value itself.
-    """
-    return _part(raw, BELOW, profile)
-
-
-def _part(raw: RawParameters, below: str, profile: Profile) -> RawParameters:
-    """Return the parameters `below` a name.
-
-    Raises:
-        ConfigError: the name is a value itself.
-    """
-    part = raw.get(below, {})
-    if not isinstance(part, dict):
-        row = (rows_of(LaserParameters) if below == BELOW else _rows_below(below))[0]
-        name, such = full_name(below, profile), full_name(row.name, profile, below)
-        raise ConfigError(f"{name} holds parameters such as {such}, not {part!r}")
-    return part
-
-
-def _rows_below(below: str) -> tuple[Parameter, ...]:
-    """Return the settings of navigation `below` a name, without that."""
-    return tuple(
-        replace(row, name=row.name.partition(".")[2])
-        for row in NAVIGATION
-        if row.name.partition(".")[0] == below
-    )
-
-
-def _navigation(raw: RawParameters, profile: Profile) -> NavigationSettings:
-    """Return the settings of navigation.
-
-    Raises:
-        ConfigError: a value is of the wrong kind or out of bounds.
-    """
-    values: dict[str, Any] = {}
-    for row in NAVIGATION:
-        below, _, name = row.name.partition(".")
-        part = _part(raw, below, profile)
-        if name in part:
-            values[row.name] = row.checked(part[name], full_name(name, profile, below))
-    return AS_SHIPPED.with_values(values)
-
-
 def place(words: str) -> Pose2 | str:
     """Return the pose `x,y,heading` in metres and degrees, unless another unit is given.
 
@@ -450,24 +341,3 @@ def place(words: str) -> Pose2 | str:
         return Pose2(*(unit.read(part) for unit, part in zip(UNITS, parts, strict=False)))
     except ValueError as error:
         raise ConfigError(f"start {words}: {error}") from None
-
-
-def _completed(given: NodeParameters) -> NodeParameters:
-    """Return the parameters with those defaults that depend on the profile and on others."""
-    profile, default, footprint = given.profile, Frames(), given.footprint_frame_id
-    # RosAria's /tf has no footprint, and nobody else but /tf_static tells where the robot's frame
-    # is in it.
-    of_rosaria = profile is Profile.COMPATIBILITY and given.publish_tf
-    if footprint is None:
-        hidden = of_rosaria or not given.publish_description
-        footprint = "" if hidden else default.footprint
-    at_base = profile in {Profile.STANDARD, Profile.ROS2}
-    of_scans = "laser_frame" if profile is Profile.COMPATIBILITY else default.laser
-    timeout = TIMEOUT[profile] if given.cmd_vel_timeout is None else given.cmd_vel_timeout
-    return replace(
-        given,
-        cmd_vel_timeout=timeout,
-        footprint_frame_id=footprint,
-        bumpers_frame=given.bumpers_frame or (given.base_frame_id if at_base else default.bumpers),
-        laser_frame_id=given.laser_frame_id or given.laser.frame_id or of_scans,
-    )

@@ -4,6 +4,7 @@ from collections.abc import AsyncIterator, Awaitable, Callable, Mapping, Sequenc
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from math import isinf
+from typing import Final
 
 from pioneer3.doctor.ports import list_ports
 from pioneer3.doctor.probe import SIMULATOR_URL, choose, probe, probe_all
@@ -20,15 +21,12 @@ from pioneer3.ros.node.laser_parameters import (
 )
 from pioneer3.ros.node.names import Profile
 from pioneer3.ros.node.parameter import full_name
-from pioneer3.ros.node.parameters import (
-    LONG,
-    NodeParameters,
-    laser_part,
-    read_parameters,
-    unused_parameters,
-)
+from pioneer3.ros.node.parameter_reading import laser_part, read_parameters, unused_parameters
+from pioneer3.ros.node.parameters import NodeParameters
 from pioneer3.runtime.robot import Robot
 
+LONG: Final = 2.0
+"""With a longer timeout [s] a robot drives on for metres when its publisher has crashed."""
 FindLasers = Callable[[str, Sequence[str]], Awaitable[Sequence[LaserSpec]]]
 """Given the robot's port, and those of lasers if the command line has none, looks for lasers."""
 

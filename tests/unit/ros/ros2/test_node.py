@@ -14,7 +14,7 @@ from pioneer3 import Robot, connect_async
 from pioneer3.ros.messages.update import NANO
 from pioneer3.ros.node.names import Profile
 from pioneer3.ros.node.node import RobotNode
-from pioneer3.ros.node.parameters import read_parameters
+from pioneer3.ros.node.parameter_reading import read_parameters
 from pioneer3.ros.ros2.arguments import parse
 from pioneer3.ros.ros2.backend import LATCHED, Kind, NodeName, Qos
 from pioneer3.ros.ros2.distros import distro_of, distros

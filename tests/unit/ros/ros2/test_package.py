@@ -14,7 +14,7 @@ from pioneer3.ros.node.driving_parameters import PARAMETERS as DRIVING
 from pioneer3.ros.node.names import Profile
 from pioneer3.ros.node.navigation_topics import NAVIGATION_TOPICS
 from pioneer3.ros.node.parameter import ParameterKind
-from pioneer3.ros.node.parameters import read_parameters
+from pioneer3.ros.node.parameter_reading import read_parameters
 from pioneer3.ros.node.topics import STAMPED_COMMANDS, UNSTAMPED_NAME, topics_of
 from pioneer3.ros.ros2.arguments import RosArguments
 from pioneer3.ros.ros2.distros import distros

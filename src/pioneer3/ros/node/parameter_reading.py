@@ -1,0 +1,148 @@
+"""Reads the parameters of a node as somebody has written them."""
+
+from dataclasses import replace
+from typing import Final
+
+from pioneer3.errors import ConfigError
+from pioneer3.models.description.tree import Frames
+from pioneer3.nav.settings import AS_SHIPPED, NavigationSettings
+from pioneer3.ros.node.driving_parameters import DrivingSettings
+from pioneer3.ros.node.laser_parameters import BELOW, LaserParameters, read_laser_parameters
+from pioneer3.ros.node.names import Profile
+from pioneer3.ros.node.parameter import (
+    Parameter,
+    RawParameters,
+    full_name,
+    read,
+    rows_of,
+    unused,
+)
+from pioneer3.ros.node.parameters import BELOW_NAMES, MODEL, NAVIGATION, SIMULATED, NodeParameters
+
+TIMEOUT: Final = {
+    Profile.COMPATIBILITY: 0.6,
+    Profile.STANDARD: 0.5,
+    Profile.BOTH: 0.6,
+    Profile.ROS2: 0.5,
+}
+"""Silence of cmd_vel after which the robot stops [s]."""
+SHORTEST: Final = 0.1
+"""No publisher keeps pace with a shorter timeout [s]."""
+IGNORED: Final = dict.fromkeys(
+    ("debug_aria", "aria_log_filename", "publish_aria_lasers"), "RosAria"
+)
+"""Parameters of RosAria that have no effect here."""
+
+
+def read_parameters(raw: RawParameters, profile: Profile | None = None) -> NodeParameters:
+    """Return the parameters of a node.
+
+    Args:
+        raw: As somebody has written them.
+        profile: Which names count; `None` where a parameter says so.
+
+    Raises:
+        ConfigError: a value is of the wrong kind or out of bounds.
+    """
+    if profile is None:
+        named = {name: value for name, value in raw.items() if name == "profile"}
+        profile = Profile(read(NodeParameters, named, Profile.COMPATIBILITY).profile)
+    given = replace(
+        read(NodeParameters, raw, profile),
+        profile=profile,
+        driving=read(DrivingSettings, raw, profile),
+        laser=read_laser_parameters(laser_part(raw, profile), profile, BELOW),
+        navigation=_navigation(raw, profile),
+    )
+    timeout = given.cmd_vel_timeout
+    if timeout and timeout < SHORTEST:
+        raise ConfigError(
+            f"{full_name('cmd_vel_timeout', profile)} must be {SHORTEST:g} s or more, or 0 for"
+            f" never, not {timeout:g}"
+        )
+    if given.sonar_min_range_m >= given.sonar_max_range_m:
+        least, most = (full_name(f"sonar_{each}_range_m", profile) for each in ("min", "max"))
+        raise ConfigError(f"{least} must be less than {most}")
+    _ = given.initial_pose
+    return _completed(given)
+
+
+def unused_parameters(raw: RawParameters, profile: Profile) -> list[str]:
+    """Return a sentence for each parameter in `raw` that changes nothing."""
+    named = set(raw) - {MODEL, SIMULATED, *BELOW_NAMES}
+    rows = *rows_of(NodeParameters), *rows_of(DrivingSettings)
+    sentences = unused(named, rows, profile, ignored=IGNORED)
+    for below in sorted(BELOW_NAMES - {BELOW}):
+        part = _part(raw, below, profile)
+        sentences += unused(part, _rows_below(below), profile, below=below, ignored={})
+    return sentences
+
+
+def laser_part(raw: RawParameters, profile: Profile) -> RawParameters:
+    """Return the parameters of the laser.
+
+    Raises:
+        ConfigError: their name is a value itself.
+    """
+    return _part(raw, BELOW, profile)
+
+
+def _part(raw: RawParameters, below: str, profile: Profile) -> RawParameters:
+    """Return the parameters `below` a name.
+
+    Raises:
+        ConfigError: the name is a value itself.
+    """
+    part = raw.get(below, {})
+    if not isinstance(part, dict):
+        row = (rows_of(LaserParameters) if below == BELOW else _rows_below(below))[0]
+        name, such = full_name(below, profile), full_name(row.name, profile, below)
+        raise ConfigError(f"{name} holds parameters such as {such}, not {part!r}")
+    return part
+
+
+def _rows_below(below: str) -> tuple[Parameter, ...]:
+    """Return the settings of navigation `below` a name, without that."""
+    return tuple(
+        replace(row, name=row.name.partition(".")[2])
+        for row in NAVIGATION
+        if row.name.partition(".")[0] == below
+    )
+
+
+def _navigation(raw: RawParameters, profile: Profile) -> NavigationSettings:
+    """Return the settings of navigation.
+
+    Raises:
+        ConfigError: a value is of the wrong kind or out of bounds.
+    """
+    values: dict[str, float | str] = {}
+    for row in NAVIGATION:
+        below, _, name = row.name.partition(".")
+        part = _part(raw, below, profile)
+        if name in part:
+            value = row.checked(part[name], full_name(name, profile, below))
+            assert isinstance(value, float | int)
+            values[row.name] = value
+    return AS_SHIPPED.with_values(values)
+
+
+def _completed(given: NodeParameters) -> NodeParameters:
+    """Return the parameters with those defaults that depend on the profile and on others."""
+    profile, default, footprint = given.profile, Frames(), given.footprint_frame_id
+    # RosAria's /tf has no footprint, and nobody else but /tf_static tells where the robot's frame
+    # is in it.
+    of_rosaria = profile is Profile.COMPATIBILITY and given.publish_tf
+    if footprint is None:
+        hidden = of_rosaria or not given.publish_description
+        footprint = "" if hidden else default.footprint
+    at_base = profile in {Profile.STANDARD, Profile.ROS2}
+    of_scans = "laser_frame" if profile is Profile.COMPATIBILITY else default.laser
+    timeout = TIMEOUT[profile] if given.cmd_vel_timeout is None else given.cmd_vel_timeout
+    return replace(
+        given,
+        cmd_vel_timeout=timeout,
+        footprint_frame_id=footprint,
+        bumpers_frame=given.bumpers_frame or (given.base_frame_id if at_base else default.bumpers),
+        laser_frame_id=given.laser_frame_id or given.laser.frame_id or of_scans,
+    )
