@@ -45,7 +45,6 @@ class Equipment:
         gripper: Two paddles on a lift, connected to the general inputs (type 2).
         compass: A TCM2.
         gyro_type: As in CONFIG: 0 none, 1 the host corrects the heading, 2 the controller does.
-        joystick: One at the robot.
         table_ir: Table sensors, on the digital inputs ("old") or in the fourth byte of the
             IO report ("new"); `None` without.
         camera: Canon VC-C4 or Sony EVI-D30; `None` without.

@@ -49,7 +49,6 @@ class Arc:
     Attributes:
         first: Direction of the first one, from straight ahead of the laser [rad].
         step: From one to the next, counter-clockwise [rad].
-        count: Of readings.
         beam_time: From one to the next [s].
     """
 

@@ -113,7 +113,6 @@ class SensedWalls:
     """Walls as the kernels sense them.
 
     Attributes:
-        grid: All of them.
         opaque: Those that are not of glass.
         surfaces: Those that are not plain.
         echoes: Those that send sound back, and the edges that always do.

@@ -63,7 +63,6 @@ class World:
     Attributes:
         relief: Its heights; a plane does not look at them.
         robots: What drives, in the order of the arrays.
-        obstacles: What else may move.
         time: Since the beginning [s].
         kernels: May be replaced at any time: all compute the same.
         drives: Of the robots, as arrays; (.., N).

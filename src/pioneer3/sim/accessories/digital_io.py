@@ -162,7 +162,6 @@ class TableIr:
     """Holds an input line low while a surface is above its sensor.
 
     Attributes:
-        tables: The surfaces in the world.
         covered: Sensors that are covered by hand.
     """
 

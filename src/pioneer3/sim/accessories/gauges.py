@@ -99,7 +99,6 @@ class StickPosition:
         left: -1 right to 1 left.
         throttle: 0 to 1.
         button1: Pressed; robots drive by joystick only while it is.
-        button2: Pressed.
 
     Raises:
         ConfigError: A value is not finite.

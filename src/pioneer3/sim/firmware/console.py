@@ -45,7 +45,6 @@ class Console:
 
     Attributes:
         equipment: The accessories that SIMINFO names besides drive, sonar and laser.
-        client_maps: The maps that the host may load.
         tell: Takes MAP_CHANGED when the host has loaded, or failed to load, a map.
         step_times: The times in SIMSTAT; for the server to set.
         messages: Texts for people, the last hundred.

@@ -88,7 +88,6 @@ class Instant:
     """A scene at one instant, for pictures.
 
     Attributes:
-        scene: The world.
         camera: Name of the asking robot's camera in it.
         qpos: A copy of MuJoCo's, shape (Q,).
         people: A copy of MuJoCo's `mocap_pos`, shape (P, 3).

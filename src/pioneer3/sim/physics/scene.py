@@ -60,7 +60,6 @@ class Scene:
         people: Of each obstacle that walks by itself, its number among `mocap_pos`, else -1, (M,).
         legs: Of the same its left and its right leg there, else -1, shape (M, 2).
         bodies: The body of each robot without its wheels, shape (N,).
-        floor: The geom that is the floor.
         groups: The group of each geom, also while its robot is hidden, shape (G,).
         moving: Whether each geom may move, shape (G,).
         codes: The material of each geom, shape (G,).

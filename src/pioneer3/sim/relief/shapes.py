@@ -110,7 +110,6 @@ class Part:
 
     Attributes:
         name: Of the part; empty where the solid has only one.
-        shape: [m].
     """
 
     name: str

@@ -36,7 +36,6 @@ class SimulatedLaser:
     Attributes:
         addresses: Host and number of its TCP ports, the first one for most programs.
         pty: Its serial port, or `None`.
-        hosts: Those that are connected.
     """
 
     def __init__(

@@ -46,7 +46,6 @@ class Simulation:
     """A world with its robots' ports, in time.
 
     Args:
-        firmwares: One for each robot that can be connected to.
         pace: The speed of time; real time if not given.
         keep_session: Whether a host that vanishes from the network leaves its session behind, as
             on a serial line.
@@ -55,7 +54,6 @@ class Simulation:
 
     Attributes:
         pace: The same; its attributes may be changed while the simulation runs.
-        ports: One for each robot.
         cameras: Their cameras with pictures; `None` without physics or OpenGL.
     """
 

@@ -84,7 +84,6 @@ class Marker:
 
     Attributes:
         pose: In the map [m, rad].
-        name: Its label.
         has_heading: Whether the heading is drawn.
     """
 
@@ -105,10 +104,8 @@ class Drawing:
     """Lines and markers in the map frame.
 
     Attributes:
-        name: Of the world.
         bounds: Of all lines and markers [m].
         lines: Segments [m] of each layer, shape (N, 4).
-        markers: Named places.
     """
 
     name: str

@@ -45,7 +45,6 @@ class Person:
         loop: From the last point straight to the first; else back along the path.
         pause: Time at each point before walking on [s].
         patience: Who has waited so long for a robot turns round [s].
-        name: On screen.
     """
 
     path: Annotated[

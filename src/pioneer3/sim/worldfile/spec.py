@@ -90,10 +90,8 @@ class RobotSpec:
         name: For people; empty for its model's name. To programs the robot is `MobileSim`, by
             which ARIA knows a simulator (protocol.md 2.6). One that has a laser with a port of
             its own tells its own name.
-        start: Its place at the beginning.
         port: TCP port; `None` for the next one, 0 for a free one.
         host: Address of this machine to listen at; empty for that of all robots.
-        equipment: Its accessories.
     """
 
     model: str = "p3at-sh"
@@ -109,10 +107,8 @@ class Box:
     """A box on the floor.
 
     Attributes:
-        pose: Its middle.
         size: Length along its x axis, width along its y axis [m].
         movable: People and programs may move it, so it is not a wall of the map.
-        name: On screen.
         material: Of its sides.
         height: [m]; `None` for :data:`BOX_HEIGHT` if it is movable, else for that of walls.
         z: Height of its foot [m].
@@ -210,7 +206,6 @@ class WorldFile:
     """A map with robots, boxes, walls, solids, places and people.
 
     Attributes:
-        name: On screen.
         map: A shipped map's name, `empty`, or the path of a map file.
         seed: Of all random numbers; `None` for another one each time.
         keep_session: Whether a program that vanishes from the network leaves its session behind, as
