@@ -5,8 +5,8 @@ import errno
 import logging
 import os
 import socket
-from collections.abc import Callable, Coroutine
-from contextlib import suppress
+from collections.abc import AsyncIterator, Callable, Coroutine
+from contextlib import asynccontextmanager, suppress
 from io import FileIO
 from math import inf
 from typing import Any, Protocol
@@ -14,6 +14,7 @@ from typing import Any, Protocol
 from pioneer3.errors import LinkError, PortBusyError
 from pioneer3.links.serial import make_pty, terminal_speed
 from pioneer3.links.stream import tune
+from pioneer3.links.urls import url_of
 from pioneer3.sim.server.clients import Client, ClientHandler, PtyClient, SocketClient
 
 log = logging.getLogger(__name__)
@@ -159,10 +160,19 @@ class StreamServer:
         for task in self._serving:
             task.cancel()
 
-    async def closed(self) -> None:
-        """Close, and wait until all tasks have ended."""
-        self.close()
-        await asyncio.gather(*self._serving, return_exceptions=True)
+    @asynccontextmanager
+    async def at(self, host: str, number: int) -> AsyncIterator[str]:
+        """Serve hosts at `host`:`number` while the block runs, 0 takes a free port; yield the URL.
+
+        Raises:
+            LinkError: The port cannot be listened on.
+        """
+        address = await self.listen(await listening(host, number))
+        try:
+            yield url_of(*address)
+        finally:
+            self.close()
+            await asyncio.gather(*self._serving, return_exceptions=True)
 
 
 async def first_free(host: str, number: int) -> socket.socket:

@@ -17,7 +17,6 @@ from numpy.random import default_rng
 from pioneer3.errors import ConfigError, DeviceError, PioneerError, how_to_get
 from pioneer3.jit import numba_version
 from pioneer3.links.stream import accepted
-from pioneer3.links.urls import url_of
 from pioneer3.maps import LineMap
 from pioneer3.models import load_model
 from pioneer3.sim.body import Body
@@ -29,7 +28,7 @@ from pioneer3.sim.realism import Realism
 from pioneer3.sim.server import Simulation
 from pioneer3.sim.server.faults import LinkFaults
 from pioneer3.sim.server.laser import SimulatedLaser
-from pioneer3.sim.server.listeners import StreamServer, listening
+from pioneer3.sim.server.listeners import StreamServer
 from pioneer3.sim.server.pacer import Pacer
 from pioneer3.sim.server.running import RunningSimulation, SimulatedRobot
 from pioneer3.sim.server.trackers import colour_trackers
@@ -45,32 +44,13 @@ if TYPE_CHECKING:
 log = logging.getLogger(__name__)
 
 
-@asynccontextmanager
-async def robot_factory(
-    running: RunningSimulation, factory_robot: RobotSpec, port: int, host: str
-) -> AsyncIterator[str]:
-    """Listen while the block runs; yield the URL.
-
-    `factory_robot` is the robot that every host gets; it also has a free port of its own. Port 0
-    takes a free one.
-
-    Raises:
-        LinkError: The port cannot be listened on.
-    """
-    server = StreamServer(partial(_serve, running, factory_robot))
-    address = await server.listen(await listening(host, port))
-    try:
-        yield url_of(*address)
-    finally:
-        await server.closed()
-
-
 async def _serve(
     running: RunningSimulation,
     factory_robot: RobotSpec,
     reader: asyncio.StreamReader,
     writer: asyncio.StreamWriter,
 ) -> None:
+    """Serve a host of the robot factory, by a robot that also has a free port of its own."""
     peer = writer.get_extra_info("peername") or ("?", 0)
     link = accepted(f"tcp://{peer[0]}:{peer[1]}", reader, writer)
     try:
@@ -186,8 +166,8 @@ async def simulator(
         if faults is not None:
             here.set_faults(faults)
         if factory_robot and port is not None:
-            listener = robot_factory(here, factory_robot, port, host)
-            here.factory_url = await stack.enter_async_context(listener)
+            factory = StreamServer(partial(_serve, here, factory_robot))
+            here.factory_url = await stack.enter_async_context(factory.at(host, port))
         if acts is not None:
             _refuse_robots_ports(acts, here)
             trackers = colour_trackers(world, here.robots[:], acts, host)

@@ -8,9 +8,8 @@ from contextlib import AsyncExitStack, asynccontextmanager, suppress
 from typing import Final
 
 from pioneer3.acts import QUIT, REQUEST, Blob, encode
-from pioneer3.links.urls import url_of
 from pioneer3.sim.eye import Eye, Kind, look
-from pioneer3.sim.server.listeners import StreamServer, listening
+from pioneer3.sim.server.listeners import StreamServer
 from pioneer3.sim.server.running import SimulatedRobot
 from pioneer3.sim.world import World
 
@@ -38,10 +37,10 @@ async def colour_trackers(
         LinkError: A port cannot be listened on.
     """
     async with AsyncExitStack() as stack:
-        trackers = [ColourTracker(world, robot) for robot in robots]
+        servers = [StreamServer(ColourTracker(world, r).serve, most=MOST_CLIENTS) for r in robots]
         yield [
-            await stack.enter_async_context(tracker.listening(port and port + number, host))
-            for number, tracker in enumerate(trackers)
+            await stack.enter_async_context(server.at(host, port and port + number))
+            for number, server in enumerate(servers)
         ]
 
 
@@ -71,21 +70,7 @@ class ColourTracker:
             )
         return encode(blobs)
 
-    @asynccontextmanager
-    async def listening(self, port: int, host: str) -> AsyncIterator[str]:
-        """Serve clients during the block; yield the URL.
-
-        Raises:
-            LinkError: The port cannot be listened on.
-        """
-        server = StreamServer(self._serve, most=MOST_CLIENTS)
-        address = await server.listen(await listening(host, port))
-        try:
-            yield url_of(*address)
-        finally:
-            await server.closed()
-
-    async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+    async def serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         """Answer until the client quits or goes; no client ends the simulator."""
         try:
             with suppress(OSError):
