@@ -112,8 +112,8 @@ def test_a_mistake_is_told_in_one_line(
 MALFORMED = {
     "lab.map": ("2D-Map\nNumLines: 1\nLINES\n1 2 3\n", ["lab.map:4: ", "LINES"]),
     "none.map": ("hello\n", ["none.map:1: ", "header"]),
-    "bot.toml": ('name = "bot"\ncolour = "red"\n', ["bot.toml: ", "colour"]),
-    "bad.toml": ("max_speed = \n", ["bad.toml: ", "line 1"]),
+    "bot.toml": ('name = "bot"\ncolour = "red"\n', ["bot.toml:2: ", "colour"]),
+    "bad.toml": ("max_speed = \n", ["bad.toml:1: "]),
     "bot.p": ("ConfigVersion 2.0\nRobotLength long\n", ["bot.p:2: ", "RobotLength"]),
 }
 
