@@ -19,7 +19,7 @@ from pioneer3.models import load_model
 from pioneer3.sim.kernels import (
     Grid,
     Kernels,
-    Robots,
+    RobotArrays,
     build_grid,
     compiled_kernels,
     laser_fan,
@@ -78,10 +78,13 @@ def scan_time(kernels: Kernels) -> float:
     return seconds(lambda: kernels.cast_fans(grid, robots, fan, LASER_REACH)) / len(robots)
 
 
-def crowd(kernels: Kernels, grid: Grid, count: int) -> Robots:
+def crowd(kernels: Kernels, grid: Grid, count: int) -> RobotArrays:
     """Return so many robots at random free places."""
     sizes = (MODEL.length_front, MODEL.length_rear, MODEL.width / 2)
-    robots, random = Robots(*(np.full(count, size) for size in sizes)), np.random.default_rng(1)
+    robots, random = (
+        RobotArrays(*(np.full(count, size) for size in sizes)),
+        np.random.default_rng(1),
+    )
     points = grid.walls.reshape(-1, 2)
     low, high = points.min(axis=0), points.max(axis=0)
     robots.theta[:] = random.uniform(-pi, pi, count)
@@ -127,7 +130,7 @@ def seconds_per_ray(kernels: Kernels, copies: int) -> float:
     """Return what a ray from a random place among walls takes [s]."""
     grid, random = build_grid(office(copies)), np.random.default_rng(2)
     nobody = np.empty(0)
-    robots, points = Robots(nobody, nobody, nobody), grid.walls.reshape(-1, 2)
+    robots, points = RobotArrays(nobody, nobody, nobody), grid.walls.reshape(-1, 2)
     kernels.place(robots)
     origins = random.uniform(points.min(axis=0), points.max(axis=0), (MANY_RAYS, 2))
     angles, owner = random.uniform(-pi, pi, MANY_RAYS), np.full(MANY_RAYS, -1, dtype=np.int32)

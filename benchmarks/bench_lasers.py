@@ -9,8 +9,8 @@ from statistics import median
 from time import perf_counter
 
 from benchmarks.table import Row
-from pioneer3.lasers.client import Client, Measured, ScanSettings
-from pioneer3.lasers.device import Sweep, Turn
+from pioneer3.lasers.client import LaserClient, Measured, ScanSettings
+from pioneer3.lasers.device import MirrorTurn, Sweep
 from pioneer3.lasers.scip.client import ScipClient
 from pioneer3.lasers.scip.device import ScipDevice
 from pioneer3.models import lasers
@@ -20,13 +20,13 @@ PIECE = 1460
 """Bytes that a network hands on at a time."""
 
 
-def walls(turn: Turn, began: float) -> Sweep:
+def walls(turn: MirrorTurn, began: float) -> Sweep:
     """Return readings of uneven walls."""
     ranges = [3.0 + number % 97 / 10 for number in range(turn.count)]
     return Sweep(turn=turn, began=began, ranges=ranges, intensities=[0.5] * turn.count)
 
 
-def milliseconds_to_read(client: Client, scans: list[bytes], period: float) -> float:
+def milliseconds_to_read(client: LaserClient, scans: list[bytes], period: float) -> float:
     """Return the median of the times that `client` takes for one of `scans` [ms]."""
     seconds, now = [], 100.0
     for scan in scans:

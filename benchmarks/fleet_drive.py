@@ -23,7 +23,7 @@ from pioneer3.arcos import commands
 from pioneer3.arcos.packet import encode
 from pioneer3.fleet.drive import FleetDrive, Manner
 from pioneer3.fleet.screen import FleetApp
-from pioneer3.fleet.spec import Robot
+from pioneer3.fleet.spec import FleetRobot
 from pioneer3.links import Link, opener
 from pioneer3.navigation.connect import connect_async
 from pioneer3.runtime.driven import Driven
@@ -79,7 +79,7 @@ async def operate(ports: Sequence[int]) -> Measured:
     sent: list[float] = []
 
     @asynccontextmanager
-    async def connect(robot: Robot) -> AsyncIterator[Driven]:
+    async def connect(robot: FleetRobot) -> AsyncIterator[Driven]:
         open_link = opener(robot.port)
 
         async def noting() -> Link:
@@ -89,7 +89,7 @@ async def operate(ports: Sequence[int]) -> Measured:
             yield driven
 
     robots = [
-        Robot(
+        FleetRobot(
             name=f"p3at-{number}",
             host="",
             address="127.0.0.1",

@@ -17,7 +17,7 @@ from threading import Thread
 from typing import Any
 
 from benchmarks.table import Row, percentile_99
-from pioneer3.lasers.device import Connection
+from pioneer3.lasers.device import DeviceConnection
 from pioneer3.links.urls import opener
 from pioneer3.robot.lasers.driver import LaserConfig, LaserDriver
 from pioneer3.sim.server.start import simulator
@@ -33,7 +33,7 @@ ECHO = b"MD"
 class Noted:
     """A connection that notes when scans leave; same contract as the connection inside."""
 
-    def __init__(self, inside: Connection) -> None:
+    def __init__(self, inside: DeviceConnection) -> None:
         self._inside = inside
 
     def receive(self, data: bytes, now: float) -> None:

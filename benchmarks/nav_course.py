@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pioneer3.geometry import Pose2, wrap
-from pioneer3.maps import Bounds, LineMap, read_map, shipped_map
+from pioneer3.maps import Extent, LineMap, read_map, shipped_map
 from pioneer3.models import RobotModel, load_model
 from pioneer3.sim.body import Body
 from pioneer3.sim.free_space import FreeGrid
@@ -30,8 +30,8 @@ Int = NDArray[np.int64]
 
 SHARED = Path(__file__).resolve().parents[2] / "shared" / "maps"
 BOXES = {
-    "AMROffice": Bounds(-11.4, -4.1, 3.8, 22.0),
-    "columbia": Bounds(-4.7, -26.8, 19.4, 19.4),
+    "AMROffice": Extent(-11.4, -4.1, 3.8, 22.0),
+    "columbia": Extent(-4.7, -26.8, 19.4, 19.4),
 }
 """The insides of maps that are open outside [m]."""
 MAPS = ("shipped", "office", "AMROffice", "columbia")

@@ -14,7 +14,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import dijkstra
 
 from pioneer3.geometry import ORIGIN, Pose2, wrap
-from pioneer3.maps import Bounds, LineMap, read_map, shipped_map
+from pioneer3.maps import Extent, LineMap, read_map, shipped_map
 from pioneer3.models import load_model
 from pioneer3.nav.raster import DistanceField
 from pioneer3.sim.body import Body
@@ -28,9 +28,9 @@ Float = NDArray[np.float64]
 
 SHARED = Path(__file__).resolve().parents[2] / "shared"
 BOXES = {
-    "office": Bounds(0.0, 0.0, 20.0, 14.0),
-    "AMROffice": Bounds(-11.3, -4.2, 5.0, 25.0),
-    "columbia": Bounds(-4.6, -26.5, 19.3, 19.0),
+    "office": Extent(0.0, 0.0, 20.0, 14.0),
+    "AMROffice": Extent(-11.3, -4.2, 5.0, 25.0),
+    "columbia": Extent(-4.6, -26.5, 19.3, 19.0),
 }
 """The maps, and what is inside of them [m]; two are open to the outside."""
 CELL = 0.1
@@ -90,7 +90,7 @@ class Seen:
 class Places:
     """Where a robot can drive within a box, and the ways there."""
 
-    def __init__(self, line_map: LineMap, box: Bounds, clear: float) -> None:
+    def __init__(self, line_map: LineMap, box: Extent, clear: float) -> None:
         field = DistanceField.of(line_map.walls, box, CELL, 1.0)
         self._raster = field.raster
         height, width = self._raster.shape

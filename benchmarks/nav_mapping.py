@@ -32,7 +32,7 @@ from pioneer3.nav.beams import Beams, beams_of
 from pioneer3.nav.carmen import LoggedOdometry, read_carmen
 from pioneer3.nav.mapper import Mapper, prepare
 from pioneer3.nav.matching import rotation
-from pioneer3.nav.rendering import Renderer
+from pioneer3.nav.rendering import MapRenderer
 
 Float = NDArray[np.float64]
 
@@ -154,7 +154,7 @@ class Trial:
         if line_map is None:
             return None
         run = _simulated(self.name, line_map, self.seconds, self.seed, self.conditions)
-        began, renderer, survey = process_time(), Renderer(), run.mapper.survey
+        began, renderer, survey = process_time(), MapRenderer(), run.mapper.survey
         renderer.update(survey)
         draw = 1000 * (process_time() - began)
         echoes = [

@@ -77,7 +77,7 @@ def pose_at(number: int, now: float) -> Pose2:
     )
 
 
-def snapshot(number: int, now: float) -> messages.Snapshot:
+def snapshot(number: int, now: float) -> messages.SnapshotMessage:
     """Return what pages are told of a robot."""
     pose, twist = pose_at(number, now), Twist2(0.4, 0.3)
     ranges = tuple(1.2 + sin(now + number + beam) for beam in range(16))
@@ -95,7 +95,7 @@ def snapshot(number: int, now: float) -> messages.Snapshot:
     )
 
 
-def scan(number: int, now: float) -> messages.Sweep:
+def scan(number: int, now: float) -> messages.LaserSweep:
     """Return what pages are told of a laser."""
     pose = pose_at(number, now)
     angles = tuple((beam - BEAMS // 2) * pi / (BEAMS - 1) for beam in range(BEAMS))

@@ -12,7 +12,7 @@ from statistics import median
 
 from benchmarks.ros1 import processor_seconds, resident
 from benchmarks.table import Row, percentile_99
-from pioneer3.ros.ros2.backend import Kind, Qos
+from pioneer3.ros.ros2.backend import EndpointKind, Qos
 from pioneer3.ros.ros2.network import BackendName
 from tests.e2e.processes import until
 from tests.ros2.conftest import Robot, robot_on
@@ -41,7 +41,7 @@ async def _measure(backend: BackendName) -> list[Row]:
         robot_on(network) as robot,
         network.peer() as peer,
     ):
-        await until(lambda: peer.knows("/odom", Kind.PUBLISHER, NAME))
+        await until(lambda: peer.knows("/odom", EndpointKind.PUBLISHER, NAME))
         return [*await _commands(backend, robot, peer), *await _readings(backend, robot, peer)]
 
 
@@ -100,7 +100,7 @@ async def _readings(backend: BackendName, robot: Robot, peer: Peer) -> list[Row]
     topics = [
         each
         for each in peer.backend.graph().endpoints
-        if each.kind is Kind.PUBLISHER and each.node == NAME and each.name != "/odom"
+        if each.kind is EndpointKind.PUBLISHER and each.node == NAME and each.name != "/odom"
     ]
     for each in topics:
         latched = each.qos.transient_local

@@ -22,11 +22,11 @@ from pioneer3.sim.body import Body
 from pioneer3.sim.server.start import simulator
 from pioneer3.state import Snapshot
 from pioneer3.tasks import running
-from pioneer3.web.hosting import Target, hosted
-from pioneer3.web.messages import Snapshot as SnapshotPart
+from pioneer3.web.hosting import ConnectTarget, hosted
+from pioneer3.web.messages import SnapshotMessage as SnapshotPart
 from pioneer3.web.page import Page
 from pioneer3.web.robot_view import ConnectedClients, RobotView
-from pioneer3.web.scene import Scene
+from pioneer3.web.scene import RobotScene
 from pioneer3.web.server import serve
 
 PROFILE = "PIONEER3_WEB_PROFILE"
@@ -76,10 +76,10 @@ async def run(urls: Sequence[str]) -> None:
     page, end = Page(), asyncio.Event()
     asyncio.get_running_loop().add_signal_handler(signal.SIGTERM, end.set)
     async with AsyncExitStack() as stack:
-        targets = [Target(url=url, scene=Scene()) for url in urls]
+        targets = [ConnectTarget(url=url, scene=RobotScene()) for url in urls]
         if not targets:
             here = await stack.enter_async_context(simulator(port=0))
-            targets = [Target(url=here.url, scene=Scene.of(here, here.robots[0]))]
+            targets = [ConnectTarget(url=here.url, scene=RobotScene.of(here, here.robots[0]))]
             await stack.enter_async_context(running(_note_stands(here.body)))
         await stack.enter_async_context(hosted(page, targets, lambda line: None))
         served = await stack.enter_async_context(serve(page, port=0))

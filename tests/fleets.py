@@ -5,8 +5,8 @@ from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass, field
 
 from pioneer3.fleet.drive import FleetDrive, Manner
-from pioneer3.fleet.members import Member, Told
-from pioneer3.fleet.spec import Robot
+from pioneer3.fleet.members import Member, MemberReport
+from pioneer3.fleet.spec import FleetRobot
 from pioneer3.navigation.connect import connect_async
 from pioneer3.runtime.driven import Driven
 from pioneer3.tasks import running
@@ -15,8 +15,8 @@ from tests.support import SimulatedRobot, until
 UP, LEFT, ESCAPE, QUIT = "\x1b[A", "\x1b[D", "\x1b", "\x04"
 
 
-def robot(number: int) -> Robot:
-    return Robot(
+def robot(number: int) -> FleetRobot:
+    return FleetRobot(
         name=f"p3at-{number}", host="", address=f"10.0.0.{number}", node=f"RosAria_p3at_{number}"
     )
 
@@ -32,13 +32,13 @@ class Simulated:
         driven: Those connected.
     """
 
-    robots: list[Robot]
+    robots: list[FleetRobot]
     sims: dict[str, SimulatedRobot]
     attempts: dict[str, int] = field(default_factory=dict)
     driven: dict[str, Driven] = field(default_factory=dict)
 
     @asynccontextmanager
-    async def connect(self, robot: Robot) -> AsyncIterator[Driven]:
+    async def connect(self, robot: FleetRobot) -> AsyncIterator[Driven]:
         self.attempts[robot.name] = self.attempts.get(robot.name, 0) + 1
         async with connect_async(self.sims[robot.name].open) as driven:
             self.driven[robot.name] = driven
@@ -72,7 +72,7 @@ class Fleet:
     def member(self, number: int) -> Member:
         return self.drive.look()[number - 1]
 
-    def told(self, number: int) -> Told:
+    def told(self, number: int) -> MemberReport:
         told = self.member(number).told
         assert told is not None
         return told

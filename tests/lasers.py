@@ -11,7 +11,7 @@ from typing import Any, Self
 
 from pioneer3.errors import LinkError, PortNotFoundError
 from pioneer3.lasers.client import AS_DELIVERED, ScanSettings
-from pioneer3.lasers.lms2xx.commands import Command
+from pioneer3.lasers.lms2xx.commands import CommandCode
 from pioneer3.lasers.lms2xx.telegram import encode as telegram
 from pioneer3.links import Link, Opener
 from pioneer3.links.memory import MemoryLink
@@ -55,8 +55,8 @@ LEFT = {
         (57600, b"MD0044072501000\n"),
     ),
     "lms-200": (
-        (9600, telegram(Command.MODE, bytes([0x41]))),
-        (19200, telegram(Command.MODE, bytes([0x24]))),
+        (9600, telegram(CommandCode.MODE, bytes([0x41]))),
+        (19200, telegram(CommandCode.MODE, bytes([0x24]))),
     ),
 }
 """Speeds and bytes that leave a laser at another speed, and scanning."""

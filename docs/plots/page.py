@@ -15,7 +15,7 @@ from pioneer3.navigation.connect import connect_async
 from pioneer3.sim.server.start import simulator
 from pioneer3.sim.worldfile import RobotSpec, WorldFile, parse_equipment
 from pioneer3.web.page import Page
-from pioneer3.web.scene import Scene
+from pioneer3.web.scene import RobotScene
 from pioneer3.web.server import serve
 
 DESKTOP: ViewportSize = {"width": 1440, "height": 900}
@@ -70,7 +70,7 @@ async def serving(world: WorldFile) -> AsyncIterator[str]:
             lasers = [one.laser.url] if one.laser else []
             robot = await stack.enter_async_context(connect_async(one.url, lasers=lasers))
             await stack.enter_async_context(
-                page.hosting(robot, Scene.of(running, one), one.name if several else "")
+                page.hosting(robot, RobotScene.of(running, one), one.name if several else "")
             )
         served = await stack.enter_async_context(serve(page, port=0))
         yield served.http

@@ -9,8 +9,8 @@ from pathlib import Path
 
 from docs.reference.protocol_tables import table
 from pioneer3.fleet.columns import CLOCK, COLUMNS, LIVE_COLUMNS
-from pioneer3.fleet.network import Network
-from pioneer3.fleet.spec import Defaults, Operator, Robot
+from pioneer3.fleet.network import FleetNetwork
+from pioneer3.fleet.spec import Defaults, FleetRobot, OperatorComputer
 from pioneer3.tables import keys
 
 PAGE = Path(__file__).parent / "fleet.md"
@@ -42,9 +42,9 @@ def meanings(described: type) -> dict[str, str]:
 
 def robot() -> str:
     """Return the keys of `[[robot]]`."""
-    told, usual = meanings(Robot), Defaults()
+    told, usual = meanings(FleetRobot), Defaults()
     rows = []
-    for key in keys(Robot):
+    for key in keys(FleetRobot):
         default = getattr(usual, key, "")
         shown = USUAL.get(key, f"`{default}`" if default else "")
         rows.append((f"`{key}`", told[key], "needed" if key in {"name", "address"} else shown))
@@ -53,15 +53,15 @@ def robot() -> str:
 
 def operator() -> str:
     """Return the keys of `[operator]`."""
-    told = meanings(Operator)
-    return table(("key", "meaning"), [(f"`{key}`", told[key]) for key in keys(Operator)])
+    told = meanings(OperatorComputer)
+    return table(("key", "meaning"), [(f"`{key}`", told[key]) for key in keys(OperatorComputer)])
 
 
 def network() -> str:
     """Return the keys of `[[network]]`."""
-    told, usual = meanings(Network), Network(name="")
+    told, usual = meanings(FleetNetwork), FleetNetwork(name="")
     rows = []
-    for key in keys(Network):
+    for key in keys(FleetNetwork):
         default = getattr(usual, key)
         shown = f"`{default}`" if isinstance(default, str) and default else ""
         rows.append((f"`{key}`", told[key], "needed" if key == "name" else shown))

@@ -9,7 +9,7 @@ from pathlib import Path
 from docs.reference.protocol_tables import table
 from pioneer3.behaviors.modes import MODES
 from pioneer3.behaviors.modes.group import GROUP_MODES
-from pioneer3.behaviors.modes.mode import Described, Parameter
+from pioneer3.behaviors.modes.mode import Described, ModeParameter
 from pioneer3.demo.modes import MODES as DEMO_MODES
 
 PAGES = tuple(
@@ -51,7 +51,7 @@ def _rows(mode: type[Described]) -> list[tuple[str, ...]]:
     return [(first if number == 0 else "", *row) for number, row in enumerate(rows)]
 
 
-def _parameter(one: Parameter) -> tuple[str, str, str, str]:
+def _parameter(one: ModeParameter) -> tuple[str, str, str, str]:
     if one.quantity is None:
         hints = "; ".join(f"`{choice.name}`: {choice.hint}" for choice in one.choices)
         return f"`{one.name}`", hints, str(one.default), ""

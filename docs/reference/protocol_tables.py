@@ -57,12 +57,12 @@ def one_line(text: str | None) -> str:
     return NOT_FOR_PAGES.sub("", CLASS.sub(r"`\1`", line))
 
 
-def spelt(kind: wire.Kind) -> str:  # noqa: PLR0911
+def spelt(kind: wire.WireKind) -> str:  # noqa: PLR0911
     """Return how a value of `kind` is on the wire, for people."""
     match kind:
         case wire.Integer(size, signed):
             return f"{'s' if signed else 'u'}{8 * size}"
-        case wire.Number():
+        case wire.PacketId():
             return "the id itself"
         case arguments.Argument():
             names = {(0, 0x7FFF): "positive", (-0x8000, 0x7FFF): "signed", (0, 0xFFFF): "word"}
@@ -83,7 +83,7 @@ def spelt(kind: wire.Kind) -> str:  # noqa: PLR0911
             return spelt_several(kind)
 
 
-def spelt_several(kind: wire.Kind) -> str:  # noqa: PLR0911
+def spelt_several(kind: wire.WireKind) -> str:  # noqa: PLR0911
     """Return how letters, bytes and lists are on the wire."""
     match kind:
         case wire.NulTerminated():

@@ -55,7 +55,7 @@ class Blob:
 
 
 @dataclass(frozen=True, slots=True)
-class Picture:
+class BlobPicture:
     """The blobs of one picture; `channels[0]` are those of channel 1, the largest first."""
 
     channels: tuple[tuple[Blob, ...], ...]
@@ -85,7 +85,7 @@ class PictureReader:
     def __init__(self) -> None:
         self._waiting = bytearray()
 
-    def feed(self, data: bytes) -> list[Picture]:
+    def feed(self, data: bytes) -> list[BlobPicture]:
         """Return the pictures that `data` completes.
 
         Raises:
@@ -108,11 +108,11 @@ class PictureReader:
         return pictures
 
 
-def _picture(body: bytes, spans: Sequence[tuple[int, int]]) -> Picture:
+def _picture(body: bytes, spans: Sequence[tuple[int, int]]) -> BlobPicture:
     blobs = [_blob(body[at : at + BLOB_SIZE]) for at in range(0, len(body), BLOB_SIZE)]
     if any(first + count > len(blobs) for first, count in spans if count):
         raise ValueError("a channel has blobs that are not there")
-    return Picture(tuple(tuple(blobs[first : first + count]) for first, count in spans))
+    return BlobPicture(tuple(tuple(blobs[first : first + count]) for first, count in spans))
 
 
 def _blob(data: bytes) -> Blob:

@@ -116,14 +116,14 @@ def request(url: CameraUrl, authorization: str = "") -> bytes:
     ).encode()
 
 
-class Login(NamedTuple):
+class Credentials(NamedTuple):
     """Name and password of a user; printable, and the name has neither colon nor quote."""
 
     user: str
     password: str
 
 
-def authorization(url: CameraUrl, login: Login, challenge: str, nonce: str) -> str:
+def authorization(url: CameraUrl, login: Credentials, challenge: str, nonce: str) -> str:
     """Return the answer to the question for a user (RFC 7617, RFC 7616); empty if none is known.
 
     Digest is preferred, as it does not tell the password.
@@ -143,7 +143,7 @@ def authorization(url: CameraUrl, login: Login, challenge: str, nonce: str) -> s
     return ""
 
 
-def _digest(url: CameraUrl, login: Login, given: Mapping[str, str], nonce: str) -> str:
+def _digest(url: CameraUrl, login: Credentials, given: Mapping[str, str], nonce: str) -> str:
     """Return the answer to a question by Digest with the parameters `given`."""
     realm, theirs = given.get("realm", ""), given.get("nonce", "")
     algorithm = given.get("algorithm", "MD5")
@@ -204,7 +204,7 @@ def part(jpeg: bytes, view: float | None = None) -> bytes:
 
 
 @dataclass(frozen=True, slots=True)
-class Head:
+class AnswerHead:
     """The head of an answer.
 
     Attributes:
@@ -253,7 +253,7 @@ class Parser:
     """
 
     def __init__(self) -> None:
-        self.head: Head | None = None
+        self.head: AnswerHead | None = None
         self.pictures = self.broken = self.parts = 0
         self._view: float | None = None
         self._buffer = bytearray()
@@ -371,16 +371,16 @@ def _fields(lines: list[str]) -> dict[str, str]:
     return found
 
 
-def _head(lines: list[str]) -> Head:
+def _head(lines: list[str]) -> AnswerHead:
     lines = [printable(line) for line in lines]
     words = lines[0].split(None, 2)
     if len(words) < 2 or not words[0].startswith("HTTP/") or not words[1].isdigit():
         raise LinkError("what answers there does not speak HTTP: is this the camera's port?")
     reason = words[2] if len(words) > 2 else ""
-    return Head(int(words[1][:3]), reason[:60], _fields(lines[1:]))
+    return AnswerHead(int(words[1][:3]), reason[:60], _fields(lines[1:]))
 
 
-def _boundary(head: Head) -> str:
+def _boundary(head: AnswerHead) -> str:
     """Return the boundary between the parts of an answer, without the dashes before it.
 
     Raises:
@@ -402,7 +402,7 @@ def _boundary(head: Head) -> str:
     return boundary
 
 
-def _refusal(head: Head) -> str:
+def _refusal(head: AnswerHead) -> str:
     match head.status:
         case 401 | 403:
             return f"it wants a user and a password: {WRITE_LOGIN}"

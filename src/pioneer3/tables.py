@@ -2,7 +2,7 @@
 
 A dataclass is a table, its fields are the keys, and msgspec checks their types. A `Meta` in an
 `Annotated` type says the range, and in its `extra` words for errors: `expected` for a wrong value,
-and `missing`. A :class:`Key` there is for a field that files have in another form.
+and `missing`. A :class:`FieldForm` there is for a field that files have in another form.
 
 An error is one line of text: the file, the line, the key, the problem and a hint.
 """
@@ -47,7 +47,7 @@ _PLACE = re.compile(r"([^.\[]*)(?:\[(\d+)\])?[^.]*\.?([^.\[]*)")
 
 
 @dataclass(frozen=True, slots=True)
-class Key:
+class FieldForm:
     """The form that files have a field in.
 
     Attributes:
@@ -65,10 +65,10 @@ class Key:
     spread: bool = False
 
 
-def in_degrees(name: str, low: float, high: float) -> Key:
+def in_degrees(name: str, low: float, high: float) -> FieldForm:
     """Return the key of an angle or a turn rate that is from `low` to `high` [rad, rad/s]."""
     limits = msgspec.Meta(ge=degrees_of(low), le=degrees_of(high))
-    return Key(name, Annotated[float, limits], radians, degrees_of)
+    return FieldForm(name, Annotated[float, limits], radians, degrees_of)
 
 
 def degrees_of(angle: float) -> float:
@@ -206,18 +206,18 @@ def nearest(name: str, known: Iterable[str]) -> str:
     return f"did you mean {close[0]}?" if close else f"known are {', '.join(names)}"
 
 
-def _keyed(kind: Any) -> tuple[tuple[Field[Any], Any, Key], ...]:
+def _keyed(kind: Any) -> tuple[tuple[Field[Any], Any, FieldForm], ...]:
     """Return the fields of a dataclass that files have, each with its type and key."""
     return _found(kind)
 
 
 @cache
-def _found(kind: Any) -> tuple[tuple[Field[Any], Any, Key], ...]:
+def _found(kind: Any) -> tuple[tuple[Field[Any], Any, FieldForm], ...]:
     hints = get_type_hints(kind, include_extras=True)
     found = []
     for field in fields(kind):
         notes = getattr(hints[field.name], "__metadata__", ())
-        key = next((note for note in notes if isinstance(note, Key)), Key(field.name))
+        key = next((note for note in notes if isinstance(note, FieldForm)), FieldForm(field.name))
         if field.init and (key.name or key.spread):
             found.append((field, hints[field.name], key))
     return tuple(found)

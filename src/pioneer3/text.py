@@ -18,7 +18,7 @@ LARGEST_MM = 1e8
 
 
 @dataclass(frozen=True, slots=True)
-class Line:
+class TextLine:
     """One line of a file, without the blanks around it; counted from 1."""
 
     path: Path
@@ -62,7 +62,7 @@ def one_line(problem: object) -> str:
     return printable(line[:100])
 
 
-def lines_of(path: Path, text: str, first: int = 1) -> Iterator[Line]:
+def lines_of(path: Path, text: str, first: int = 1) -> Iterator[TextLine]:
     """Yield the lines of `text` that are neither blank nor comments; `path` is for messages.
 
     The first line has the number `first`.
@@ -70,7 +70,7 @@ def lines_of(path: Path, text: str, first: int = 1) -> Iterator[Line]:
     for number, line in numbered(text, first):
         stripped = line.strip()
         if stripped and stripped[0] not in "#;":
-            yield Line(path, number, stripped)
+            yield TextLine(path, number, stripped)
 
 
 def numbered(text: str, first: int = 1) -> Iterator[tuple[int, str]]:

@@ -85,3 +85,28 @@ def test_the_name_of_a_constant_has_one_value_in_a_package() -> None:
                 assert statement.value is not None
                 values[path.parent, ast.unparse(target)].add(ast.unparse(statement.value))
     assert {name: found for name, found in values.items() if len(found) > 1} == {}
+
+
+SHARED_NAMES = {
+    "Gripper": "ARCOS's name of a command, and the robot's device",
+    "Gyro": "ARCOS's name of a command, and the robot's device",
+    "Sonar": "ARCOS's name of a command, and the ranges of a snapshot",
+    "Move": "ARCOS's name of a command, and ARIA's of an action",
+    "Stop": "ARCOS's name of a command, ARIA's of an action, and the stop that all count",
+    "Turn": "ARIA's name of an action, and the mode that people know by it",
+    "Goto": "ARIA's name of an action, and the mode that people know by it",
+    "FollowLeader": "the action, and the mode that people know by it",
+    "Bumpers": "ARIA's name of an action, and the contacts of a snapshot",
+}
+"""Names of classes that stand for two, with the reason."""
+
+
+def test_the_name_of_a_public_class_stands_for_one_class() -> None:
+    homes = defaultdict(list)
+    for path, tree in MODULES.items():
+        for node in tree.body:
+            if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
+                homes[node.name].append(str(path))
+    shared = {name: where for name, where in homes.items() if len(where) > 1}
+    assert {name: shared[name] for name in shared.keys() - SHARED_NAMES.keys()} == {}
+    assert SHARED_NAMES.keys() - shared.keys() == set(), "no exception is needed for these"

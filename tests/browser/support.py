@@ -25,7 +25,7 @@ from pioneer3.sim.server.start import simulator
 from pioneer3.sim.worldfile import WorldFile
 from pioneer3.web.live import PATIENT
 from pioneer3.web.page import Page as WebPage
-from pioneer3.web.scene import Scene
+from pioneer3.web.scene import RobotScene
 from pioneer3.web.server import Served, serve
 
 T = TypeVar("T")
@@ -86,7 +86,7 @@ def running_product(
                         camera=one.camera.url if one.camera else None,
                     )
                 )
-                scene = Scene.of(running, one) if editable else Scene(running.world.map)
+                scene = RobotScene.of(running, one) if editable else RobotScene(running.world.map)
                 name = one.name if len(running.robots) > 1 else ""
                 await stack.enter_async_context(web.hosting(robot, scene, name))
             served = await _served(stack, web, host, port)

@@ -11,7 +11,7 @@ from functools import partial
 import pytest
 
 from pioneer3.lasers.lms2xx.device import LmsDevice
-from pioneer3.lasers.lms2xx.telegram import Sign, Telegram, TelegramReader, encode
+from pioneer3.lasers.lms2xx.telegram import LmsTelegramReader, Sign, Telegram, encode
 from pioneer3.models.lasers import LASERS
 from pioneer3.sim.equipment import EquipmentOptions
 from pioneer3.sim.server import laser_ports
@@ -116,7 +116,7 @@ class LmsHost(Terminal):
 
     def __init__(self, path: str, baud: int = 9600) -> None:
         super().__init__(path, baud)
-        self.reader = TelegramReader(range(0x80, 0x85))
+        self.reader = LmsTelegramReader(range(0x80, 0x85))
 
     async def answer(self, code: int) -> Telegram:
         """Return the next telegram with this code; others are dropped."""

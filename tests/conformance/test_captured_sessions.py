@@ -11,7 +11,7 @@ from pioneer3 import connect_async
 from pioneer3.arcos import commands, reports
 from pioneer3.arcos.device import Commanded, Device, SessionClosed, SessionOpened
 from pioneer3.arcos.host import Host
-from pioneer3.arcos.host_events import Configured, Opened, Received, Timing
+from pioneer3.arcos.host_events import Configured, Opened, ReportReceived, Timing
 from pioneer3.arcos.packet import PacketReader, encode
 from pioneer3.links.tap import FROM_HOST, FROM_ROBOT, Chunk, read_recording
 from pioneer3.models import load_model
@@ -121,7 +121,7 @@ def test_our_host_opens_and_follows_every_session(capture: Path) -> None:
     assert events[1].config.serial_number == "SIM"
     sent = [reports.from_payload(payload) for payload in payloads(heard)]
     rest = [report for report in sent[3:] if not isinstance(report, reports.Config)]
-    assert [e.report for e in events if isinstance(e, Received)] == rest
+    assert [e.report for e in events if isinstance(e, ReportReceived)] == rest
     assert (host.reader.bad_checksums, host.reader.bytes_skipped) == (0, 0)
 
 

@@ -5,7 +5,7 @@ from contextlib import aclosing
 
 import pytest
 
-from pioneer3.acts import Picture, encode
+from pioneer3.acts import BlobPicture, encode
 from pioneer3.errors import DeviceError
 from pioneer3.geometry import ORIGIN, Pose2
 from pioneer3.links import Link
@@ -25,7 +25,7 @@ WORLD = WorldFile(
 )
 
 
-async def one_picture(acts: Acts) -> Picture:
+async def one_picture(acts: Acts) -> BlobPicture:
     async with asyncio.timeout(10), aclosing(acts.pictures()) as pictures:
         return await anext(pictures)
 

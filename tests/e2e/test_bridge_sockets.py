@@ -15,7 +15,7 @@ from pioneer3.arcos import commands
 from pioneer3.arcos.reports import Sip
 from pioneer3.bridge import Bridge
 from pioneer3.errors import PortBusyError
-from pioneer3.fleet.spec import Robot
+from pioneer3.fleet.spec import FleetRobot
 from pioneer3.fleet.stop import stop_all
 from pioneer3.tasks import running
 from tests.e2e.plain_client import PlainClient, TurnedAwayError
@@ -108,7 +108,9 @@ async def test_of_two_hosts_at_once_one_has_the_robot_and_the_other_follows_it()
 
 async def test_a_fleet_stop_gets_in_while_another_program_drives() -> None:
     async with SimulatedRobot() as robot, listening(robot) as (_, port):
-        one = Robot(name="p3at-1", host="p3at-1", address="127.0.0.1", node="p3at_1", bridge=port)
+        one = FleetRobot(
+            name="p3at-1", host="p3at-1", address="127.0.0.1", node="p3at_1", bridge=port
+        )
         async with connect_async(f"tcp://127.0.0.1:{port}") as student:
             driving = asyncio.ensure_future(hold(student, 0.3, seconds=6.0))
             await until(lambda: robot.speed > 0.2 and robot.powered)

@@ -10,7 +10,7 @@ import pytest
 
 from pioneer3 import mjpeg
 from pioneer3.errors import ConfigError, DeviceError
-from pioneer3.mjpeg import START, Login, authorization, parse_url
+from pioneer3.mjpeg import START, Credentials, authorization, parse_url
 from pioneer3.navigation.connect import connect_async
 from pioneer3.robot import camera_driver
 from pioneer3.robot.camera_driver import CameraDriver
@@ -204,7 +204,7 @@ def test_a_digest_is_that_of_the_rfc() -> None:
     # RFC 7616, 3.9.1
     url, login = (
         parse_url("http://www.example.org/dir/index.html"),
-        Login("Mufasa", "Circle of Life"),
+        Credentials("Mufasa", "Circle of Life"),
     )
     challenge = (
         'Digest realm="http-auth@example.org", qop="auth, auth-int", algorithm=MD5, '

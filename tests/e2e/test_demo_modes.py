@@ -21,7 +21,7 @@ from pioneer3.arcos.commands import (
     Tcm2Mode,
 )
 from pioneer3.behaviors.action import Action, Desire, Situation, Stack
-from pioneer3.demo.columns import Row
+from pioneer3.demo.columns import ColumnRow
 from pioneer3.demo.mode import Context, DemoMode, Description
 from pioneer3.demo.modes import MODES
 from pioneer3.demo.program import Program
@@ -81,7 +81,7 @@ class Demo:
             await asyncio.sleep(CYCLE)
 
     @property
-    def row(self) -> Row:
+    def row(self) -> ColumnRow:
         row = self.program.row()
         assert row is not None
         return row
@@ -732,7 +732,7 @@ class TestTrouble:
             assert "in the presence" in the.program.modes["y"].presence().reason
 
     async def test_columns_that_fail_are_told_once(self) -> None:
-        def fail() -> Row:
+        def fail() -> ColumnRow:
             raise ZeroDivisionError("in the columns")
 
         def broken(context: Context, about: Description) -> DemoMode:

@@ -16,7 +16,7 @@ from pioneer3.errors import CommandError, DeviceError
 from pioneer3.geometry import Pose2
 from pioneer3.navigation.connect import connect_async
 from pioneer3.robot.devices import Presence
-from pioneer3.robot.devices.gripper import Paddles
+from pioneer3.robot.devices.gripper import PaddlePosition
 from pioneer3.runtime.robot import Robot
 from pioneer3.sim.accessories import HeldObject
 from pioneer3.sim.equipment import Equipment
@@ -171,13 +171,15 @@ class TestGripper:
             connect_async(robot.open) as driver,
         ):
             gripper = driver.devices.gripper
-            assert (await gripper.reading()).paddles is Paddles.OPEN
+            assert (await gripper.reading()).paddles is PaddlePosition.OPEN
             simulated = robot.firmware.accessories.gripper
             assert simulated is not None
             simulated.put(HeldObject(width=0.05))
             gripper.close()
             with gripper.wanted():
-                await until(lambda: gripper.latest and gripper.latest.paddles is Paddles.CLOSED)
+                await until(
+                    lambda: gripper.latest and gripper.latest.paddles is PaddlePosition.CLOSED
+                )
             assert gripper.latest is not None
             assert gripper.latest.inner_beam_broken
             assert simulated.opening == pytest.approx(0.05)
@@ -204,7 +206,8 @@ class TestGripper:
                     await asyncio.sleep(0.5)
                     gripper.close()
                     await until(
-                        lambda: gripper.latest and gripper.latest.paddles is Paddles.CLOSED, 5
+                        lambda: gripper.latest and gripper.latest.paddles is PaddlePosition.CLOSED,
+                        5,
                     )
                 assert sent(robot, commands.GripperPacRequest(RequestMode.STREAM)) == 1
                 await asyncio.sleep(0.1)

@@ -9,15 +9,15 @@ import pytest
 from pioneer3.arcos import commands, reports
 from pioneer3.arcos.packet import PacketReader, encode
 from pioneer3.doctor.diagnose import diagnose, examine
-from pioneer3.doctor.facts import Facts, Finding, Level
+from pioneer3.doctor.facts import Finding, Level, LinkFacts
 from pioneer3.doctor.probe_session import QUICK, ProbeSession
-from pioneer3.doctor.recognition import Kind
+from pioneer3.doctor.recognition import DeviceKind
 from pioneer3.lasers.client import Patience, ScanSettings
 from pioneer3.lasers.lms2xx.telegram import encode as telegram_of
 from pioneer3.lasers.recognition import LMS_QUESTION, QUESTION
 from pioneer3.links.memory import MemoryLink, Noise, bytewise, null_modem
 from pioneer3.models.lasers import LaserProtocol
-from pioneer3.robot.lasers.search import Search
+from pioneer3.robot.lasers.search import ProtocolSearch
 from tests.support import SimulatedRobot, corrupted, decoded
 
 URL = "memory:robot"
@@ -35,7 +35,7 @@ HARMLESS = (
 
 async def examined(robot: SimulatedRobot, seconds: float = 3.0) -> dict[str, Finding]:
     """Return the findings about `robot` by their check."""
-    facts = await examine(await robot.open(), seconds, Facts(url=URL))
+    facts = await examine(await robot.open(), seconds, LinkFacts(url=URL))
     return {finding.check: finding for finding in diagnose(facts)}
 
 
@@ -185,9 +185,9 @@ class Device:
         return ours
 
 
-async def facts_about(device: Device) -> Facts:
+async def facts_about(device: Device) -> LinkFacts:
     """Return the facts that are found."""
-    return await examine(device.link(), 1.0, Facts(url=URL))
+    return await examine(device.link(), 1.0, LinkFacts(url=URL))
 
 
 @pytest.mark.parametrize("speed", [19200, 38400, 57600, 115200])
@@ -196,7 +196,10 @@ async def test_a_hokuyo_answers_the_question_at_its_speed(speed: int) -> None:
     laser = Device(speeds=SPEEDS, answers={(speed, b"VV\n"): version})
     facts = await facts_about(laser)
     assert facts.other_device is not None
-    assert (facts.other_device.kind, facts.other_device.name) == (Kind.LASER, "Hokuyo, URG-04LX")
+    assert (facts.other_device.kind, facts.other_device.name) == (
+        DeviceKind.LASER,
+        "Hokuyo, URG-04LX",
+    )
 
 
 @pytest.mark.parametrize("speed", [9600, 19200, 38400, 500000])
@@ -205,12 +208,15 @@ async def test_a_sick_answers_the_question_at_its_speed(speed: int) -> None:
     laser = Device(speeds=LASER_SPEEDS, answers={(speed, LMS_QUESTION): answer})
     facts = await facts_about(laser)
     assert facts.other_device is not None
-    assert (facts.other_device.kind, facts.other_device.name) == (Kind.LASER, "SICK LMS200-301061")
+    assert (facts.other_device.kind, facts.other_device.name) == (
+        DeviceKind.LASER,
+        "SICK LMS200-301061",
+    )
 
 
 def test_a_laser_that_repeats_what_was_meant_for_a_robot_is_not_taken_for_one() -> None:
     found: list[LaserProtocol] = []
-    search = Search(0.0, (), ScanSettings(), Patience(), found=found.append)
+    search = ProtocolSearch(0.0, (), ScanSettings(), Patience(), found=found.append)
     assert search.receive(encode(b"\x00") + encode(b"\x1d"), 0.1) == []
     search.receive(b"\n0E\n\nVV\n00P\n", 0.2)
     assert found == [LaserProtocol.SCIP]
@@ -220,7 +226,7 @@ async def test_a_laser_in_the_network_answers_the_question() -> None:
     answer = b"\x02sRA DeviceIdent 6 LMS111 10 V1.36-21.10.2010\x03"
     facts = await facts_about(Device(answers={(None, b"sRN DeviceIdent"): answer}))
     assert facts.other_device is not None
-    assert (facts.other_device.kind, facts.other_device.name) == (Kind.LASER, "SICK LMS111")
+    assert (facts.other_device.kind, facts.other_device.name) == (DeviceKind.LASER, "SICK LMS111")
 
 
 async def test_a_silent_device_hears_the_handshake_and_one_question() -> None:
@@ -242,13 +248,13 @@ async def test_a_streaming_sick_is_recognised_without_a_question() -> None:
 async def test_a_loopback_plug_is_recognised() -> None:
     facts = await facts_about(Device(echo=True))
     assert facts.other_device is not None
-    assert facts.other_device.kind is Kind.ECHO
+    assert facts.other_device.kind is DeviceKind.ECHO
 
 
 async def test_a_banner_is_quoted() -> None:
     facts = await facts_about(Device(greeting=b"login: "))
     assert facts.other_device is not None
-    assert facts.other_device.kind is Kind.TEXT
+    assert facts.other_device.kind is DeviceKind.TEXT
 
 
 async def test_the_last_words_to_a_stranger_are_a_stop_and_a_good_bye() -> None:

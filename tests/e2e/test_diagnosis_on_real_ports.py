@@ -11,7 +11,7 @@ import pytest
 from pioneer3.doctor.diagnose import diagnose, exit_code, gather
 from pioneer3.doctor.facts import Level
 from pioneer3.doctor.ports import holders_of
-from pioneer3.doctor.probe import Verdict, probe
+from pioneer3.doctor.probe import ProbeVerdict, probe
 from pioneer3.doctor.probe_session import QUICK
 from pioneer3.sim.server.start import simulator
 from tests.pseudo_terminal import PtyPort, open_pty
@@ -94,20 +94,20 @@ async def test_an_unknown_host_is_not_reachable() -> None:
 async def test_a_web_server_is_no_robot() -> None:
     async with server(b"HTTP/1.1 400 Bad Request\r\n\r\n", hang_up=True) as url:
         found = await probe(url, timing=QUICK)
-    assert found.verdict is Verdict.OTHER
+    assert found.verdict is ProbeVerdict.OTHER
     assert "HTTP/1.1 400 Bad Request" in found.detail
 
 
 async def test_garbage_is_no_robot() -> None:
     async with server(Random(1).randbytes(300)) as url:
         found = await probe(url, timing=QUICK)
-    assert found.verdict is Verdict.OTHER
+    assert found.verdict is ProbeVerdict.OTHER
 
 
 async def test_a_laser_on_a_serial_port_is_recognised() -> None:
     async with pty_laser() as port:
         found = await probe(port.path, timing=QUICK)
-    assert (found.verdict, found.detail) == (Verdict.LASER, "Hokuyo, UBG-04LX")
+    assert (found.verdict, found.detail) == (ProbeVerdict.LASER, "Hokuyo, UBG-04LX")
 
 
 async def test_a_silent_serial_port_is_silent() -> None:
@@ -116,7 +116,7 @@ async def test_a_silent_serial_port_is_silent() -> None:
         found = await probe(port.path, timing=QUICK)
     finally:
         await port.close()
-    assert found.verdict is Verdict.SILENT
+    assert found.verdict is ProbeVerdict.SILENT
 
 
 async def test_a_port_that_another_process_has_open_is_left_alone() -> None:

@@ -13,7 +13,7 @@ from pioneer3.behaviors.actions import Hold
 from pioneer3.errors import ConfigError, PortPermissionError
 from pioneer3.fleet.drive import FleetDrive, Manner
 from pioneer3.fleet.members import PAUSES, Reached
-from pioneer3.fleet.spec import Robot
+from pioneer3.fleet.spec import FleetRobot
 from pioneer3.geometry import Twist2
 from pioneer3.links import Link
 from pioneer3.links.memory import Noise, null_modem
@@ -217,7 +217,7 @@ async def test_a_refusal_is_told_and_so_is_a_failure_of_this_program() -> None:
     async with simulated(3) as here:
 
         @asynccontextmanager
-        async def connect(robot: Robot) -> AsyncIterator[Driven]:
+        async def connect(robot: FleetRobot) -> AsyncIterator[Driven]:
             if robot.name == "p3at-1":
                 raise PortPermissionError("this user may not open it")
             if robot.name == "p3at-2":

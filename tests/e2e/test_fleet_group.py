@@ -11,8 +11,8 @@ import pytest
 
 from pioneer3.behaviors.modes.group import FollowLeader, Form, GroupMode, Spread
 from pioneer3.fleet.drive import FleetDrive, Manner
-from pioneer3.fleet.group import Together as Doing
-from pioneer3.fleet.spec import Robot
+from pioneer3.fleet.group import GroupKey as Doing
+from pioneer3.fleet.spec import FleetRobot
 from pioneer3.geometry import Pose2
 from pioneer3.runtime.driven import Driven
 from pioneer3.tasks import running
@@ -51,7 +51,7 @@ async def led(
         robots = [robot(number) for number in range(1, len(poses) + 1)]
 
         @asynccontextmanager
-        async def connect(one: Robot) -> AsyncIterator[Driven]:
+        async def connect(one: FleetRobot) -> AsyncIterator[Driven]:
             yield here.robots[robots.index(one)]
 
         doing = Doing(mode=mode, leader=leader) if mode else None

@@ -11,7 +11,7 @@ from textual.pilot import Pilot
 from pioneer3.errors import PortNotFoundError
 from pioneer3.fleet.drive import FleetDrive, Manner
 from pioneer3.fleet.screen import FleetApp
-from pioneer3.fleet.spec import Robot
+from pioneer3.fleet.spec import FleetRobot
 from pioneer3.runtime.driven import Driven
 from pioneer3.tasks import running
 from tests.fleets import Simulated, robot, simulated
@@ -145,7 +145,7 @@ async def test_the_screen_ends(key: str) -> None:
 
 async def test_a_hundred_robots_scroll_and_the_one_chosen_is_seen() -> None:
     @asynccontextmanager
-    async def nobody(robot: Robot) -> AsyncIterator[Driven]:
+    async def nobody(robot: FleetRobot) -> AsyncIterator[Driven]:
         raise PortNotFoundError(f"{robot.port}: nobody listens there")
         yield
 

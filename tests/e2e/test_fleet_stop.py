@@ -7,7 +7,7 @@ from math import inf
 
 import pytest
 
-from pioneer3.fleet.spec import Robot
+from pioneer3.fleet.spec import FleetRobot
 from pioneer3.fleet.stop import exit_code, stop_all
 from pioneer3.navigation.connect import connect_async
 from pioneer3.runtime.driven import Driven
@@ -63,7 +63,7 @@ async def test_a_robot_that_is_told_and_falls_silent_has_not_confirmed() -> None
     async with simulated(2) as here:
 
         @asynccontextmanager
-        async def connect(robot: Robot) -> AsyncIterator[Driven]:
+        async def connect(robot: FleetRobot) -> AsyncIterator[Driven]:
             async with here.connect(robot) as one:
                 here.sims[robot.name].silent = robot.name == "p3at-1"
                 yield one
@@ -81,7 +81,7 @@ async def test_a_port_that_another_program_has_is_told_and_the_others_stop() -> 
     async with simulator(port=0, overrides=words) as here:
         urls = dict(zip(("p3at-1", "p3at-2"), [one.url for one in here.robots], strict=True))
 
-        def connect(robot: Robot) -> AbstractAsyncContextManager[Driven]:
+        def connect(robot: FleetRobot) -> AbstractAsyncContextManager[Driven]:
             return connect_async(urls[robot.name])
 
         async with connect_async(urls["p3at-1"]):
@@ -95,7 +95,7 @@ async def test_a_robot_that_another_program_drives_on_does_not_stand() -> None:
     async with simulated(1) as here:
 
         @asynccontextmanager
-        async def connect(each: Robot) -> AsyncIterator[Driven]:
+        async def connect(each: FleetRobot) -> AsyncIterator[Driven]:
             async with connect_async(here.sims[each.name].open) as one:
                 await hold(one, 0.3, seconds=1)
                 async with running(_drives_on(one)):

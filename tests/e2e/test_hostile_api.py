@@ -20,11 +20,11 @@ from schemathesis.specs.openapi.checks import (
 )
 
 from pioneer3 import connect_async
-from pioneer3.web.access.sessions import Kind, Role
+from pioneer3.web.access.sessions import Role, SessionKind
 from pioneer3.web.api.operation import Operation, openapi
 from pioneer3.web.api.routes import OPERATIONS
 from pioneer3.web.page import Page
-from pioneer3.web.scene import Scene
+from pioneer3.web.scene import RobotScene
 from pioneer3.web.server import serve
 from tests.support import STAYED, SimulatedRobot
 
@@ -74,7 +74,7 @@ class Target:
         """Return the headers of a new script on the network."""
 
         async def make() -> str:
-            return self.page.access.sessions.open("fuzz", role, Kind.SCRIPT)[1]
+            return self.page.access.sessions.open("fuzz", role, SessionKind.SCRIPT)[1]
 
         secret = asyncio.run_coroutine_threadsafe(make(), self.loop).result(PATIENCE)
         return {**FAR, "Authorization": f"Bearer {secret}"}
@@ -98,7 +98,7 @@ def target(request: pytest.FixtureRequest) -> Iterator[Target]:
             sim = await stack.enter_async_context(SimulatedRobot())
             robot = await stack.enter_async_context(connect_async(sim.open))
             page, keeper = Page(), Keeper()
-            view = await stack.enter_async_context(page.hosting(robot, Scene()))
+            view = await stack.enter_async_context(page.hosting(robot, RobotScene()))
             served = await stack.enter_async_context(serve(page, port=0))
             page.access.urls = ("http://192.168.0.7:8080",)
             ready.set_result(Target(served.http, sim, page, loop))

@@ -7,8 +7,8 @@ import pytest
 from pioneer3.arcos import commands
 from pioneer3.arcos.packet import PacketReader, encode
 from pioneer3.doctor.diagnose import diagnose, examine
-from pioneer3.doctor.facts import Facts, Level
-from pioneer3.doctor.recognition import Kind
+from pioneer3.doctor.facts import Level, LinkFacts
+from pioneer3.doctor.recognition import DeviceKind
 from pioneer3.errors import NoRobotError
 from pioneer3.links import Link
 from pioneer3.links.memory import MemoryLink
@@ -110,7 +110,7 @@ async def test_our_driver_finds_the_old_emulator_again_after_a_lost_link() -> No
 async def test_the_doctor_finds_the_old_emulator_healthy(answers_after: float) -> None:
     async with OldEmulator() as emulator:
         emulator.answers_after = answers_after
-        facts = await examine(await emulator.open(), 2.0, Facts(url="memory:robot"))
+        facts = await examine(await emulator.open(), 2.0, LinkFacts(url="memory:robot"))
     findings = {finding.check: finding for finding in diagnose(facts)}
     assert findings["answer"].found.startswith("SIMULATOR AMRISim")
     assert Level.FAIL not in {finding.level for finding in findings.values()}
@@ -120,9 +120,9 @@ async def test_the_doctor_knows_an_old_emulator_that_somebody_confused() -> None
     async with OldEmulator() as emulator:
         link = await emulator.open()
         await link.write(STOP)
-        facts = await examine(link, 1.0, Facts(url="memory:robot"))
+        facts = await examine(link, 1.0, LinkFacts(url="memory:robot"))
     assert facts.other_device is not None
-    assert facts.other_device.kind is Kind.PACKETS
+    assert facts.other_device.kind is DeviceKind.PACKETS
     answer = next(finding for finding in diagnose(facts) if finding.check == "answer")
     assert "1 well-formed packet" in answer.found
     assert "AMRISim" in answer.meaning

@@ -11,10 +11,10 @@ from pioneer3.errors import ConfigError, PortNotFoundError
 from pioneer3.sim.server.running import RunningSimulation
 from pioneer3.sim.server.start import simulator
 from pioneer3.web import hosting
-from pioneer3.web.hosting import Target, hosted
-from pioneer3.web.live import Options, own_files
+from pioneer3.web.hosting import ConnectTarget, hosted
+from pioneer3.web.live import RunOptions, own_files
 from pioneer3.web.page import Page
-from pioneer3.web.scene import Scene
+from pioneer3.web.scene import RobotScene
 from tests.support import until
 
 pytestmark = pytest.mark.realtime
@@ -38,7 +38,7 @@ async def test_one_that_is_lost_is_named_and_the_others_go_on() -> None:
         async with AsyncExitStack() as right_stack:
             right = await right_stack.enter_async_context(simulated())
             targets = [
-                Target(url=sim.url, scene=Scene(), name=name)
+                ConnectTarget(url=sim.url, scene=RobotScene(), name=name)
                 for sim, name in ((left, "left"), (right, "right"))
             ]
             await stack.enter_async_context(hosted(page, targets, told.append))
@@ -64,8 +64,10 @@ async def test_one_that_is_not_there_is_looked_for_until_it_comes(
     page, port = Page(), closed_port()
     async with simulated() as here:
         targets = [
-            Target(url=f"tcp://127.0.0.1:{port}", scene=Scene(), record=tmp_path / "late"),
-            Target(url=here.url, scene=Scene(), record=tmp_path / "here"),
+            ConnectTarget(
+                url=f"tcp://127.0.0.1:{port}", scene=RobotScene(), record=tmp_path / "late"
+            ),
+            ConnectTarget(url=here.url, scene=RobotScene(), record=tmp_path / "here"),
         ]
         async with hosted(page, targets, told.append):
             assert list(page.robots) == [2]
@@ -78,7 +80,9 @@ async def test_one_that_is_not_there_is_looked_for_until_it_comes(
 
 
 async def test_where_none_is_there_it_says_why() -> None:
-    targets = [Target(url=f"tcp://127.0.0.1:{closed_port()}", scene=Scene()) for _ in range(2)]
+    targets = [
+        ConnectTarget(url=f"tcp://127.0.0.1:{closed_port()}", scene=RobotScene()) for _ in range(2)
+    ]
     with pytest.raises(PortNotFoundError):
         async with hosted(Page(), targets, lambda line: None):
             raise AssertionError
@@ -90,8 +94,8 @@ async def test_a_file_that_exists_is_never_written_over(tmp_path: Path) -> None:
     kept.write_text("mine")
     async with simulated() as here, simulated() as there:
         targets = [
-            Target(url=here.url, scene=Scene()),
-            Target(url=there.url, scene=Scene(), record=kept),
+            ConnectTarget(url=here.url, scene=RobotScene()),
+            ConnectTarget(url=there.url, scene=RobotScene(), record=kept),
         ]
         with pytest.raises(ConfigError, match="kept: cannot record there"):
             async with hosted(Page(), targets, lambda line: None):
@@ -102,11 +106,13 @@ async def test_a_file_that_exists_is_never_written_over(tmp_path: Path) -> None:
 def test_recordings_are_called_after_the_robots() -> None:
     urls = ["tcp://10.0.0.1:8101", "serial:/dev/ttyUSB0", "tcp://b:8101", "tcp://c:8101"]
     names = ["", "", "bob", "bob"]
-    targets = [Target(url=u, scene=Scene(), name=n) for u, n in zip(urls, names, strict=True)]
+    targets = [
+        ConnectTarget(url=u, scene=RobotScene(), name=n) for u, n in zip(urls, names, strict=True)
+    ]
     assert [path.name for path in own_files(Path("walk.txt"), targets) if path] == [
         "walk-10.0.0.1-8101.txt",
         "walk-dev-ttyUSB0.txt",
         "walk-bob.txt",
         "walk-bob 2.txt",
     ]
-    assert Options().record is None
+    assert RunOptions().record is None

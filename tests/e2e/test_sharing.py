@@ -18,9 +18,9 @@ from pioneer3.cli.main import execute
 from pioneer3.errors import ConfigError
 from pioneer3.web.access.certificate import certificate_for
 from pioneer3.web.access.hosts import lan_addresses, others_urls
-from pioneer3.web.access.sessions import Kind, Role
+from pioneer3.web.access.sessions import Role, SessionKind
 from pioneer3.web.page import Page
-from pioneer3.web.scene import Scene
+from pioneer3.web.scene import RobotScene
 from pioneer3.web.server import Served, serve
 from tests.support import SimulatedRobot
 
@@ -38,7 +38,7 @@ async def shared() -> AsyncIterator[tuple[Page, Served]]:
     async with (
         SimulatedRobot() as sim,
         connect_async(sim.open) as robot,
-        (page := Page()).hosting(robot, Scene()),
+        (page := Page()).hosting(robot, RobotScene()),
         serve(page, host="0.0.0.0", port=0, certificate=certificate) as all_,
     ):
         yield page, all_
@@ -67,7 +67,7 @@ async def status(
 @needs_network
 async def test_from_the_network_only_who_is_paired_gets_in() -> None:
     async with shared() as (page, served):
-        _, secret = page.access.sessions.open("Ann", Role.DRIVER, Kind.BROWSER)
+        _, secret = page.access.sessions.open("Ann", Role.DRIVER, SessionKind.BROWSER)
         http = port(served.http)
         assert await status("127.0.0.1", http, "/api/me") == 200
         assert await status(ADDRESS, http, "/") == 200
@@ -97,7 +97,7 @@ async def test_https_is_trusted_by_who_trusts_the_authority() -> None:
         assert await status("127.0.0.1", https, "/api/me", trusting) == 200
         with pytest.raises(ssl.SSLCertVerificationError):
             await status(ADDRESS, https, "/", ssl.create_default_context())
-        _, secret = page.access.sessions.open("Ann", Role.DRIVER, Kind.BROWSER)
+        _, secret = page.access.sessions.open("Ann", Role.DRIVER, SessionKind.BROWSER)
         for name, code in ((f"__Host-pioneer3-{https}", 200), (f"pioneer3-{https}", 401)):
             cookie = f"{name}={secret}"
             assert await status(ADDRESS, https, "/api/me", trusting, Cookie=cookie) == code
@@ -109,7 +109,7 @@ async def test_at_one_address_this_computer_comes_in_without_a_token() -> None:
     async with (
         SimulatedRobot() as sim,
         connect_async(sim.open) as robot,
-        (page := Page()).hosting(robot, Scene()),
+        (page := Page()).hosting(robot, RobotScene()),
         serve(page, host=ADDRESS, port=0) as served,
     ):
         assert await status("127.0.0.1", port(served.http), "/api/me") == 200

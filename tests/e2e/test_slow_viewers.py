@@ -16,7 +16,7 @@ from pioneer3 import connect_async
 from pioneer3.maps import LineMap
 from pioneer3.web import client
 from pioneer3.web.page import Page
-from pioneer3.web.scene import Scene
+from pioneer3.web.scene import RobotScene
 from pioneer3.web.server import serve
 from pioneer3.web.websocket import BoundedWebSocket
 from tests.support import SimulatedRobot, until
@@ -41,7 +41,7 @@ async def served() -> AsyncIterator[tuple[SimulatedRobot, Page, str]]:
     async with (
         SimulatedRobot() as sim,
         connect_async(sim.open) as robot,
-        page.hosting(robot, Scene(MAP)),
+        page.hosting(robot, RobotScene(MAP)),
         serve(page, port=0) as at,
     ):
         yield sim, page, urlsplit(at.http).netloc

@@ -16,7 +16,7 @@ from pioneer3.errors import MotionError
 from pioneer3.geometry import Pose2
 from pioneer3.links.memory import Fault
 from pioneer3.navigation.group import stacks_of
-from pioneer3.navigation.traffic import Participant, Place, Traffic
+from pioneer3.navigation.traffic import Participant, SharedPlace, Traffic
 from pioneer3.state import Snapshot
 from tests.robots_together import Together, together
 from tests.support import bound
@@ -86,9 +86,9 @@ async def group(*poses: Pose2, faults: Sequence[Fault] = ()) -> AsyncIterator[Gr
         traffic, names = Traffic(), [one.name for one in here.simulation.robots]
         for number, (name, robot) in enumerate(zip(names, here.robots, strict=True)):
 
-            def place(snapshot: Snapshot, number: int = number) -> Place | str:
+            def place(snapshot: Snapshot, number: int = number) -> SharedPlace | str:
                 odom = snapshot.odometry.robot_in_odom
-                return Place("hall", here.pose(number) @ odom.inverse())
+                return SharedPlace("hall", here.pose(number) @ odom.inverse())
 
             stack.enter_context(traffic.joined(Participant(name, robot, place)))
         yield Group(here, traffic, names)

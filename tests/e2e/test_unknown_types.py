@@ -12,7 +12,7 @@ from pioneer3.arcos.commands import moves
 from pioneer3.behaviors.action import Stack
 from pioneer3.behaviors.modes import follow, goto, wander
 from pioneer3.doctor.diagnose import diagnose, examine, exit_code
-from pioneer3.doctor.facts import FAILED, Facts
+from pioneer3.doctor.facts import FAILED, LinkFacts
 from pioneer3.errors import CommandError, MotionError
 from pioneer3.fleet.inventory import read_fleet
 from pioneer3.fleet.reach import given_model
@@ -27,7 +27,7 @@ from pioneer3.sim.server.start import simulator
 from pioneer3.tasks import running
 from pioneer3.web.app import make_app
 from pioneer3.web.page import Page
-from pioneer3.web.scene import Scene
+from pioneer3.web.scene import RobotScene
 from tests.e2e.test_diagnosis_commands import pioneer3
 from tests.fleets import ESCAPE, UP, driven, simulated
 from tests.support import SimulatedRobot
@@ -194,7 +194,7 @@ async def test_a_fleets_file_counts_always_and_its_name_where_nothing_is_known(
 async def test_the_doctor_says_so_and_what_helps(file: Path) -> None:
     async with SimulatedRobot(model=str(file)) as sim:
         for model, code in ((None, FAILED), (file, 0)):
-            found = diagnose(await examine(await sim.open(), 1.0, Facts(url="memory:"), model))
+            found = diagnose(await examine(await sim.open(), 1.0, LinkFacts(url="memory:"), model))
             assert exit_code(found) == code
             (kind,) = (each for each in found if each.check == "type")
             assert ("--model FILE.p" in (kind.advice or "")) is (model is None)
@@ -204,7 +204,7 @@ async def test_neither_page_nor_script_drives_it(file: Path) -> None:
     async with connected(file) as (sim, robot):
         page = Page()
         async with (
-            page.hosting(robot, Scene()),
+            page.hosting(robot, RobotScene()),
             running(page.run()),
             Browser(make_app(page)) as ann,
         ):

@@ -9,10 +9,10 @@ import pytest
 
 from pioneer3 import connect_async
 from pioneer3.maps import shipped_map
-from pioneer3.web.access.sessions import Kind, Role
+from pioneer3.web.access.sessions import Role, SessionKind
 from pioneer3.web.api.routes import OPERATIONS
 from pioneer3.web.page import Page
-from pioneer3.web.scene import Scene
+from pioneer3.web.scene import RobotScene
 from pioneer3.web.server import serve
 from tests.cameras import fake_camera, films
 from tests.support import SimulatedRobot
@@ -40,10 +40,10 @@ async def test_an_example_of_the_reference_runs(example: str, tmp_path: Path) ->
         fake_camera(films((200, 30, 30))) as camera,
         SimulatedRobot(OFFICE, home=OFFICE.homes[0]) as sim,
         connect_async(sim.open, camera=camera.url) as robot,
-        (page := Page()).hosting(robot, Scene(map=OFFICE, odom_in_map=OFFICE.homes[0])),
+        (page := Page()).hosting(robot, RobotScene(map=OFFICE, odom_in_map=OFFICE.homes[0])),
         serve(page, port=0) as served,
     ):
-        _, token = page.access.sessions.open("survey", Role.DRIVER, Kind.SCRIPT)
+        _, token = page.access.sessions.open("survey", Role.DRIVER, SessionKind.SCRIPT)
         bash = await asyncio.create_subprocess_exec(
             "bash",
             "-euo",

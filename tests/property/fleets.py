@@ -6,8 +6,8 @@ from types import MappingProxyType
 
 from hypothesis import strategies as st
 
-from pioneer3.fleet.inventory import Defaults, Fleet, Operator, Robot
-from pioneer3.fleet.network import Network
+from pioneer3.fleet.inventory import Defaults, Fleet, FleetRobot, OperatorComputer
+from pioneer3.fleet.network import FleetNetwork
 from pioneer3.fleet.spec import usual_node
 
 PATH = Path("lab/fleet.toml")
@@ -25,7 +25,7 @@ ROS = st.sampled_from(["", "1", "2"])
 DEVICES = st.sampled_from(["/dev/ttyUSB0", "/dev/ttyS0", "serial:/dev/pioneer3/robot", "COM3"])
 NETWORKS = st.one_of(
     st.builds(
-        Network,
+        FleetNetwork,
         name=LABELS,
         backend=st.just("dds"),
         distro=st.sampled_from(["", "humble", "jazzy", "kilted", "lyrical"]),
@@ -35,7 +35,7 @@ NETWORKS = st.one_of(
         dds_services=st.booleans(),
     ),
     st.builds(
-        Network,
+        FleetNetwork,
         name=LABELS,
         backend=st.just("zenoh"),
         connect=st.just(("tls/fleet.example.org:7447", "tcp/[::1]:7447")) | st.just(()),
@@ -68,7 +68,7 @@ def fleets(draw: st.DrawFn, at_least: int = 0) -> Fleet:
     for name, host, address in zip(names, hosts, addresses, strict=False):
         reached = f"tcp://{host}:{draw(st.integers(1, 65535))}"
         ros = draw(ROS)
-        robot = Robot(
+        robot = FleetRobot(
             name=name,
             host=draw(st.sampled_from([name, host, f"{host}.local"])),
             address=address,
@@ -83,7 +83,7 @@ def fleets(draw: st.DrawFn, at_least: int = 0) -> Fleet:
             note=draw(PRINTABLE),
         )
         robots.append(robot)
-    operator = Operator(
+    operator = OperatorComputer(
         name=draw(st.sampled_from(["", labels[-1]])),
         address=draw(st.sampled_from(["", addresses[-1]])),
         user=draw(st.just("") | USERS),

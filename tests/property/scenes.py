@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from pioneer3.geometry import Pose2
-from pioneer3.sim.kernels import Grid, Kernels, Robots, build_grid
+from pioneer3.sim.kernels import Grid, Kernels, RobotArrays, build_grid
 
 Float = NDArray[np.float64]
 
@@ -43,7 +43,7 @@ class Scene:
     """Walls and robots, placed."""
 
     grid: Grid
-    robots: Robots
+    robots: RobotArrays
 
     def around(self, n: int) -> Float:
         """Return what robot `n` can meet; -1 meets all."""
@@ -66,7 +66,7 @@ def scene_of(kernels: Kernels, walls: Float, bodies: list[tuple[float, ...]]) ->
     if len(state) > 6:
         cut = state[6] * np.minimum((state[3] + state[4]) / 2, state[5])
     front, rear, half = state[3:6]
-    robots = Robots(front, rear, half, cut)
+    robots = RobotArrays(front, rear, half, cut)
     robots.state[:3] = state[:3]
     if len(state) > 6:
         robots.hidden[:] = state[7]

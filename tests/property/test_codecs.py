@@ -17,12 +17,12 @@ SHORT = 8
 REPORTS = [cls for cls in reports.ALL if cls is not reports.Sip]  # whose layout is by hand
 
 
-def values(kind: wire.Kind) -> st.SearchStrategy[object]:  # noqa: PLR0911
+def values(kind: wire.WireKind) -> st.SearchStrategy[object]:  # noqa: PLR0911
     """Return values of `kind` that lie on the wire's grid."""
     match kind:
         case wire.Integer() | Argument() | Bits():
             return st.integers(kind.low, kind.high)
-        case wire.Number(choices):
+        case wire.PacketId(choices):
             return st.sampled_from(choices)
         case wire.Scaled(inner, unit):
             return st.integers(inner.low, inner.high).map(unit.to_si)
@@ -44,7 +44,7 @@ def values(kind: wire.Kind) -> st.SearchStrategy[object]:  # noqa: PLR0911
             return several(kind)
 
 
-def several(kind: wire.Kind) -> st.SearchStrategy[object]:
+def several(kind: wire.WireKind) -> st.SearchStrategy[object]:
     """Return values of a kind that holds several values."""
     match kind:
         case lists.Record(cls):

@@ -7,14 +7,21 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pioneer3.lasers.client import Lost, ScanSettings
+from pioneer3.lasers.client import ScanSettings, ScansLost
 from pioneer3.lasers.cola import scan, wire
 from pioneer3.lasers.cola.client import ColaClient
 from pioneer3.lasers.cola.configuration import DataConfig, OutputRange, ScanConfig
 from pioneer3.lasers.cola.families import LMS1XX, LMS5XX, TIM
-from pioneer3.lasers.cola.scan import Channel, Encoder, InputEvent, Moment, Position, ScanData
+from pioneer3.lasers.cola.scan import (
+    Encoder,
+    InputEvent,
+    Moment,
+    Position,
+    ReadingChannel,
+    ScanData,
+)
 from pioneer3.lasers.cola.script import wished_output, wished_scan
-from pioneer3.lasers.cola.wire import TelegramError, TelegramReader, Words, encode
+from pioneer3.lasers.cola.wire import ColaTelegramReader, TelegramError, TelegramWords, encode
 from tests.unit.lasers.cola_room import Room, laser
 
 U8, U16, U32 = st.integers(0, 0xFF), st.integers(0, 0xFFFF), st.integers(0, 0xFFFFFFFF)
@@ -33,7 +40,7 @@ NOISE = st.lists(
 
 
 @st.composite
-def channel_sets(draw: st.DrawFn) -> tuple[tuple[Channel, ...], tuple[Channel, ...]]:
+def channel_sets(draw: st.DrawFn) -> tuple[tuple[ReadingChannel, ...], tuple[ReadingChannel, ...]]:
     contents = draw(
         st.lists(
             st.sampled_from([f"{kind}{n}" for kind in ("DIST", "RSSI") for n in range(1, 6)]),
@@ -45,8 +52,8 @@ def channel_sets(draw: st.DrawFn) -> tuple[tuple[Channel, ...], tuple[Channel, .
     wide = draw(st.integers(0, len(contents)))
     first, step, count = draw(S32), draw(st.integers(1, 0xFFFF)), draw(st.integers(1, 12))
 
-    def channel(content: str, most: int) -> Channel:
-        return Channel(
+    def channel(content: str, most: int) -> ReadingChannel:
+        return ReadingChannel(
             content=content,
             scale=draw(st.sampled_from([1.0, 2.0, 0.5])),
             offset=draw(REAL),
@@ -124,8 +131,8 @@ def scans(draw: st.DrawFn) -> ScanData:
 
 @given(scans())
 def test_a_scan_survives_the_wire(sent: ScanData) -> None:
-    (text,) = TelegramReader().feed(encode(f"sSN LMDscandata {scan.encode(sent)}"))
-    assert scan.decode(Words(text.split(" ")[2:])) == sent
+    (text,) = ColaTelegramReader().feed(encode(f"sSN LMDscandata {scan.encode(sent)}"))
+    assert scan.decode(TelegramWords(text.split(" ")[2:])) == sent
 
 
 @given(scans(), st.data())
@@ -133,9 +140,9 @@ def test_a_scan_with_words_missing_or_added_is_refused(sent: ScanData, data: st.
     words = scan.encode(sent).split(" ")
     cut = words[: data.draw(st.integers(0, len(words) - 1))]
     with pytest.raises(TelegramError):
-        scan.decode(Words(cut))
+        scan.decode(TelegramWords(cut))
     with pytest.raises(TelegramError):
-        scan.decode(Words([*words, "0"]))
+        scan.decode(TelegramWords([*words, "0"]))
 
 
 @given(scans(), st.data())
@@ -143,9 +150,9 @@ def test_a_flipped_bit_never_raises_anything_else(sent: ScanData, data: st.DataO
     raw = bytearray(encode(f"sSN LMDscandata {scan.encode(sent)}"))
     bit = data.draw(st.integers(0, len(raw) * 8 - 1))
     raw[bit // 8] ^= 1 << bit % 8
-    for text in TelegramReader().feed(bytes(raw)):
+    for text in ColaTelegramReader().feed(bytes(raw)):
         try:
-            scan.decode(Words(text.split(" ")[2:]))
+            scan.decode(TelegramWords(text.split(" ")[2:]))
         except TelegramError:
             continue
 
@@ -154,7 +161,7 @@ def test_a_flipped_bit_never_raises_anything_else(sent: ScanData, data: st.DataO
 def test_chunking_does_not_matter(sent: list[str], noise: bytes, data: st.DataObject) -> None:
     stream = noise + b"".join(map(encode, sent))
     cuts = sorted(data.draw(st.lists(st.integers(0, len(stream)), max_size=10)))
-    whole, pieces = TelegramReader(), TelegramReader()
+    whole, pieces = ColaTelegramReader(), ColaTelegramReader()
     got = []
     for start, end in zip([0, *cuts], [*cuts, len(stream)], strict=True):
         got += pieces.feed(stream[start:end])
@@ -167,7 +174,7 @@ def test_chunking_does_not_matter(sent: list[str], noise: bytes, data: st.DataOb
 @settings(max_examples=5)
 @given(st.integers(0, 1 << 32))
 def test_a_megabyte_of_random_bytes_does_no_harm(seed: int) -> None:
-    random, reader, taken = Random(seed), TelegramReader(), 0
+    random, reader, taken = Random(seed), ColaTelegramReader(), 0
     for _ in range(256):
         taken += sum(len(text) + 2 for text in reader.feed(random.randbytes(4096)))
         assert len(reader._buffer) <= wire.MAX_TELEGRAM + 1
@@ -186,7 +193,7 @@ def test_numbers_survive_the_wire(signed: int, unsigned: int, real: float) -> No
 
 @given(TEXT, TEXT)
 def test_texts_survive_the_wire(first: str, second: str) -> None:
-    words = Words(f"{wire.text_words(first)} {wire.text_words(second)} 7".split(" "))
+    words = TelegramWords(f"{wire.text_words(first)} {wire.text_words(second)} 7".split(" "))
     assert (words.text(), words.text(), words.number()) == (first, second, 7)
 
 
@@ -201,12 +208,12 @@ def test_texts_survive_the_wire(first: str, second: str) -> None:
 )
 def test_scan_settings_survive_both_ways(config: ScanConfig) -> None:
     for text in (config.answer(), config.request()):
-        assert ScanConfig.parse(Words(text.split(" "))) == config
+        assert ScanConfig.parse(TelegramWords(text.split(" "))) == config
 
 
 @given(st.builds(OutputRange, step_tick=U16, first_tick=S32, last_tick=S32))
 def test_output_ranges_survive(output: OutputRange) -> None:
-    assert OutputRange.parse(Words(output.words().split(" "))) == output
+    assert OutputRange.parse(TelegramWords(output.words().split(" "))) == output
 
 
 @given(
@@ -226,7 +233,7 @@ def test_output_ranges_survive(output: OutputRange) -> None:
 )
 def test_contents_of_scans_survive_both_ways(config: DataConfig) -> None:
     for text in (config.answer(), config.request()):
-        assert DataConfig.parse(Words(text.split(" "))) == config
+        assert DataConfig.parse(TelegramWords(text.split(" "))) == config
 
 
 @given(
@@ -269,7 +276,7 @@ def test_noise_at_the_client_costs_no_session(
         room.events += room.client.receive(noise[:size], room.now)
         room.run(0.013)
     room.run(1.0)
-    assert not [event for event in room.events if isinstance(event, Lost)]
+    assert not [event for event in room.events if isinstance(event, ScansLost)]
     assert len(room.scans[-1].ranges) == 1081
     assert room.scans[-1].ranges[9] == inf
 

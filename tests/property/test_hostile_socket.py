@@ -9,7 +9,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from pioneer3.web import requests
-from pioneer3.web.access.sessions import Kind, Role
+from pioneer3.web.access.sessions import Role, SessionKind
 from tests.unit.web.asking import ELSEWHERE, LAN
 from tests.unit.web.browser import Browser, playground
 
@@ -56,7 +56,7 @@ async def attack(role: Role, sent: list[str | bytes]) -> None:
     """Send everything as a client without control; then the socket must still answer."""
     async with playground() as the, Browser(the.app) as keeper:
         keeper.say("take_control")
-        _, secret = the.page.access.sessions.open("fuzz", role, Kind.BROWSER)
+        _, secret = the.page.access.sessions.open("fuzz", role, SessionKind.BROWSER)
         before = the.simulation.body.robot_in_world
         cookie = f"pioneer3-8080={secret}"
         async with Browser(the.app, host=LAN, peer=ELSEWHERE, cookie=cookie) as mallory:

@@ -13,7 +13,7 @@ from pioneer3.behaviors.actions import keep_apart
 from pioneer3.behaviors.actions.keep_apart import LimiterPeers
 from pioneer3.behaviors.peers import Peer
 from pioneer3.geometry import Pose2, Twist2
-from pioneer3.navigation.traffic import LOOK_UP_EVERY, NEAR_ROBOTS, SLACK, Place, Traffic
+from pioneer3.navigation.traffic import LOOK_UP_EVERY, NEAR_ROBOTS, SLACK, SharedPlace, Traffic
 from tests.unit.behaviors.support import seen
 from tests.unit.navigation.test_traffic import Fake, participant
 
@@ -60,7 +60,7 @@ def test_the_robots_that_are_near_are_found(robots: list[tuple[Any, ...]], later
     the, fakes = Traffic(), dict[str, Fake]()
     with ExitStack() as stack:
         for number, (x, y, _, _, frame, _) in enumerate(robots):
-            fake = fakes[f"p3-{number}"] = Fake(Place(frame, Pose2(x, y)))
+            fake = fakes[f"p3-{number}"] = Fake(SharedPlace(frame, Pose2(x, y)))
             stack.enter_context(the.joined(participant(f"p3-{number}", fake)))
         the.peers_of("p3-0", NEAR_ROBOTS)
         here = {}

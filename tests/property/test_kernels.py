@@ -12,8 +12,8 @@ from pioneer3.geometry import Pose2
 from pioneer3.maps import read_map
 from pioneer3.sim.collision import footprint_hits
 from pioneer3.sim.kernels import (
-    Echoes,
     Kernels,
+    Reflectors,
     find_edges,
     laser_fan,
     sonar_mounts,
@@ -86,7 +86,9 @@ def within(walls: Float, origin: Float, reach: float) -> Float:
     return walls[(low & high).all(axis=1)]
 
 
-def edges_heard(origin: Float, axis: float, walls: Float, echoes: Echoes, limit: float) -> Float:
+def edges_heard(
+    origin: Float, axis: float, walls: Float, echoes: Reflectors, limit: float
+) -> Float:
     """Return the range to the nearest edge in a beam [m], at least and at most, up to `limit`.
 
     They differ where rounding decides whether an edge is in the beam, near enough or in sight.
@@ -110,7 +112,7 @@ def edges_heard(origin: Float, axis: float, walls: Float, echoes: Echoes, limit:
 
 
 def check_sonar(
-    kernels: Kernels, scene: Scene, limit: float, rays: int, *, echoes: Echoes = ALL
+    kernels: Kernels, scene: Scene, limit: float, rays: int, *, echoes: Reflectors = ALL
 ) -> None:
     """Compare all transducers, then those of some robots alone, then some transducers."""
     kinds = [n % 2 for n in range(len(scene.robots))]
@@ -207,7 +209,7 @@ def test_only_walls_that_are_met_steeply_echo(
 ) -> None:
     rays, critical = beam
     scene, steep = scene_of(kernels, walls, bodies), cos(np.radians(critical))
-    check_sonar(kernels, scene, limit, rays, echoes=Echoes(steep=steep))
+    check_sonar(kernels, scene, limit, rays, echoes=Reflectors(steep=steep))
 
 
 @given(
@@ -226,7 +228,7 @@ def test_edges_that_are_near_and_in_sight_echo(
 ) -> None:
     rays, edge_range, steep = beam
     scene = scene_of(kernels, walls, bodies)
-    echoes = Echoes(steep=steep, edges=find_edges(scene.grid), edge_range=edge_range)
+    echoes = Reflectors(steep=steep, edges=find_edges(scene.grid), edge_range=edge_range)
     check_sonar(kernels, scene, limit, rays, echoes=echoes)
 
 
@@ -319,8 +321,8 @@ def test_every_map_agrees_with_the_reference(name: str) -> None:
     check_rays(kernels, scene, rays, 30.0)
     check_sonar(kernels, scene, 5.0, 5)
     steep = cos(np.radians(27))
-    check_sonar(kernels, scene, 5.0, 1, echoes=Echoes(steep=steep))
+    check_sonar(kernels, scene, 5.0, 1, echoes=Reflectors(steep=steep))
     edges = find_edges(scene.grid)
-    check_sonar(kernels, scene, 5.0, 5, echoes=Echoes(steep=steep, edges=edges, edge_range=1.0))
+    check_sonar(kernels, scene, 5.0, 5, echoes=Reflectors(steep=steep, edges=edges, edge_range=1.0))
     check_fan(kernels, scene, (-pi / 2, pi / 60, 61), 8.0)
     check_blocked(kernels, scene, scene.robots.poses.copy())

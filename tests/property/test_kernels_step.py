@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from pioneer3.geometry import Pose2
 from pioneer3.maps import read_map
 from pioneer3.sim.collision import footprint_hits
-from pioneer3.sim.kernels import Drives, Grid, Kernels, Robots, build_grid
+from pioneer3.sim.kernels import DriveArrays, Grid, Kernels, RobotArrays, build_grid
 from pioneer3.sim.kernels.drives import (
     ACCELERATION,
     ANGULAR,
@@ -39,12 +39,12 @@ FRONT, REAR, HALF = 0.21, 0.3, 0.2
 
 def crowd(
     kernels: Kernels, grid: Grid, random: Generator, counts: tuple[int, int], spread: Float
-) -> Robots:
+) -> RobotArrays:
     """Place so many robots, and after them things with cut corners, in a box x0, y0, x1, y1."""
     count = sum(counts)
     cut = np.repeat([0.0, HALF / 2], counts)
     front, rear, half = (random.uniform(0.7, 1.3, count) * size for size in (FRONT, REAR, HALF))
-    robots = Robots(front, rear, half, cut)
+    robots = RobotArrays(front, rear, half, cut)
     robots.theta[:] = random.uniform(-pi, pi, count)
     lost = np.ones(count, dtype=np.bool_)
     while lost.any():
@@ -54,8 +54,8 @@ def crowd(
     return robots
 
 
-def drives_of(count: int, *, noisy: bool) -> Drives:
-    drives = Drives.at_rest(count)
+def drives_of(count: int, *, noisy: bool) -> DriveArrays:
+    drives = DriveArrays.at_rest(count)
     drives.axes[[ACCELERATION, DECELERATION, TOP]] = np.array(
         [[[0.3], [1.7]], [[0.5], [2.0]], [[0.75], [1.7]]]
     )
@@ -65,7 +65,7 @@ def drives_of(count: int, *, noisy: bool) -> Drives:
     return drives
 
 
-def command(drives: Drives, random: Generator) -> None:
+def command(drives: DriveArrays, random: Generator) -> None:
     """Give every robot something to do: a velocity, a distance, the watchdog's hold, no power."""
     count = len(drives)
     speeds, rates = random.uniform(-0.4, 0.9, count), random.uniform(-2.0, 2.0, count)
@@ -77,7 +77,7 @@ def command(drives: Drives, random: Generator) -> None:
     drives.flags[HELD], drives.flags[POWERED] = held, powered
 
 
-def check_apart(grid: Grid, robots: Robots, count: int) -> None:
+def check_apart(grid: Grid, robots: RobotArrays, count: int) -> None:
     """Hold every robot against walls and others, plainly."""
     for n in range(count):
         others = np.delete(robots.outlines, n, axis=0).reshape(-1, 4)
@@ -87,7 +87,7 @@ def check_apart(grid: Grid, robots: Robots, count: int) -> None:
 
 
 def drive(
-    kernels: Kernels, grid: Grid, robots: Robots, random: Generator, *, count: int, noisy: bool
+    kernels: Kernels, grid: Grid, robots: RobotArrays, random: Generator, *, count: int, noisy: bool
 ) -> None:
     """Drive the first `count` robots about for a while."""
     drives = drives_of(count, noisy=noisy)
@@ -131,9 +131,9 @@ def test_robots_never_drive_into_anything_on_any_map(kernels: Kernels, name: str
     drive(kernels, grid, robots, random, count=20, noisy=True)
 
 
-def side_by_side(kernels: Kernels, gap: float, heading: float) -> Robots:
+def side_by_side(kernels: Kernels, gap: float, heading: float) -> RobotArrays:
     size = np.array([0.25, 0.25])
-    robots = Robots(size, size, 0.8 * size)
+    robots = RobotArrays(size, size, 0.8 * size)
     robots.poses[:] = [[0.0, gap], [0.0, 0.0], [heading, heading]]
     kernels.place(robots)
     return robots
@@ -160,7 +160,7 @@ def test_a_corner_against_a_side_only_touches_for_both_robots(
     kernels: Kernels, depth: float
 ) -> None:
     way, size = 0.001, np.array([0.2, 0.2])
-    robots, drives = Robots(size, size, size), drives_of(2, noisy=False)
+    robots, drives = RobotArrays(size, size, size), drives_of(2, noisy=False)
     beside = 0.2 + 0.2 * sqrt(2) - depth * 1e-9 + way * cos(pi / 4)
     robots.poses[:] = [[0.0, beside], [0.0, 0.0], [0.0, 3 * pi / 4]]
     kernels.place(robots)

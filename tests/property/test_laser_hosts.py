@@ -8,10 +8,10 @@ from hypothesis import strategies as st
 
 from pioneer3.lasers.cola.client import ColaClient
 from pioneer3.lasers.cola.connection import MOST_POLLS
-from pioneer3.lasers.cola.wire import TelegramReader, encode
-from pioneer3.lasers.device import Device, Sweep
+from pioneer3.lasers.cola.wire import ColaTelegramReader, encode
+from pioneer3.lasers.device import LaserDevice, Sweep
 from pioneer3.lasers.lms2xx import telegram as lms
-from pioneer3.lasers.lms2xx.commands import Command, Mode
+from pioneer3.lasers.lms2xx.commands import CommandCode, OperatingMode
 from pioneer3.lasers.lms2xx.device import LmsDevice
 from pioneer3.lasers.scip.device import ScipDevice
 from pioneer3.models.lasers import LASERS
@@ -113,10 +113,10 @@ SCIP_REQUESTS = st.one_of(
 )
 LMS_REQUESTS = st.builds(
     lms.encode,
-    st.sampled_from([*Command, 0x55]),
+    st.sampled_from([*CommandCode, 0x55]),
     st.one_of(
         st.binary(max_size=40),
-        st.sampled_from([bytes((mode,)) for mode in Mode] + [b"\x00SICK_LMS", b"\x01"]),
+        st.sampled_from([bytes((mode,)) for mode in OperatingMode] + [b"\x00SICK_LMS", b"\x01"]),
         st.sampled_from(["b4006400", "b4003200", "640019000", "2701000101"]).map(
             lambda text: bytes.fromhex(text[: len(text) // 2 * 2])
         ),
@@ -125,7 +125,7 @@ LMS_REQUESTS = st.builds(
 RANGES = st.sampled_from([0.0, 1e-9, 0.5, 7.9, 1e3, 1e12, inf, nan])
 
 
-def turn_and_send(device: Device, metres: float, now: float) -> float:
+def turn_and_send(device: LaserDevice, metres: float, now: float) -> float:
     """Let the mirror turn, if it does, and all bytes leave; return the time afterwards."""
     if (turn := device.turn) is not None:
         assert 0 < turn.count < 3000
@@ -146,7 +146,7 @@ def test_no_request_stops_a_cola_laser(name: str, asked: list[tuple[str, float, 
     for text, metres, pause in asked:
         host.receive(encode(text or " "), now)
         now = turn_and_send(device, metres, now + pause)
-        heard = TelegramReader()
+        heard = ColaTelegramReader()
         heard.feed(host.outgoing(now))
         assert heard.rejected == 0
     other.receive(encode("sRN STlms"), now)
@@ -183,7 +183,7 @@ def test_no_request_stops_an_lms(asked: list[tuple[bytes, float]]) -> None:
             now += 2.0
             device.tick(now)
             host.outgoing(now)
-    host.receive(lms.encode(Command.MODE, b"\x25"), now + 1.0)
+    host.receive(lms.encode(CommandCode.MODE, b"\x25"), now + 1.0)
     host.outgoing(now + 9.0)
     assert device.turn is None
 
@@ -225,7 +225,7 @@ def test_no_word_of_an_answer_makes_a_cola_client_raise(data: st.DataObject) -> 
     assert room.client is not None
     room.run(0.2)
     room.connection.receive(encode("sRN LMDscandata"), room.now)
-    scan = TelegramReader().feed(room.connection.outgoing(room.now))[-1]
+    scan = ColaTelegramReader().feed(room.connection.outgoing(room.now))[-1]
     other = data.draw(st.sampled_from(["sAN SetAccessMode 1", "sRA STlms 7 0 8 00:00:00 8 1"]))
     words = data.draw(st.sampled_from([scan, other])).split(" ")
     for _ in range(data.draw(st.integers(1, 3))):

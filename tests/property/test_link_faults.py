@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pioneer3.arcos.packet import PacketReader, encode
-from pioneer3.sim.server.faults import Channel, LinkFaults
+from pioneer3.sim.server.faults import CableDirection, LinkFaults
 
 shares = st.floats(0, 1)
 seeds = st.integers(0, 2**32)
@@ -13,7 +13,7 @@ packets = st.lists(st.binary(min_size=1, max_size=40), max_size=30)
 
 
 def arrivals(faults: LinkFaults, chunks: list[bytes]) -> list[bytes]:
-    line = Channel(faults, "out")
+    line = CableDirection(faults, "out")
     moments = [tick * 0.02 for tick in range(len(chunks) + 200)]
     return [
         line.transmit(chunk, now)
@@ -41,7 +41,7 @@ def test_a_slow_cable_loses_nothing_and_keeps_the_order(
 
 @given(shares, seeds, packets)
 def test_what_is_not_lost_arrives_whole(drop: float, seed: int, sent: list[bytes]) -> None:
-    line = Channel(LinkFaults(drop=drop, seed=seed), "in")
+    line = CableDirection(LinkFaults(drop=drop, seed=seed), "in")
     reader = PacketReader()
     received = reader.feed(line.transmit(b"".join(map(encode, sent)), 0.0))
     left = iter(sent)
@@ -51,7 +51,7 @@ def test_what_is_not_lost_arrives_whole(drop: float, seed: int, sent: list[bytes
 
 @given(st.floats(0.05, 0.95), seeds)
 def test_as_many_packets_are_lost_as_asked_for(drop: float, seed: int) -> None:
-    line = Channel(LinkFaults(drop=drop, seed=seed), "in")
+    line = CableDirection(LinkFaults(drop=drop, seed=seed), "in")
     count = 4000
     arrived = len(line.transmit(encode(b"\0") * count, 0.0)) / 6
     six_sigma = 6 * (count * drop * (1 - drop)) ** 0.5
@@ -60,7 +60,7 @@ def test_as_many_packets_are_lost_as_asked_for(drop: float, seed: int) -> None:
 
 @given(st.floats(0.05, 0.95), seeds)
 def test_as_many_bytes_are_spoiled_as_asked_for(corrupt: float, seed: int) -> None:
-    line = Channel(LinkFaults(corrupt=corrupt, seed=seed), "in")
+    line = CableDirection(LinkFaults(corrupt=corrupt, seed=seed), "in")
     count = 4000
     spoiled = sum(map(bool, line.transmit(bytes(count), 0.0)))
     six_sigma = 6 * (count * corrupt * (1 - corrupt)) ** 0.5

@@ -8,10 +8,10 @@ from typing import get_type_hints
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from pioneer3.lasers.client import Lost, Patience
+from pioneer3.lasers.client import Patience, ScansLost
 from pioneer3.lasers.lms2xx import LmsClient, LmsDevice
-from pioneer3.lasers.lms2xx.blocks import Config, Status
-from pioneer3.lasers.lms2xx.commands import Command, Mode
+from pioneer3.lasers.lms2xx.blocks import UnitConfig, UnitStatus
+from pioneer3.lasers.lms2xx.commands import CommandCode, OperatingMode
 from pioneer3.lasers.lms2xx.measuring import MEASURING_MODES, MeasuringMode, Units
 from pioneer3.lasers.lms2xx.scans import (
     MEAN_SUBRANGE_VALUES,
@@ -26,9 +26,9 @@ from pioneer3.lasers.lms2xx.telegram import (
     PAUSE,
     STX,
     UNITS,
+    LmsTelegramReader,
     Sign,
     Telegram,
-    TelegramReader,
     checksum,
     encode,
 )
@@ -87,7 +87,7 @@ def test_chunking_does_not_matter(
     sent: list[tuple[int, bytes, int] | Sign], data: st.DataObject
 ) -> None:
     stream = b"".join(bytes((s.value,)) if isinstance(s, Sign) else frame(s) for s in sent)
-    reader = TelegramReader(UNITS)
+    reader = LmsTelegramReader(UNITS)
     got = [item for piece in pieces(stream, data) for item in reader.feed(piece, 0.0)]
     assert content(got) == sent
     assert reader.skipped == reader.rejected == 0
@@ -95,7 +95,7 @@ def test_chunking_does_not_matter(
 
 @given(st.lists(st.one_of(NOISE, SENT.map(frame)), max_size=8).map(b"".join), st.data())
 def test_chunking_does_not_matter_amid_noise_either(stream: bytes, data: st.DataObject) -> None:
-    whole, cut = TelegramReader(UNITS), TelegramReader(UNITS)
+    whole, cut = LmsTelegramReader(UNITS), LmsTelegramReader(UNITS)
     got = [item for piece in pieces(stream, data) for item in cut.feed(piece, 0.0)]
     assert content(got) == content(whole.feed(stream, 0.0))
     assert (cut.skipped, cut.rejected) == (whole.skipped, whole.rejected)
@@ -109,7 +109,7 @@ def test_no_telegram_sent_after_noise_is_lost(
     # noise that happens to complete a right checksum with what follows is a telegram like any other
     assume(not any(start < len(noise) < end for start, end in telegrams_within(stream)))
     assume(not any(start > 0 for s in sent for start, _ in telegrams_within(frame(s))))
-    reader = TelegramReader(UNITS)
+    reader = LmsTelegramReader(UNITS)
     got = reader.feed(stream, 0.0) + reader.feed(b"", PAUSE)
     assert content([item for item in got if isinstance(item, Telegram)])[-len(sent) :] == sent
 
@@ -133,7 +133,7 @@ def test_a_telegram_with_a_flipped_bit_is_never_delivered(
     raw = bytearray(frame(sent))
     bit = data.draw(st.integers(0, len(raw) * 8 - 1))
     raw[bit // 8] ^= 1 << bit % 8
-    reader = TelegramReader(UNITS)
+    reader = LmsTelegramReader(UNITS)
     got = reader.feed(bytes(raw), 0.0) + reader.feed(b"", PAUSE)
     within = telegrams_within(bytes(raw))  # a piece may by chance be a telegram of its own
     assert (0, len(raw)) not in within
@@ -144,7 +144,7 @@ def test_a_telegram_with_a_flipped_bit_is_never_delivered(
 def test_no_flipped_bit_of_a_scan_is_accepted() -> None:
     scan = frame((VALUES, Random(3).randbytes(725), 0x80))
     for bit in range(len(scan) * 8):
-        reader, raw = TelegramReader(UNITS), bytearray(scan)
+        reader, raw = LmsTelegramReader(UNITS), bytearray(scan)
         raw[bit // 8] ^= 1 << bit % 8
         got = reader.feed(bytes(raw), 0.0) + reader.feed(b"", PAUSE)
         assert [item for item in got if isinstance(item, Telegram)] == [], bit
@@ -152,7 +152,7 @@ def test_no_flipped_bit_of_a_scan_is_accepted() -> None:
 
 @given(st.lists(st.tuples(st.binary(max_size=300), st.floats(0, 0.3)), max_size=20))
 def test_no_bytes_and_no_pauses_make_it_raise(chunks: list[tuple[bytes, float]]) -> None:
-    reader, now = TelegramReader(UNITS), 0.0
+    reader, now = LmsTelegramReader(UNITS), 0.0
     fed = taken = 0
     for data, pause in chunks:
         now += pause
@@ -166,7 +166,7 @@ def test_no_bytes_and_no_pauses_make_it_raise(chunks: list[tuple[bytes, float]])
 @settings(max_examples=3)
 @given(st.integers(0, 1 << 32))
 def test_a_megabyte_of_random_bytes_does_no_harm(seed: int) -> None:
-    random, reader = Random(seed), TelegramReader(UNITS)
+    random, reader = Random(seed), LmsTelegramReader(UNITS)
     taken = 0
     for _ in range(256):
         for item in reader.feed(random.randbytes(4096), 0.0):
@@ -178,16 +178,16 @@ def test_a_megabyte_of_random_bytes_does_no_harm(seed: int) -> None:
 
 @given(st.binary(min_size=34, max_size=34))
 def test_every_configuration_survives(block: bytes) -> None:
-    assert Config.from_bytes(block).to_bytes() == block
-    assert Config.from_bytes(block[:32]).to_bytes(32) == block[:32]
+    assert UnitConfig.from_bytes(block).to_bytes() == block
+    assert UnitConfig.from_bytes(block[:32]).to_bytes(32) == block[:32]
 
 
 @given(st.binary(min_size=152, max_size=152))
 def test_every_status_keeps_its_fields(block: bytes) -> None:
-    status = Status.from_bytes(block)
-    assert Status.from_bytes(status.to_bytes()) == status
-    places = get_type_hints(Status, include_extras=True)
-    for field in fields(Status):
+    status = UnitStatus.from_bytes(block)
+    assert UnitStatus.from_bytes(status.to_bytes()) == status
+    places = get_type_hints(UnitStatus, include_extras=True)
+    for field in fields(UnitStatus):
         place = places[field.name].__metadata__[0]
         assert (
             status.to_bytes()[place.offset - 1 : place.end - 1]
@@ -220,7 +220,7 @@ def test_no_answers_make_the_client_raise(
         while client.deadline <= now:
             events += client.tick(now)
         assert len(client.outgoing()) < 1000
-        if any(isinstance(event, Lost) for event in events):
+        if any(isinstance(event, ScansLost) for event in events):
             assert client.deadline == inf
             return
         assert client.deadline > now
@@ -230,9 +230,9 @@ def test_no_answers_make_the_client_raise(
 
 REQUESTS = st.builds(
     encode,
-    st.sampled_from(Command) | CODES,
+    st.sampled_from(CommandCode) | CODES,
     st.binary(max_size=34)
-    | st.sampled_from(Mode).map(lambda mode: bytes((mode,)))
+    | st.sampled_from(OperatingMode).map(lambda mode: bytes((mode,)))
     | st.sampled_from([b"\0SICK_LMS", b"\x27\1\0\3\0", b"\x64\0\x19\0", b"\xb4\0\x64\0"]),
 )
 

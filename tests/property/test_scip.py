@@ -12,7 +12,7 @@ from pioneer3.lasers.client import Event, Measured, ScanSettings
 from pioneer3.lasers.scip.client import ScipClient
 from pioneer3.lasers.scip.device import ScipDevice
 from pioneer3.lasers.scip.scans import FORMATS, decode
-from pioneer3.lasers.scip.timing import WRAP, DeviceClock
+from pioneer3.lasers.scip.timing import WRAP, ScipClock
 from pioneer3.lasers.scip.wire import (
     AnswerReader,
     decode_values,
@@ -182,7 +182,7 @@ def test_no_bytes_make_a_laser_raise(noise: list[bytes], name: str) -> None:
 
 @given(st.integers(0, WRAP - 1), st.lists(st.integers(1, 600000), max_size=60))
 def test_the_laser_clock_goes_on_behind_its_24_bits(start: int, ahead: list[int]) -> None:
-    clock = DeviceClock()
+    clock = ScipClock()
     first = clock.unwrap(start)
     total = 0
     for milliseconds in ahead:

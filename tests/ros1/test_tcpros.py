@@ -14,7 +14,7 @@ from pioneer3.ros.tcpros.answers import MasterRefusalError, OddAnswerError, valu
 from pioneer3.ros.tcpros.master import CONNECTIONS, Api
 from pioneer3.ros.tcpros.node import Ros1Node, ros1_node
 from pioneer3.ros.tcpros.services import ServiceError
-from pioneer3.ros.tcpros.subscriber import Connection
+from pioneer3.ros.tcpros.subscriber import PublisherConnection
 from pioneer3.ros.tcpros.types import Ros1Types, service_definition
 from tests.e2e.processes import free_port, until
 from tests.ros1.little_master import LittleMaster, little_master
@@ -43,10 +43,10 @@ class Listener:
         self.left: list[str] = []
         self.subscription = node.subscribe(topic, STRING, self._received, self._left)
 
-    def _received(self, data: bytes, connection: Connection, old: bool) -> None:
+    def _received(self, data: bytes, connection: PublisherConnection, old: bool) -> None:
         self.heard.append((data, connection.node, old))
 
-    def _left(self, connection: Connection) -> None:
+    def _left(self, connection: PublisherConnection) -> None:
         self.left.append(connection.node)
 
 

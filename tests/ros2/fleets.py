@@ -16,9 +16,9 @@ from typing import Any
 
 from pioneer3.cli.fleet_ros import connecting
 from pioneer3.fleet.drive import FleetDrive, Manner
-from pioneer3.fleet.inventory import Fleet, Robot, read_fleet, to_toml
+from pioneer3.fleet.inventory import Fleet, FleetRobot, read_fleet, to_toml
 from pioneer3.fleet.members import Member
-from pioneer3.fleet.network import Network
+from pioneer3.fleet.network import FleetNetwork
 from pioneer3.fleet.spec import usual_node
 from pioneer3.tasks import running as in_background
 from tests.e2e.at_terminal import IN_TERMINAL
@@ -29,16 +29,18 @@ from tests.ros2.networks import Ros2
 UP, EMERGENCY, RESET = "\x1b[A", "k", "\x12"
 
 
-def table_of(network: Ros2, name: str = "here") -> Network:
+def table_of(network: Ros2, name: str = "here") -> FleetNetwork:
     """Return a network as a fleet file has it."""
     given = network.network
-    return Network(name=name, backend=given.backend, domain=given.domain, connect=given.connect)
+    return FleetNetwork(
+        name=name, backend=given.backend, domain=given.domain, connect=given.connect
+    )
 
 
-def row(number: int, *, port: str = "", network: str = "") -> Robot:
+def row(number: int, *, port: str = "", network: str = "") -> FleetRobot:
     """Return a robot of a fleet file; without a port it is on a network of ROS 2."""
     name, ros = f"r{number}", "" if port else "2"
-    return Robot(
+    return FleetRobot(
         name=name,
         host=name,
         address=f"127.0.0.{number}",
@@ -49,7 +51,7 @@ def row(number: int, *, port: str = "", network: str = "") -> Robot:
     )
 
 
-def write_fleet(path: Path, networks: tuple[Network, ...], *robots: Robot) -> Path:
+def write_fleet(path: Path, networks: tuple[FleetNetwork, ...], *robots: FleetRobot) -> Path:
     """Write a fleet file."""
     path.write_text(to_toml(Fleet(path=path, networks=networks, robots=robots)))
     return path

@@ -9,7 +9,7 @@ from itertools import cycle
 from typing import Any
 
 from pioneer3.ros.dds.settings import DdsOptions
-from pioneer3.ros.ros2.backend import Backend, Endpoint, Kind, NodeName, Qos, Writer
+from pioneer3.ros.ros2.backend import Backend, Endpoint, EndpointKind, NodeName, Qos, Writer
 from pioneer3.ros.ros2.distros import distro_of
 from pioneer3.ros.ros2.network import BackendName, Network, open_backend
 from pioneer3.ros.ros2.types import MessageTypes
@@ -73,12 +73,12 @@ class Peer:
         message.linear.x, message.angular.z = v, w
         return self.types.encode(message)
 
-    def endpoint(self, name: str, kind: Kind = Kind.PUBLISHER) -> Endpoint | None:
+    def endpoint(self, name: str, kind: EndpointKind = EndpointKind.PUBLISHER) -> Endpoint | None:
         """Return an endpoint that it has found, or `None`."""
         found = (e for e in self.backend.graph().endpoints if (e.name, e.kind) == (name, kind))
         return next(found, None)
 
-    def knows(self, name: str, kind: Kind, node: str) -> bool:
+    def knows(self, name: str, kind: EndpointKind, node: str) -> bool:
         """Return whether it knows this endpoint, and that it is of this node."""
         found = self.endpoint(name, kind)
         return found is not None and found.node == node

@@ -13,9 +13,17 @@ import pytest
 
 from pioneer3.errors import ConfigError
 from pioneer3.models import load_model
-from pioneer3.ros.bridge.bridge import Bridge
-from pioneer3.ros.bridge.conversion import Converter, Frames
-from pioneer3.ros.bridge.rows import Robot, Row, ServiceRow, Side, Way, rows_of, services_of
+from pioneer3.ros.bridge.bridge import TopicBridge
+from pioneer3.ros.bridge.conversion import Converter, FrameNames
+from pioneer3.ros.bridge.rows import (
+    BridgedRobot,
+    BridgedTopic,
+    BridgeWay,
+    ServiceRow,
+    Side,
+    rows_of,
+    services_of,
+)
 from pioneer3.ros.node.names import Profile
 from pioneer3.ros.ros2.backend import LATCHED, Graph, NodeName, Qos
 from pioneer3.ros.ros2.distros import distro_of
@@ -36,8 +44,8 @@ TWIST, BOOL, ODOMETRY = "geometry_msgs/Twist", "std_msgs/Bool", "nav_msgs/Odomet
 TF = "tf2_msgs/TFMessage"
 
 
-def table(side: Side) -> Robot:
-    return Robot(
+def table(side: Side) -> BridgedRobot:
+    return BridgedRobot(
         side=side,
         model=load_model("p3at-sh"),
         distro=distro_of("jazzy"),
@@ -45,7 +53,7 @@ def table(side: Side) -> Robot:
     )
 
 
-def rows(side: Side, *names: str) -> list[Row]:
+def rows(side: Side, *names: str) -> list[BridgedTopic]:
     return [row for row in rows_of(table(side)) if row.ros1.strip("/") in names]
 
 
@@ -69,7 +77,7 @@ class Networks:
     @asynccontextmanager
     async def bridge(
         self,
-        rows: Iterable[Row],
+        rows: Iterable[BridgedTopic],
         services: Iterable[ServiceRow] = (),
         *,
         name: str = "bridge",
@@ -83,11 +91,11 @@ class Networks:
         extra = {BRIDGE_FIELD: "1"}
         begun = len(self.said)
         async with ros1_node(f"/{name}", self.master.at, self.said.append, extra) as node:
-            made = Bridge(
+            made = TopicBridge(
                 node,
                 backend,
                 f"/{name}",
-                Converter(ROS1, ROS2, Frames(prefix)),
+                Converter(ROS1, ROS2, FrameNames(prefix)),
                 rows=rows,
                 services=services,
                 robot=robot,
@@ -422,7 +430,7 @@ async def test_fixed_transforms_of_several_publishers_are_together_for_late_subs
 
 
 async def test_a_topic_both_ways_never_echoes(networks: Networks) -> None:
-    both = Row(ros1="/a", ros2="/a", ros1_type=BOOL, ros2_type=BOOL, way=Way.BOTH)
+    both = BridgedTopic(ros1="/a", ros2="/a", ros1_type=BOOL, ros2_type=BOOL, way=BridgeWay.BOTH)
     async with networks.bridge([both]):
         publisher, writer = networks.publisher("/a", BOOL), networks.writer("/a", BOOL)
         old, new = networks.hear_old("/a", BOOL), networks.hear_new("/a", BOOL)

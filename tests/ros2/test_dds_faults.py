@@ -15,8 +15,8 @@ import pytest
 from pioneer3.errors import LinkError
 from pioneer3.ros.dds.backend import DdsBackend
 from pioneer3.ros.dds.endpoints import SAMPLES
-from pioneer3.ros.dds.services import WAITING, Server, with_id, without_id
-from pioneer3.ros.ros2.backend import Kind, Qos
+from pioneer3.ros.dds.services import WAITING, ServiceResponder, with_id, without_id
+from pioneer3.ros.ros2.backend import EndpointKind, Qos
 from pioneer3.ros.ros2.network import BackendName
 from pioneer3.ros.ros2.start import NodeOptions, on_ros2
 from pioneer3.tasks import in_own_thread
@@ -169,7 +169,7 @@ async def test_messages_that_waited_come_before_the_departure_of_their_publisher
         for _ in range(5):
             writer.write(empty(other))
         writer.close()
-        await until(lambda: not watcher.endpoint("/t", Kind.PUBLISHER))
+        await until(lambda: not watcher.endpoint("/t", EndpointKind.PUBLISHER))
         await asyncio.sleep(0.3)
         stall.end()
         await until(lambda: heard.count("message") == 5 and "left" in heard)
@@ -264,7 +264,7 @@ def test_requests_beyond_the_bound_are_refused_at_once(caplog: pytest.LogCapture
         go.wait(30.0)
         return request
 
-    server = Server("/slow", respond, b"\0\1\0\0refusal", sent.append)
+    server = ServiceResponder("/slow", respond, b"\0\1\0\0refusal", sent.append)
     for number in range(WAITING + 3):
         server.take(with_id(b"\0\1\0\0request", 7, number), b"")
     refused = [without_id(each) for each in sent]

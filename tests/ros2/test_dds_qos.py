@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from pioneer3.ros.ros2.backend import LATCHED, Kind, Qos
+from pioneer3.ros.ros2.backend import LATCHED, EndpointKind, Qos
 from pioneer3.ros.ros2.mismatches import Own, OwnKey, mismatches
 from pioneer3.ros.ros2.network import BackendName
 from tests.e2e.processes import until
@@ -54,8 +54,12 @@ async def test_what_fits_is_delivered_and_what_does_not_is_named() -> None:
         heard, writers, readers = {}, {}, {}
         for ours, theirs in every:
             out, back = name("out", ours, theirs), name("back", ours, theirs)
-            own[Kind.PUBLISHER, f"/{out}"] = Own(Kind.PUBLISHER, type_, own_qos(ours))
-            own[Kind.SUBSCRIBER, f"/{back}"] = Own(Kind.SUBSCRIBER, type_, own_qos(ours))
+            own[EndpointKind.PUBLISHER, f"/{out}"] = Own(
+                EndpointKind.PUBLISHER, type_, own_qos(ours)
+            )
+            own[EndpointKind.SUBSCRIBER, f"/{back}"] = Own(
+                EndpointKind.SUBSCRIBER, type_, own_qos(ours)
+            )
             writers[out] = peer.publisher(f"/{out}", "std_msgs/String", own_qos(ours))
             readers[out] = await program.reader(f"rt/{out}", STRING, **qos(theirs))
             heard[back] = peer.hear(f"/{back}", "std_msgs/String", own_qos(ours))
@@ -192,4 +196,4 @@ async def test_messages_older_than_their_lifespan_reach_no_late_subscriber() -> 
         await until(lambda: bool(of_logs))
         assert (len(of_kept), len(of_logs)) == (1, 1)
         found = [each for each in late.backend.graph().endpoints if each.name == "/logs"]
-        assert {each.kind: each.qos.lifespan for each in found}[Kind.PUBLISHER] == 0.2
+        assert {each.kind: each.qos.lifespan for each in found}[EndpointKind.PUBLISHER] == 0.2

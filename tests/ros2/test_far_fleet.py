@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from pioneer3.fleet.members import Reached
-from pioneer3.fleet.network import Network
+from pioneer3.fleet.network import FleetNetwork
 from pioneer3.ros.ros2.network import BackendName
 from pioneer3.ros.ros2.network import Network as Ros2Network
 from tests.e2e.processes import free_port, running, until
@@ -80,7 +80,7 @@ async def far(port: int, link: Cable, folder: Path) -> AsyncIterator[Far]:
         robot_on(network, "--namespace", "r1", *tls("robot")) as robot,
     ):
         authority.certificate("operator")
-        table = Network(
+        table = FleetNetwork(
             name="far",
             backend="zenoh",
             domain=domain,

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from pioneer3.fleet.members import Reached
-from pioneer3.fleet.network import Network
+from pioneer3.fleet.network import FleetNetwork
 from tests.e2e.processes import running, until
 from tests.ros2.conftest import Robot, robot_on
 from tests.ros2.fleets import (
@@ -227,7 +227,7 @@ async def test_a_network_that_cannot_be_joined_delays_no_other_one(
     for name in ("ca.pem", "laptop.pem", "laptop.key"):
         (tmp_path / name).write_text("not read")
         (tmp_path / name).chmod(0o644)
-    far = Network(
+    far = FleetNetwork(
         name="far",
         backend="zenoh",
         connect=("tls/localhost:1",),

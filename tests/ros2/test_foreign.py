@@ -17,7 +17,7 @@ from pioneer3.ros.node.services import NAVIGATION_SERVICES, SERVICES, SET_BOOL, 
 from pioneer3.ros.node.topic import Direction
 from pioneer3.ros.node.topics import COMMANDS, STAMPED_COMMANDS, topics_of
 from pioneer3.ros.ros2.distros import distro_of
-from pioneer3.ros.ros2.lifecycle import State
+from pioneer3.ros.ros2.lifecycle import LifecycleState
 from pioneer3.ros.ros2.network import BackendName
 from pioneer3.ros.ros2.types import MessageTypes
 from pioneer3.ros.typestore import full_name
@@ -248,18 +248,18 @@ async def test_a_manager_changes_the_life_cycle(lab: ForeignLab) -> None:
         )
         return bool(response["success"])
 
-    async def state() -> State:
+    async def state() -> LifecycleState:
         response = await lab.peer.call(f"{NODE}/get_state", "lifecycle_msgs/GetState")
-        return State(response["current_state"]["id"])
+        return LifecycleState(response["current_state"]["id"])
 
     odometry = lab.peer.hear("/odom", "nav_msgs/Odometry")
     lab.drive(lab.peer)
     await until(lambda: lab.robot.tap.now.v > 0.2 and odometry)
-    assert await state() is State.ACTIVE
+    assert await state() is LifecycleState.ACTIVE
     assert not await change("configure")
     assert await change("deactivate")
     assert lab.robot.tap.now.is_zero
-    assert await state() is State.INACTIVE
+    assert await state() is LifecycleState.INACTIVE
     assert await change("cleanup")
     await lab.peer.graph_when(lambda graph: not graph.on("/odom") or graph.on("/odom")[0]["reads"])
     assert await change("configure")

@@ -6,8 +6,8 @@ from functools import partial
 
 import pytest
 
-from pioneer3.ros.ros2.backend import Kind
-from pioneer3.ros.ros2.lifecycle import State
+from pioneer3.ros.ros2.backend import EndpointKind
+from pioneer3.ros.ros2.lifecycle import LifecycleState
 from pioneer3.ros.ros2.network import BackendName
 from tests.e2e.processes import Command, free_port, running, until
 from tests.ros2.conftest import robot_on
@@ -28,11 +28,11 @@ async def change(peer: Peer, label: str, name: str = "/pioneer3") -> bool:
     return bool(response.success)
 
 
-async def state(peer: Peer) -> State:
+async def state(peer: Peer) -> LifecycleState:
     """Return the state of the node."""
     response = await peer.call("/pioneer3/get_state", "lifecycle_msgs/GetState")
-    assert response.current_state.label == State(response.current_state.id).label
-    return State(response.current_state.id)
+    assert response.current_state.label == LifecycleState(response.current_state.id).label
+    return LifecycleState(response.current_state.id)
 
 
 async def line_with(node: Command, words: str) -> None:
@@ -48,7 +48,7 @@ async def test_a_node_starts_itself_and_is_active() -> None:
         robot_on(network) as robot,
         network.peer() as peer,
     ):
-        assert await state(peer) is State.ACTIVE
+        assert await state(peer) is LifecycleState.ACTIVE
         publisher = peer.publisher("/cmd_vel", "geometry_msgs/Twist")
         await until(lambda: publisher.matched)
         publisher.write(peer.twist(0.3))
@@ -57,7 +57,7 @@ async def test_a_node_starts_itself_and_is_active() -> None:
         assert robot.tap.now.is_zero
         await line_with(robot.node, "inactive")
         publisher.write(peer.twist(0.3))
-        assert await state(peer) is State.INACTIVE
+        assert await state(peer) is LifecycleState.INACTIVE
         await asyncio.sleep(0.5)
         assert robot.tap.now.is_zero
         assert await change(peer, "activate")
@@ -66,7 +66,7 @@ async def test_a_node_starts_itself_and_is_active() -> None:
         assert any(twist.v > 0.2 for _, twist in robot.tap.velocities)
         assert await change(peer, "shutdown")
         assert robot.tap.now.is_zero
-        assert await state(peer) is State.FINALIZED
+        assert await state(peer) is LifecycleState.FINALIZED
         assert not await change(peer, "configure")
         code, _ = await robot.node.end(signal.SIGINT)
         assert code == 130
@@ -83,21 +83,23 @@ async def test_a_manager_starts_a_node_and_ends_it() -> None:
         async with running("ros2", "--port", port, *network.options, *ASLEEP) as node:
             await line_with(node, "unconfigured")
             await until(
-                partial(peer.knows, "/pioneer3/transition_event", Kind.PUBLISHER, "/pioneer3")
+                partial(
+                    peer.knows, "/pioneer3/transition_event", EndpointKind.PUBLISHER, "/pioneer3"
+                )
             )
-            assert await state(peer) is State.UNCONFIGURED
+            assert await state(peer) is LifecycleState.UNCONFIGURED
             assert peer.endpoint("/odom") is None
             assert not await change(peer, "activate")
             for _ in range(2):
                 assert await change(peer, "configure")
-                assert await state(peer) is State.INACTIVE
+                assert await state(peer) is LifecycleState.INACTIVE
                 assert peer.endpoint("/odom") is None
                 assert await change(peer, "activate")
-                await until(partial(peer.knows, "/odom", Kind.PUBLISHER, "/pioneer3"))
+                await until(partial(peer.knows, "/odom", EndpointKind.PUBLISHER, "/pioneer3"))
                 assert await change(peer, "deactivate")
                 assert await change(peer, "cleanup")
                 await until(lambda: peer.endpoint("/odom") is None)
-            assert await state(peer) is State.UNCONFIGURED
+            assert await state(peer) is LifecycleState.UNCONFIGURED
             assert [event.goal_state.label for _, event in events[:4]] == [
                 "configuring",
                 "inactive",
@@ -116,11 +118,13 @@ async def test_a_robot_that_is_not_there_yet_leaves_the_node_unconfigured() -> N
         async with running("ros2", "--port", robot, *network.options, *ASLEEP) as node:
             await line_with(node, "unconfigured")
             await until(
-                partial(peer.knows, "/pioneer3/transition_event", Kind.PUBLISHER, "/pioneer3")
+                partial(
+                    peer.knows, "/pioneer3/transition_event", EndpointKind.PUBLISHER, "/pioneer3"
+                )
             )
             assert not await change(peer, "configure")
             await line_with(node, "not configured")
-            assert await state(peer) is State.UNCONFIGURED
+            assert await state(peer) is LifecycleState.UNCONFIGURED
             async with running("sim", "--nomap", "--port", str(port)) as simulator:
                 await simulator.line()
                 assert await change(peer, "configure")
@@ -138,12 +142,14 @@ async def test_a_node_that_cannot_be_activated_stays_inactive() -> None:
         async with running("ros2", "--port", port, *network.options, *ASLEEP, *wrong) as node:
             await line_with(node, "unconfigured")
             await until(
-                partial(peer.knows, "/pioneer3/transition_event", Kind.PUBLISHER, "/pioneer3")
+                partial(
+                    peer.knows, "/pioneer3/transition_event", EndpointKind.PUBLISHER, "/pioneer3"
+                )
             )
             assert await change(peer, "configure")
             assert not await change(peer, "activate")
             await line_with(node, "not activated")
-            assert await state(peer) is State.INACTIVE
+            assert await state(peer) is LifecycleState.INACTIVE
             assert await change(peer, "cleanup")
 
 

@@ -11,7 +11,7 @@ from pioneer3.models import load_model
 from pioneer3.ros.node.names import Profile
 from pioneer3.ros.node.topic import Direction
 from pioneer3.ros.node.topics import topics_of
-from pioneer3.ros.ros2.backend import LATCHED, Kind, Qos
+from pioneer3.ros.ros2.backend import LATCHED, EndpointKind, Qos
 from pioneer3.ros.ros2.network import BackendName
 from pioneer3.ros.typestore import full_name
 from tests.e2e.processes import until
@@ -43,7 +43,11 @@ async def test_every_topic_of_the_table_comes_with_its_type_and_qos(ros2: Ros2) 
         ]
         heard = {}
         for name, topic in table:
-            kind = Kind.PUBLISHER if topic.direction is Direction.PUBLISHED else Kind.SUBSCRIBER
+            kind = (
+                EndpointKind.PUBLISHER
+                if topic.direction is Direction.PUBLISHED
+                else EndpointKind.SUBSCRIBER
+            )
             if name in SILENT:
                 continue
             await until(partial(peer.knows, name, kind, "/pioneer3"))
@@ -52,7 +56,7 @@ async def test_every_topic_of_the_table_comes_with_its_type_and_qos(ros2: Ros2) 
             assert found.type_name == full_name(topic.type_name)
             assert found.type_hash == peer.types.message_type(topic.type_name).hash
             assert found.qos.transient_local is topic.latched
-            if kind is Kind.PUBLISHER:
+            if kind is EndpointKind.PUBLISHER:
                 heard[name] = peer.hear(name, topic.type_name, LATCHED if topic.latched else None)
         for messages in heard.values():
             await until(partial(len, messages))
@@ -152,11 +156,11 @@ async def test_two_robots_in_namespaces_do_not_hear_each_other(ros2: Ros2) -> No
 async def test_services_respond_where_they_can_be_called(ros2: Ros2) -> None:
     async with robot_on(ros2) as robot, ros2.peer() as peer:
         if ros2.network.backend is BackendName.ZENOH:
-            await until(lambda: peer.endpoint("/e_stop_trigger", Kind.SERVER))
+            await until(lambda: peer.endpoint("/e_stop_trigger", EndpointKind.SERVER))
             response = await peer.call("/e_stop_trigger", "std_srvs/Trigger")
             assert response.success
         else:
-            assert not any(e.kind is Kind.SERVER for e in peer.backend.graph().endpoints)
+            assert not any(e.kind is EndpointKind.SERVER for e in peer.backend.graph().endpoints)
             publisher = peer.publisher("/e_stop_trigger", "std_msgs/Empty")
             await until(lambda: publisher.matched)
             publisher.write(peer.types.encode(peer.types.make("std_msgs/Empty")))

@@ -14,7 +14,7 @@ import pytest
 import zenoh
 
 from pioneer3.errors import ConfigError, LinkError
-from pioneer3.ros.ros2.backend import LATCHED, Kind, NodeName, Qos
+from pioneer3.ros.ros2.backend import LATCHED, EndpointKind, NodeName, Qos
 from pioneer3.ros.ros2.distros import distro_of
 from pioneer3.ros.ros2.types import MessageTypes
 from pioneer3.ros.zenoh.backend import ZenohBackend
@@ -306,7 +306,9 @@ def test_five_nodes_see_and_hear_each_other(router: str, nodes: Nodes, programs:
         programs(f"talk:talk{number}", domain=DOMAIN, connect=[router])
     expected = ("/talk0", "/talk1", "/talk2", "/talk3", "/test/listener")
     wait_for(lambda: listener.graph().nodes == expected and len(inbox.gids) == 4, "five nodes")
-    publishers = [each for each in listener.graph().endpoints if each.kind is Kind.PUBLISHER]
+    publishers = [
+        each for each in listener.graph().endpoints if each.kind is EndpointKind.PUBLISHER
+    ]
     assert {each.gid for each in publishers} == inbox.gids
 
 

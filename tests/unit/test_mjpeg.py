@@ -89,7 +89,7 @@ def test_a_login_is_answered_by_the_best_scheme_that_is_known(
     with pytest.raises(LinkError, match="user and a password"):
         parser.receive(f"HTTP/1.1 401 Unauthorized\r\n{lines}\r\n".encode())
     answer = mjpeg.authorization(
-        parse_url("http://cam/"), mjpeg.Login("u", "p"), parser.challenge, "0"
+        parse_url("http://cam/"), mjpeg.Credentials("u", "p"), parser.challenge, "0"
     )
     assert answer.startswith(scheme)
     assert bool(answer) == bool(scheme)
@@ -97,7 +97,9 @@ def test_a_login_is_answered_by_the_best_scheme_that_is_known(
 
 @given(st.text(max_size=60))
 def test_any_question_for_a_login_is_answered_or_not(challenge: str) -> None:
-    answer = mjpeg.authorization(parse_url("http://cam/"), mjpeg.Login("u", "p"), challenge, "0")
+    answer = mjpeg.authorization(
+        parse_url("http://cam/"), mjpeg.Credentials("u", "p"), challenge, "0"
+    )
     assert answer == "" or answer.startswith(("Basic ", "Digest "))
 
 

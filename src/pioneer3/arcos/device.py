@@ -27,7 +27,7 @@ from pioneer3.arcos.reports import Report
 from pioneer3.state import Identity
 
 
-class Phase(Enum):
+class SessionPhase(Enum):
     """Progress of the session."""
 
     WAITING = auto()
@@ -80,7 +80,7 @@ class Device:
     """
 
     def __init__(self, identity: Identity, watchdog: float = 2.0) -> None:
-        self.phase = Phase.WAITING
+        self.phase = SessionPhase.WAITING
         self.reader = PacketReader()
         self.watchdog = watchdog
         self.identity = identity
@@ -91,7 +91,7 @@ class Device:
     @property
     def is_open(self) -> bool:
         """Whether reports may be sent."""
-        return self.phase is Phase.OPEN
+        return self.phase is SessionPhase.OPEN
 
     @property
     def due(self) -> float:
@@ -135,7 +135,7 @@ class Device:
 
     def hang_up(self) -> list[Event]:
         """End the session because the link is gone; return the events that follow."""
-        was_open, self.phase, self._expired = self.is_open, Phase.WAITING, False
+        was_open, self.phase, self._expired = self.is_open, SessionPhase.WAITING, False
         self.reader = PacketReader()
         self._outbox.clear()
         return [SessionClosed()] if was_open else []
@@ -143,7 +143,7 @@ class Device:
     def _serve(self, payload: bytes) -> list[Event]:
         match command := commands.from_payload(payload):
             case commands.Close():
-                self.phase, self._expired = Phase.WAITING, False
+                self.phase, self._expired = SessionPhase.WAITING, False
                 return [SessionClosed()]
             case commands.Open() | commands.Pulse():
                 return []
@@ -152,18 +152,18 @@ class Device:
     def _shake_hands(self, payload: bytes) -> list[Event]:
         match payload[0], self.phase:
             case 0, _:
-                self._answer(reports.SyncEcho(0), Phase.SYNCED0)
-            case 1, Phase.READY:
-                self.phase = Phase.OPEN
+                self._answer(reports.SyncEcho(0), SessionPhase.SYNCED0)
+            case 1, SessionPhase.READY:
+                self.phase = SessionPhase.OPEN
                 return [SessionOpened()]
-            case 1, Phase.SYNCED0 | Phase.SYNCED1:
-                self._answer(reports.SyncEcho(1), Phase.SYNCED1)
-            case 2, Phase.SYNCED1 | Phase.READY:
+            case 1, SessionPhase.SYNCED0 | SessionPhase.SYNCED1:
+                self._answer(reports.SyncEcho(1), SessionPhase.SYNCED1)
+            case 2, SessionPhase.SYNCED1 | SessionPhase.READY:
                 own = self.identity
                 identity = reports.SyncIdentity(name=own.name, family=own.family, model=own.model)
-                self._answer(identity, Phase.READY)
+                self._answer(identity, SessionPhase.READY)
         return []
 
-    def _answer(self, report: Report, phase: Phase) -> None:
+    def _answer(self, report: Report, phase: SessionPhase) -> None:
         self._outbox.append(encode(reports.to_payload(report)))
         self.phase = phase

@@ -36,9 +36,9 @@ from pioneer3.arcos.host_events import (
     Event,
     Lost,
     Opened,
-    Received,
+    ReportReceived,
+    SessionState,
     SpeedWanted,
-    State,
     Timing,
 )
 from pioneer3.arcos.packet import PacketReader, encode
@@ -85,7 +85,7 @@ class Host:
         *,
         round_trip: float = 0.0,
     ) -> None:
-        self.state = State.LISTENING
+        self.state = SessionState.LISTENING
         self.deadline = now
         self.identity: Identity | None = None
         self.config: reports.Config | None = None
@@ -113,7 +113,7 @@ class Host:
     @property
     def config_settled(self) -> bool:
         """Whether the session is open and :class:`Configured` has been returned."""
-        return self.state is State.OPEN and self._config_due is None
+        return self.state is SessionState.OPEN and self._config_due is None
 
     def send(self, command: Command, now: float) -> None:
         """Queue one command.
@@ -121,7 +121,7 @@ class Host:
         Raises:
             CommandError: the session is not open, or a value does not fit the protocol.
         """
-        if self.state is not State.OPEN:
+        if self.state is not SessionState.OPEN:
             raise CommandError(f"cannot send {type(command).__name__}: no session is open")
         self._queue(command, now)
 
@@ -134,7 +134,7 @@ class Host:
         self._queue(commands.Enable(on=False), now)
         self._queue(commands.Sonar(on=False), now)
         self._queue(commands.Close(), now)
-        self.state = State.CLOSED
+        self.state = SessionState.CLOSED
 
     def outgoing(self) -> bytes:
         """Return and forget the bytes to put on the wire."""
@@ -146,28 +146,28 @@ class Host:
         """Process received bytes; return the events that follow."""
         events: list[Event] = []
         skipped = self.reader.bytes_skipped
-        if self.state is State.LISTENING and self._turns and data and not self._overheard:
+        if self.state is SessionState.LISTENING and self._turns and data and not self._overheard:
             self._overheard, self.deadline = True, now + WAIT_FOR_REPORT
         for payload in self.reader.feed(data, now):
             match self.state:
-                case State.OPEN:
+                case SessionState.OPEN:
                     events += self._serve(reports.from_payload(payload), now)
-                case State.CLOSED:
+                case SessionState.CLOSED:
                     break
                 case _ if self._turns:
                     events += self._shake_hands(payload, now)
         if self.reader.bytes_skipped > skipped:
             self._noise = self._overheard = True
-        if self.state is State.OPEN and self._config_due is not None:
+        if self.state is SessionState.OPEN and self._config_due is not None:
             events += self._consider_doubtful_config(now)
         return events
 
     def tick(self, now: float) -> list[Event]:
         """Act on the passing of time. Harmless to call too often."""
-        if now < self.deadline - ROUNDING or self.state is State.CLOSED:
+        if now < self.deadline - ROUNDING or self.state is SessionState.CLOSED:
             return []
         now = max(now, self.deadline)
-        if self.state is State.OPEN:
+        if self.state is SessionState.OPEN:
             return self._keep_open(now)
         if now >= self._began + self._timing.give_up:
             return [self._lose(self._reason_for_no_answer())]
@@ -182,13 +182,13 @@ class Host:
         self._began += seconds
         self._sip_at += seconds
         self._opened_at += seconds
-        if self.state is not State.OPEN:  # else a pulse may be due
+        if self.state is not SessionState.OPEN:  # else a pulse may be due
             self.deadline += seconds
 
     def _is_noise(self) -> bool:
         """Whether a robot sends at a speed that has not been listened to yet."""
         return (
-            self.state is State.LISTENING
+            self.state is SessionState.LISTENING
             and self._turns <= len(self._speeds)
             and self._overheard
             and self._frames_before == self._frames
@@ -201,7 +201,7 @@ class Host:
 
     def _listen(self, now: float) -> list[Event]:
         """Send nothing at the next speed until it is clear whether a robot sends reports."""
-        self.state = State.LISTENING
+        self.state = SessionState.LISTENING
         self._turns += 1
         self._tries, self._overheard = 0, False
         self.reader.discard()
@@ -217,9 +217,9 @@ class Host:
         if self._overheard or self._tries >= alone:
             self._queue(commands.Stop(), now)
         self._tries += 1
-        self._sync(State.SYNC0, now)
+        self._sync(SessionState.SYNC0, now)
 
-    def _sync(self, state: State, now: float) -> None:
+    def _sync(self, state: SessionState, now: float) -> None:
         self.state = state
         self._queue_payload(bytes([state.value]), now)
         self._wait(now, self._retry)
@@ -232,11 +232,11 @@ class Host:
         match self.state, answer:
             case _, reports.Sip():
                 return self._close_earlier_session(now)
-            case State.SYNC0, reports.SyncEcho(0):
-                self._sync(State.SYNC1, now)
-            case State.SYNC1, reports.SyncEcho(1):
-                self._sync(State.SYNC2, now)
-            case State.SYNC2, reports.SyncIdentity():
+            case SessionState.SYNC0, reports.SyncEcho(0):
+                self._sync(SessionState.SYNC1, now)
+            case SessionState.SYNC1, reports.SyncEcho(1):
+                self._sync(SessionState.SYNC2, now)
+            case SessionState.SYNC2, reports.SyncIdentity():
                 return self._open(answer, now)
             case _, reports.SyncEcho() | reports.SyncIdentity():
                 pass
@@ -248,7 +248,7 @@ class Host:
         """Close the session that the robot still serves; begin when it has fallen silent."""
         if now >= self._began + self._timing.give_up:
             return [self._lose("the robot sends, but does not receive: its receive line is dead")]
-        self.state, self._tries = State.SYNC0, 1  # it answers, so this is its speed
+        self.state, self._tries = SessionState.SYNC0, 1  # it answers, so this is its speed
         self._overheard = True
         self.deadline = now + self._timing.drain
         if now >= self._closed_earlier_at + CLOSE_AGAIN_EVERY:
@@ -258,7 +258,7 @@ class Host:
         return []
 
     def _open(self, answer: reports.SyncIdentity, now: float) -> list[Event]:
-        self.state = State.OPEN
+        self.state = SessionState.OPEN
         self.identity = Identity(
             name=printable(answer.name),
             family=printable(answer.family),
@@ -277,7 +277,7 @@ class Host:
                 return [self._configure(report)]
             case reports.Sip():
                 self._sip_at, self._heard_sip = now, True
-        return [Received(report)]
+        return [ReportReceived(report)]
 
     def _configure(self, config: reports.Config | None, *, trusted: bool = True) -> Configured:
         self.config, self._config_due = config, None
@@ -325,7 +325,7 @@ class Host:
         return events
 
     def _lose(self, reason: str) -> Lost:
-        self.state = State.CLOSED
+        self.state = SessionState.CLOSED
         return Lost(reason)
 
     def _reason_for_no_answer(self) -> str:

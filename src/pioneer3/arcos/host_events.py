@@ -34,7 +34,7 @@ class Timing:
     give_up: float = 12.0
 
 
-class State(Enum):
+class SessionState(Enum):
     """State of the session."""
 
     LISTENING = -1
@@ -71,7 +71,7 @@ class Configured:
 
 
 @dataclass(frozen=True, slots=True)
-class Received:
+class ReportReceived:
     """Any other report arrived."""
 
     report: Report
@@ -84,4 +84,4 @@ class Lost:
     reason: str
 
 
-Event = SpeedWanted | Opened | Configured | Received | Lost
+Event = SpeedWanted | Opened | Configured | ReportReceived | Lost

@@ -19,7 +19,7 @@ from dataclasses import MISSING, dataclass, fields, is_dataclass
 from functools import cache
 from typing import Any, TypeVar, get_args, get_type_hints
 
-from pioneer3.arcos.wire import AllThatIsLeft, Kind, Reader
+from pioneer3.arcos.wire import AllThatIsLeft, Reader, WireKind
 from pioneer3.errors import CommandError
 
 T = TypeVar("T")
@@ -30,7 +30,7 @@ class Slot:
     """One field of a layout."""
 
     name: str
-    kind: Kind
+    kind: WireKind
     optional: bool
     """Whether a packet may end before this field."""
 
@@ -66,10 +66,10 @@ def _fields(cls: Any) -> list[tuple[str, bool]]:
     ]
 
 
-def _kind(hint: object) -> Kind:
+def _kind(hint: object) -> WireKind:
     """Return the kind inside `Annotated[X, kind]` or `Annotated[X, kind] | None`."""
     annotated = next(part for part in (hint, *get_args(hint)) if hasattr(part, "__metadata__"))
-    kind: Kind = annotated.__metadata__[0]
+    kind: WireKind = annotated.__metadata__[0]
     return kind
 
 

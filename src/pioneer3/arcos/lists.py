@@ -8,7 +8,7 @@ from struct import Struct, error, pack
 from typing import Any
 
 from pioneer3.arcos.layout import read_fields, write_fields
-from pioneer3.arcos.wire import Integer, IntegerKind, Kind, Reader, latin1
+from pioneer3.arcos.wire import Integer, IntegerKind, Reader, WireKind, latin1
 from pioneer3.errors import CommandError
 
 
@@ -31,7 +31,7 @@ class Record:
 class Repeated:
     """A tuple of `item` up to the end of the packet, or of exactly `length`."""
 
-    item: Kind
+    item: WireKind
     length: int | None = None
 
     def read(self, reader: Reader) -> tuple[object, ...]:
@@ -55,7 +55,7 @@ class Counted:
     """A number, and that many of `item`."""
 
     count: IntegerKind
-    item: Kind
+    item: WireKind
 
     def read(self, reader: Reader) -> tuple[object, ...]:
         count = self.count.read(reader)

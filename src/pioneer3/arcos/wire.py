@@ -40,14 +40,14 @@ class Reader:
         return self.take((end if end >= 0 else len(self.data)) + 1 - self.at)[:-1]
 
 
-class Kind(Protocol):
+class WireKind(Protocol):
     """One value on the wire."""
 
     def read(self, reader: Reader) -> object: ...
     def write(self, value: object, out: bytearray) -> None: ...
 
 
-class IntegerKind(Kind, Protocol):
+class IntegerKind(WireKind, Protocol):
     """One integer on the wire, and its limits."""
 
     @property
@@ -89,7 +89,7 @@ class Integer:
 
 
 @dataclass(frozen=True, slots=True)
-class Number:
+class PacketId:
     """The id of a packet that may have any of a few, as its first field."""
 
     choices: tuple[int, ...]

@@ -7,7 +7,7 @@ from itertools import groupby
 from math import asin, atan2, ceil, cos, floor, hypot, inf, isfinite, nan, radians, sin
 from typing import NamedTuple
 
-from pioneer3.behaviors.surroundings import WINDOW, Field, Surroundings
+from pioneer3.behaviors.surroundings import WINDOW, FieldOfView, Surroundings
 from pioneer3.geometry import ORIGIN, Pose2, wrap
 from pioneer3.models import RobotModel
 from pioneer3.state import Bumpers, Scan, Snapshot, Sonar
@@ -61,7 +61,7 @@ class LaserMemory:
     def __init__(self, model: RobotModel) -> None:
         self._model = model
         self.current: tuple[StampedPoint, ...] = ()
-        self._fields: tuple[Field, ...] = ()
+        self._fields: tuple[FieldOfView, ...] = ()
         self._cells: dict[
             tuple[int, int], StampedPoint
         ] = {}  # oldest first; at most one point in each
@@ -100,7 +100,7 @@ class LaserMemory:
             self.current = ()
         self._keep(lambda p: now - p.stamp <= AGE and hypot(p.x - pose.x, p.y - pose.y) <= DISTANCE)
 
-    def fields(self, now: float) -> tuple[Field, ...]:
+    def fields(self, now: float) -> tuple[FieldOfView, ...]:
         """Return the directions that it sees at `now` [s]; none while no scans come."""
         comes = self.current and now - self.current[0].stamp <= STALE_SCAN
         return self._fields if comes else ()
@@ -172,7 +172,7 @@ def thinned(scan: Scan) -> Scan:
     )
 
 
-def fields_of(scan: Scan) -> tuple[Field, ...]:
+def fields_of(scan: Scan) -> tuple[FieldOfView, ...]:
     """Return the directions of readings that are valid, in the robot's frame."""
     theta, readings = scan.sensor_in_robot.theta, zip(scan.angles, scan.ranges, strict=True)
     runs = (
@@ -180,7 +180,7 @@ def fields_of(scan: Scan) -> tuple[Field, ...]:
         for valid, run in groupby(readings, key=lambda reading: reading[1] > 0)
         if valid  # NaN and -inf are not
     )
-    return tuple(Field(theta + run[0] - POST / 2, theta + run[-1] + POST / 2) for run in runs)
+    return tuple(FieldOfView(theta + run[0] - POST / 2, theta + run[-1] + POST / 2) for run in runs)
 
 
 def _nearest(readings: Sequence[float]) -> float:
@@ -312,10 +312,10 @@ class RangeMemory:
         scan = self._scan
         return scan if scan is not None and now - scan.stamp <= STALE_SCAN else None
 
-    def _fields(self, now: float) -> tuple[Field, ...]:
+    def _fields(self, now: float) -> tuple[FieldOfView, ...]:
         """Return the directions that sonars and lasers see."""
         axes = (self.model.sonars[n].theta for n, at in self._heard.items() if now - at <= SILENT)
-        sonars = (Field(axis - CONE, axis + CONE) for axis in axes)
+        sonars = (FieldOfView(axis - CONE, axis + CONE) for axis in axes)
         lasers = (field for laser in self._lasers.values() for field in laser.fields(now))
         return (*sonars, *lasers)
 

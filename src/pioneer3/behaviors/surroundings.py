@@ -57,7 +57,7 @@ WINDOW = 2.0
 """Six rounds of a ring of sonars that fire in turn [s]."""
 
 
-class Field(NamedTuple):
+class FieldOfView(NamedTuple):
     """Directions that a sensor sees, from `first` counter-clockwise to `last` [rad]."""
 
     first: float
@@ -68,7 +68,7 @@ class Field(NamedTuple):
         return (bearing - self.first) % TURN <= self.last - self.first
 
 
-EVERYWHERE = (Field(-pi, pi),)
+EVERYWHERE = (FieldOfView(-pi, pi),)
 BEARINGS_BEHIND = (radians(155), radians(165))
 """Bearings of which one is seen, and one on the right, where behind is seen: no sonar of an
 AmigoBot looks nearer to straight back, and no laser of 270 degrees that looks ahead sees as far
@@ -93,7 +93,7 @@ class Surroundings:
         cumulative: Sequence[tuple[float, float]] = (),
         window: Sequence[tuple[float, float]] | None = None,
         *,
-        fields: Sequence[Field] = EVERYWHERE,
+        fields: Sequence[FieldOfView] = EVERYWHERE,
     ) -> None:
         self._fields = fields
         self._pose = pose

@@ -1,7 +1,7 @@
 """Chooses the person to follow and keeps to them, by sonar or by the legs in a laser's scans.
 
-However they are sensed, the person is a :class:`Target`: a filter's estimate, and when a sensor
-last found them. How the rules differ is in docs/explanation/follow.md.
+However they are sensed, the person is a :class:`FollowedPerson`: a filter's estimate, and when a
+sensor last found them. How the rules differ is in docs/explanation/follow.md.
 """
 
 from collections.abc import Callable
@@ -41,7 +41,7 @@ WALKS_ON = 15
 """Scans in turn in which somebody walks who comes before nearer things that have never walked."""
 
 
-class Target(Protocol):
+class FollowedPerson(Protocol):
     """A person who is followed.
 
     Attributes:
@@ -59,7 +59,7 @@ class PersonTracker(Protocol):
     """Keeps to one person."""
 
     @property
-    def target(self) -> Target | None:
+    def target(self) -> FollowedPerson | None:
         """The person who is followed, if any."""
 
     @property
@@ -82,7 +82,7 @@ class SonarTracker:
         now: When [s].
     """
 
-    def __init__(self, person: Target | None = None, now: float = 0.0) -> None:
+    def __init__(self, person: FollowedPerson | None = None, now: float = 0.0) -> None:
         self.target: Track | None = None
         self.blind = False
         if person is not None:
@@ -155,11 +155,11 @@ class LegTracker:
         person: Already followed, by another sensor.
     """
 
-    def __init__(self, person: Target | None = None) -> None:
+    def __init__(self, person: FollowedPerson | None = None) -> None:
         self.target: LegTrack | None = None
         self.remark = ""
         self._tracks = LegTracks()
-        self._lost: Target | None = person
+        self._lost: FollowedPerson | None = person
         self._stamp: float | None = None
 
     @property
@@ -236,7 +236,7 @@ class LaserOrSonarTracker:
         self._scanned = False
 
     @property
-    def target(self) -> Target | None:
+    def target(self) -> FollowedPerson | None:
         """The person who is followed, if any."""
         return self._tracker.target
 

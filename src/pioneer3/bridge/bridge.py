@@ -11,13 +11,13 @@ from pathlib import Path
 from pioneer3.arcos.host_events import Timing
 from pioneer3.arcos.packet import encode
 from pioneer3.bridge.braking import BRAKING
-from pioneer3.bridge.client import Client, Port
+from pioneer3.bridge.client import BridgeClient, HostPort
 from pioneer3.bridge.ports import BridgeLink, MemoryPort, SocketPort
 from pioneer3.bridge.relay import EXPIRY, MOST_WATCHERS, SILENCE, Relay
-from pioneer3.bridge.robot_side import State
+from pioneer3.bridge.robot_side import RobotSideState
 from pioneer3.errors import LinkError, PioneerError, PortBusyError
 from pioneer3.links import Link, Opener
-from pioneer3.links.tap import FROM_HOST, FROM_ROBOT, Recording, begun
+from pioneer3.links.tap import FROM_HOST, FROM_ROBOT, WireRecording, begun
 
 log = logging.getLogger(__name__)
 
@@ -75,7 +75,7 @@ class Bridge:
         self._drained.set()
         self._sockets: set[SocketPort] = set()
         self._link: Link | None = None
-        self._recording: Recording | None = None
+        self._recording: WireRecording | None = None
         self._failed = ""
 
     @property
@@ -92,7 +92,7 @@ class Bridge:
     @property
     def connected(self) -> bool:
         """Whether the robot serves a session."""
-        return self._relay.robot.state is State.SERVING
+        return self._relay.robot.state is RobotSideState.SERVING
 
     @property
     def failed(self) -> str:
@@ -209,7 +209,7 @@ class Bridge:
         self.stop_recording()
         self._recording = begun(path, self._clock)
         relay = self._relay
-        if relay.robot.state is State.SERVING:
+        if relay.robot.state is RobotSideState.SERVING:
             for payload in filter(None, (b"\0", b"\1", relay.robot.identity, relay.robot.config)):
                 self._recording.note(FROM_ROBOT, encode(payload))
             self._recording.note(FROM_ROBOT, relay.robot.unfinished)
@@ -227,11 +227,11 @@ class Bridge:
 
     # Connections, as of `ports.Server`
 
-    def join(self, port: Port) -> Client | None:
+    def join(self, port: HostPort) -> BridgeClient | None:
         """Take a new connection; return `None` if it was turned away."""
         return self._relay.join(port, self._clock())
 
-    def receive(self, client: Client, data: bytes) -> bool:
+    def receive(self, client: BridgeClient, data: bytes) -> bool:
         """Take bytes of a host; return whether it may send more at once."""
         self._relay.receive(client, data, self._clock())
         self._wake.set()
@@ -239,7 +239,7 @@ class Bridge:
             self._drained.clear()
         return self._drained.is_set()
 
-    def leave(self, client: Client) -> None:
+    def leave(self, client: BridgeClient) -> None:
         """Note that a host has gone."""
         self._relay.leave(client, self._clock())
         self._wake.set()
@@ -306,7 +306,7 @@ class Bridge:
                     await link.set_speed(speed)
                 elif data := relay.robot.outgoing():
                     await self._write(link, data)
-                elif relay.robot.state is State.CLOSED:
+                elif relay.robot.state is RobotSideState.CLOSED:
                     return
                 else:
                     await self._wait()
@@ -333,7 +333,7 @@ class Bridge:
                     self._recording.note(FROM_ROBOT, data)
                 self._relay.robot_sent(data, self._clock())
                 self._wake.set()
-            if self._relay.robot.state is not State.CLOSED:
+            if self._relay.robot.state is not RobotSideState.CLOSED:
                 self._lose("it has closed the link")
         except LinkError as error:
             self._lose(str(error))

@@ -10,7 +10,7 @@ from typing import Protocol
 from pioneer3.arcos.packet import PacketReader, encode
 
 
-class Port(Protocol):
+class HostPort(Protocol):
     """The connection of one host.
 
     Attributes:
@@ -28,7 +28,7 @@ class Port(Protocol):
         """Close the connection, once the bytes sent have left."""
 
 
-class Phase(Enum):
+class ClientPhase(Enum):
     """Progress of a host's session."""
 
     WAITING = auto()
@@ -40,7 +40,7 @@ class Phase(Enum):
     OPEN = auto()
 
 
-class Client:
+class BridgeClient:
     """One host.
 
     Attributes:
@@ -50,16 +50,16 @@ class Client:
         reader: Of its packets.
     """
 
-    def __init__(self, port: Port, now: float) -> None:
+    def __init__(self, port: HostPort, now: float) -> None:
         self.port = port
-        self.phase = Phase.WAITING
+        self.phase = ClientPhase.WAITING
         self.joined_at = self.heard_at = now
         self.reader = PacketReader()
 
     @property
     def is_open(self) -> bool:
         """Whether it gets the robot's reports."""
-        return self.phase is Phase.OPEN
+        return self.phase is ClientPhase.OPEN
 
     def shake_hands(self, payload: bytes, identity: bytes) -> bool:
         """Answer a packet before OPEN; return whether that opened the session.
@@ -70,22 +70,22 @@ class Client:
         """
         match payload[0], self.phase:
             case 0, _:
-                self._answer(payload[:1], Phase.SYNCED0)
-            case 1, Phase.READY:
-                self.phase = Phase.OPEN
+                self._answer(payload[:1], ClientPhase.SYNCED0)
+            case 1, ClientPhase.READY:
+                self.phase = ClientPhase.OPEN
                 return True
-            case 1, Phase.SYNCED0 | Phase.SYNCED1:
-                self._answer(payload[:1], Phase.SYNCED1)
-            case 2, Phase.SYNCED1 | Phase.ASKED | Phase.READY:
-                self.phase = Phase.ASKED
+            case 1, ClientPhase.SYNCED0 | ClientPhase.SYNCED1:
+                self._answer(payload[:1], ClientPhase.SYNCED1)
+            case 2, ClientPhase.SYNCED1 | ClientPhase.ASKED | ClientPhase.READY:
+                self.phase = ClientPhase.ASKED
                 self.introduce(identity)
         return False
 
     def introduce(self, identity: bytes) -> None:
         """Send the robot's identity if the host waits for it, and it is known."""
-        if identity and self.phase is Phase.ASKED:
-            self._answer(identity, Phase.READY)
+        if identity and self.phase is ClientPhase.ASKED:
+            self._answer(identity, ClientPhase.READY)
 
-    def _answer(self, payload: bytes, phase: Phase) -> None:
+    def _answer(self, payload: bytes, phase: ClientPhase) -> None:
         self.phase = phase
         self.port.send(encode(payload))

@@ -35,7 +35,7 @@ PLACES: Final = {8: {DRIVE}, 12: {TURN}, 13: {TURN}, 22: {TURN}}
 """MOVE, HEAD, DHEAD and DCHEAD: they end by themselves, and no number in them means standing."""
 
 
-class Hold(Enum):
+class HeldBack(Enum):
     """A reason to hold back commands that move the robot."""
 
     PAUSED = "paused"
@@ -52,7 +52,7 @@ class Guard:
     """
 
     def __init__(self) -> None:
-        self.holds: set[Hold] = set()
+        self.holds: set[HeldBack] = set()
         self.withheld = 0
         self._moved: set[str] = set()
 
@@ -89,11 +89,11 @@ class Guard:
     def _enable(self, payload: bytes, *, powerless: bool) -> bytes:
         if _is_zero(payload):
             self._moved.clear()
-        elif Hold.STOPPED in self.holds:
+        elif HeldBack.STOPPED in self.holds:
             if not powerless:  # sent before the host could know of the stop
                 self.withheld += 1
                 return PULSE
-            self.holds.discard(Hold.STOPPED)
+            self.holds.discard(HeldBack.STOPPED)
         return payload
 
 

@@ -5,7 +5,7 @@ from collections.abc import Awaitable, Callable
 from contextlib import suppress
 from typing import Final, Protocol
 
-from pioneer3.bridge.client import Client, Port
+from pioneer3.bridge.client import BridgeClient, HostPort
 from pioneer3.errors import HungUpError
 from pioneer3.links.base import HUNG_UP
 from pioneer3.links.stream import tune, unacknowledged
@@ -15,16 +15,16 @@ MOST_UNSENT: Final = 64 * 1024
 less is disconnected."""
 
 
-class Server(Protocol):
+class PortServer(Protocol):
     """Takes connections and their bytes."""
 
-    def join(self, port: Port) -> Client | None:
+    def join(self, port: HostPort) -> BridgeClient | None:
         """Take a new connection; return `None` if it was turned away."""
 
-    def receive(self, client: Client, data: bytes) -> bool:
+    def receive(self, client: BridgeClient, data: bytes) -> bool:
         """Take bytes of a host; return whether it may send more at once."""
 
-    def leave(self, client: Client) -> None:
+    def leave(self, client: BridgeClient) -> None:
         """Note that a host has gone."""
 
 
@@ -43,11 +43,11 @@ class SocketPort(asyncio.Protocol):
 
     gives_way = False
 
-    def __init__(self, server: Server, ports: "set[SocketPort]") -> None:
+    def __init__(self, server: PortServer, ports: "set[SocketPort]") -> None:
         self.name = "a host"
         self.sent = 0
         self._server, self._ports = server, ports
-        self._client: Client | None = None
+        self._client: BridgeClient | None = None
         self._transport: asyncio.Transport | None = None
         self._file = -1
 
@@ -168,7 +168,7 @@ class BridgeLink:
     round_trip = 0.0
 
     def __init__(
-        self, server: Server, port: MemoryPort, drained: Callable[[], Awaitable[None]]
+        self, server: PortServer, port: MemoryPort, drained: Callable[[], Awaitable[None]]
     ) -> None:
         self.url = f"bridge:{port.name}"
         self._server, self._port = server, port

@@ -23,9 +23,9 @@ from typing import Final
 
 from pioneer3.arcos.host_events import Timing
 from pioneer3.bridge.braking import EMERGENCY_STOP
-from pioneer3.bridge.client import Client, Phase, Port
-from pioneer3.bridge.guard import STOPS, Guard, Hold
-from pioneer3.bridge.robot_side import RobotSide, State
+from pioneer3.bridge.client import BridgeClient, ClientPhase, HostPort
+from pioneer3.bridge.guard import STOPS, Guard, HeldBack
+from pioneer3.bridge.robot_side import RobotSide, RobotSideState
 
 EXPIRY: Final = 0.5
 SILENCE: Final = 1.5
@@ -86,8 +86,8 @@ class Relay:
         say: Callable[[str], None] = lambda text: None,
         changed: Callable[[], None] = lambda: None,
     ) -> None:
-        self.holder: Client | None = None
-        self.clients: list[Client] = []
+        self.holder: BridgeClient | None = None
+        self.clients: list[BridgeClient] = []
         self.reserved_for = ""
         self.robot = RobotSide(timing)
         self.changed = changed
@@ -101,14 +101,14 @@ class Relay:
         self._cut_off_until = inf
 
     @property
-    def watchers(self) -> list[Client]:
+    def watchers(self) -> list[BridgeClient]:
         """The hosts in session that do not have the robot."""
         return [client for client in self.clients if client.is_open and client is not self.holder]
 
     @property
     def wanted(self) -> bool:
         """Whether a link to the robot is to be opened."""
-        return self.robot.state is State.AWAY and self.holder is not None
+        return self.robot.state is RobotSideState.AWAY and self.holder is not None
 
     @property
     def paused(self) -> bool:
@@ -116,7 +116,7 @@ class Relay:
         return self._paused
 
     @property
-    def holds(self) -> set[Hold]:
+    def holds(self) -> set[HeldBack]:
         """The reasons to hold back the holder's motion."""
         return set(self._guard.holds)
 
@@ -135,23 +135,23 @@ class Relay:
         return min(due, default=inf)
 
     @property
-    def _undecided(self) -> list[Client]:
+    def _undecided(self) -> list[BridgeClient]:
         """The hosts that have opened no session, and do not wait for the robot either."""
-        return [c for c in self.clients if c.phase not in {Phase.ASKED, Phase.OPEN}]
+        return [c for c in self.clients if c.phase not in {ClientPhase.ASKED, ClientPhase.OPEN}]
 
     # Hosts
 
-    def join(self, port: Port, now: float) -> Client | None:
+    def join(self, port: HostPort, now: float) -> BridgeClient | None:
         """Take a new connection; return `None` if it was turned away."""
         if len(self.clients) > self._most_watchers:
             self._say(f"{port.name} was turned away: {len(self.clients)} hosts are connected")
             port.close()
             return None
-        client = Client(port, now)
+        client = BridgeClient(port, now)
         self.clients.append(client)
         return client
 
-    def receive(self, client: Client, data: bytes, now: float) -> None:
+    def receive(self, client: BridgeClient, data: bytes, now: float) -> None:
         """Process bytes that a host has sent."""
         packets = client.reader.feed(data, now)
         for number, payload in enumerate(packets):
@@ -167,7 +167,7 @@ class Relay:
             else:
                 self._heed(client, payload, packets[number + 1 :], now)
 
-    def leave(self, client: Client, now: float) -> None:
+    def leave(self, client: BridgeClient, now: float) -> None:
         """Note that a host has gone."""
         if client not in self.clients:
             return
@@ -190,27 +190,27 @@ class Relay:
         if sent - waiting > self._acknowledged or not waiting:
             self._acknowledged, self._alive_at = sent - waiting, now
         cut_off = bool(waiting) and self._expiry > 0 and now >= self._alive_at + self._expiry
-        if not cut_off or self.holder is None or self.robot.state is not State.SERVING:
+        if not cut_off or self.holder is None or self.robot.state is not RobotSideState.SERVING:
             return
         self._cut_off_until = inf
-        if Hold.CUT_OFF not in self._guard.holds:
+        if HeldBack.CUT_OFF not in self._guard.holds:
             self._say(f"{self.holder.port.name} is cut off; the robot stops")
-            self._stop(now, Hold.CUT_OFF)
+            self._stop(now, HeldBack.CUT_OFF)
 
     def _note_alive(self, now: float) -> None:
         """Note that the holder is heard; what comes soon after it was cut off may be old."""
         self._alive_at = now
-        if Hold.CUT_OFF in self._guard.holds and self._cut_off_until == inf:
+        if HeldBack.CUT_OFF in self._guard.holds and self._cut_off_until == inf:
             self._cut_off_until = now + SETTLE
 
-    def _shake_hands(self, client: Client, payload: bytes, now: float) -> None:
+    def _shake_hands(self, client: BridgeClient, payload: bytes, now: float) -> None:
         if payload[0] == 0:
             self._claim(client, now)
         if not client.shake_hands(payload, self.robot.identity):
             return
         if client is self.holder:
             self._guard = Guard()
-            self._guard.holds |= {Hold.PAUSED} if self._paused else set()
+            self._guard.holds |= {HeldBack.PAUSED} if self._paused else set()
             self._alive_at = now
         else:
             has = self.holder.port.name if self.holder else "nobody"
@@ -218,7 +218,7 @@ class Relay:
         client.port.send(self.robot.unfinished)
         self.changed()
 
-    def _claim(self, client: Client, now: float) -> None:
+    def _claim(self, client: BridgeClient, now: float) -> None:
         """Give the robot to a host if it is free, or the holder gives way."""
         holder = self.holder
         if client is holder or self.reserved_for not in {"", client.port.name}:
@@ -230,7 +230,7 @@ class Relay:
             self._end(now, keep=client)
             self._hold(client)
 
-    def _hold(self, client: Client) -> None:
+    def _hold(self, client: BridgeClient) -> None:
         self.holder, self._acknowledged = client, 0
         self._say(f"{client.port.name} has the robot")
         self.changed()
@@ -250,13 +250,15 @@ class Relay:
             self.robot.release()
         self.robot.send([passed])
 
-    def _heed(self, client: Client, payload: bytes, later: Sequence[bytes], now: float) -> None:
+    def _heed(
+        self, client: BridgeClient, payload: bytes, later: Sequence[bytes], now: float
+    ) -> None:
         """Act on a packet of a watcher."""
         number = payload[0]
         if number == CLOSE:
             client.port.close()
             self.leave(client, now)
-        elif self.robot.state is not State.SERVING:
+        elif self.robot.state is not RobotSideState.SERVING:
             return
         elif number == CONFIG and now >= self._config_asked_at + CONFIG_EVERY:
             self._config_asked_at = now
@@ -265,7 +267,7 @@ class Relay:
             hard = payload[0] == EMERGENCY_STOP[0]
             if hard or not is_routine(later):
                 self._say(f"{client.port.name} stops the robot")
-                self._stop(now, Hold.STOPPED, take_power=True, hard=hard)
+                self._stop(now, HeldBack.STOPPED, take_power=True, hard=hard)
 
     # Reservation
 
@@ -303,10 +305,10 @@ class Relay:
         self._paused = on
         if on:
             self._say("paused; the robot stops")
-            self._stop(now, Hold.PAUSED)
+            self._stop(now, HeldBack.PAUSED)
         else:
             self._say("the pause has ended")
-            self._guard.holds.discard(Hold.PAUSED)
+            self._guard.holds.discard(HeldBack.PAUSED)
         self.changed()
 
     # The robot
@@ -320,7 +322,7 @@ class Relay:
         before = self.robot.state
         self.robot.receive(data, now)
         self._follow(before)
-        if self.robot.state is State.SERVING:
+        if self.robot.state is RobotSideState.SERVING:
             for client in [client for client in self.clients if client.is_open]:
                 client.port.send(data)
             for client in self.clients:
@@ -349,24 +351,24 @@ class Relay:
             if now >= client.joined_at + UNDECIDED:
                 client.port.close()
                 self.leave(client, now)
-        if self.robot.state is State.SERVING:
+        if self.robot.state is RobotSideState.SERVING:
             self._watch(now)
         before = self.robot.state
         self.robot.tick(now)
         self._follow(before)
 
-    def _follow(self, before: State) -> None:
+    def _follow(self, before: RobotSideState) -> None:
         """Act on a change of the robot's side."""
         if self.robot.failure:
             self.robot_lost(self.robot.failure)
-        elif before is State.SHAKING and self.robot.state is State.SERVING:
+        elif before is RobotSideState.SHAKING and self.robot.state is RobotSideState.SERVING:
             self.changed()
 
     def _watch(self, now: float) -> None:
         """Stop the robot if its holder is silent; let one that was cut off drive again."""
         if now >= self._cut_off_until:
             self._cut_off_until = inf
-            self._guard.holds.discard(Hold.CUT_OFF)
+            self._guard.holds.discard(HeldBack.CUT_OFF)
         holder = self.holder
         if holder is None or not self._silence or not self._guard.moving:
             return
@@ -377,20 +379,25 @@ class Relay:
             self._stop(now)
 
     def _stop(
-        self, now: float, why: Hold | None = None, *, take_power: bool = False, hard: bool = False
+        self,
+        now: float,
+        why: HeldBack | None = None,
+        *,
+        take_power: bool = False,
+        hard: bool = False,
     ) -> None:
         if why is not None:
             self._guard.holds.add(why)
-        if self.robot.state is State.SERVING:
+        if self.robot.state is RobotSideState.SERVING:
             self._guard.stopped()
             self.robot.brake(now, take_power=take_power, hard=hard)
 
-    def _end(self, now: float, keep: Client | None = None) -> None:
+    def _end(self, now: float, keep: BridgeClient | None = None) -> None:
         """Stop the robot, then close its session; disconnect all hosts of it but `keep`."""
         self.robot.end(now, moving=self._guard.moving)
         self._disconnect(keep)
 
-    def _disconnect(self, keep: Client | None = None) -> None:
+    def _disconnect(self, keep: BridgeClient | None = None) -> None:
         """Disconnect the holder, and all watchers but `keep`."""
         gone = [c for c in self.clients if c is not keep and (c.is_open or c is self.holder)]
         self.holder = None

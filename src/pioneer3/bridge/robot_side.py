@@ -29,7 +29,7 @@ ID_PLACE: Final = len(HEADER) + 1
 """Place of the id in a frame."""
 
 
-class State(Enum):
+class RobotSideState(Enum):
     """State of the session."""
 
     AWAY = auto()
@@ -54,7 +54,7 @@ class RobotSide:
     """
 
     def __init__(self, timing: Timing | None = None) -> None:
-        self.state = State.AWAY
+        self.state = RobotSideState.AWAY
         self.identity = self.config = b""
         self.failure = ""
         self._timing = timing or Timing()
@@ -68,9 +68,9 @@ class RobotSide:
     @property
     def deadline(self) -> float:
         """When :meth:`tick` must next be called [s, monotonic]; `inf` for never."""
-        if self.state is State.SHAKING and self._host is not None:
+        if self.state is RobotSideState.SHAKING and self._host is not None:
             return self._host.deadline
-        if self.state in {State.SERVING, State.ENDING}:
+        if self.state in {RobotSideState.SERVING, RobotSideState.ENDING}:
             return min(self._braking.deadline, self._ending_until)
         return inf
 
@@ -96,7 +96,7 @@ class RobotSide:
 
     def begin(self, now: float, speeds: Sequence[int] = (), round_trip: float = 0.0) -> None:
         """Begin a session at a link that is open now."""
-        self.state = State.SHAKING
+        self.state = RobotSideState.SHAKING
         self.identity = self.config = b""
         self.failure = ""
         self._reader, self._braking = PacketReader(), Braking()
@@ -105,20 +105,20 @@ class RobotSide:
 
     def receive(self, data: bytes, now: float) -> None:
         """Process bytes that the robot has sent."""
-        if self.state is State.SHAKING and self._host is not None:
+        if self.state is RobotSideState.SHAKING and self._host is not None:
             self._obey(self._host.receive(data, now))
         for payload in self._reader.feed(data, now):
             self._note(payload, now)
-        if self.state is State.ENDING:
+        if self.state is RobotSideState.ENDING:
             self.tick(now)
 
     def tick(self, now: float) -> None:
         """Act on the passing of time; harmless to call too often."""
-        if self.state is State.SHAKING and self._host is not None:
+        if self.state is RobotSideState.SHAKING and self._host is not None:
             self._obey(self._host.tick(now))
-        elif self.state is State.SERVING:
+        elif self.state is RobotSideState.SERVING:
             self.send(self._braking.tick(now))
-        elif self.state is State.ENDING:
+        elif self.state is RobotSideState.ENDING:
             if self._braking.active and now < self._ending_until:
                 self.send(self._braking.tick(now))
             else:
@@ -146,30 +146,30 @@ class RobotSide:
             now: The time.
             moving: Whether it may move; one that stands for certain is not waited for.
         """
-        if self.state is State.SERVING and (moving or not self._braking.at_rest):
+        if self.state is RobotSideState.SERVING and (moving or not self._braking.at_rest):
             self.brake(now)
-            self.state, self._ending_until = State.ENDING, now + BRAKING
-        elif self.state in {State.SERVING, State.SHAKING}:
+            self.state, self._ending_until = RobotSideState.ENDING, now + BRAKING
+        elif self.state in {RobotSideState.SERVING, RobotSideState.SHAKING}:
             self.finish(now)
 
     def finish(self, now: float) -> None:
         """Close the session: STOP, ENABLE 0, SONAR 0, CLOSE; once is enough."""
-        if self.state in {State.AWAY, State.CLOSED}:
+        if self.state in {RobotSideState.AWAY, RobotSideState.CLOSED}:
             return
         if self._host is not None:
             self._host.leave(now)
             self._outbox.append(self._host.outgoing())
-        self.state = State.CLOSED
+        self.state = RobotSideState.CLOSED
 
     def lose(self) -> None:
         """Note that the link does not open, or has failed."""
-        self.state, self._host = State.CLOSED, None
+        self.state, self._host = RobotSideState.CLOSED, None
         self.failure = ""
         self._outbox.clear()
 
     def away(self) -> None:
         """Note that the link has been closed."""
-        self.state, self._host = State.AWAY, None
+        self.state, self._host = RobotSideState.AWAY, None
         self.identity = b""
         self._outbox.clear()
         self._ending_until = inf
@@ -201,7 +201,7 @@ class RobotSide:
                     self._speeds.append(baud)
                     self._reader.discard()
                 case Opened():
-                    self.state = State.SERVING
+                    self.state = RobotSideState.SERVING
                 case Lost(reason):
                     self.failure = reason
                     return

@@ -48,9 +48,9 @@ def class_(
     """
     from pioneer3.fleet.inventory import VARIABLE
     from pioneer3.fleet.reach import given_model, port_of
-    from pioneer3.web.classroom.live import ClassOptions, FleetRobot, class_live
+    from pioneer3.web.classroom.live import ClassOptions, RemoteRobot, class_live
 
-    robots: tuple[FleetRobot, ...] = ()
+    robots: tuple[RemoteRobot, ...] = ()
     if students is not None and fleet is not None and str(fleet) != os.environ.get(VARIABLE):
         raise ConfigError(f"--students {students} simulates robots, --fleet uses others: give one")
     if students is None:
@@ -58,7 +58,7 @@ def class_(
             raise ConfigError("how many students? Say --students 20, or --fleet FILE")
         known = fleet_of(fleet)
         robots = tuple(
-            FleetRobot(one.name, port_of(known, one.name), given_model(known, one))
+            RemoteRobot(one.name, port_of(known, one.name), given_model(known, one))
             for one in known.robots
         )
         if not robots:

@@ -59,7 +59,15 @@ def init(
     """
     from pioneer3.errors import ConfigError
     from pioneer3.fleet.edit import Change, text_of
-    from pioneer3.fleet.inventory import FILE, Defaults, Operator, draft, here, robot_of, to_toml
+    from pioneer3.fleet.inventory import (
+        FILE,
+        Defaults,
+        OperatorComputer,
+        draft,
+        here,
+        robot_of,
+        to_toml,
+    )
     from pioneer3.links.urls import TCP_PORT
 
     path = fleet or Path(FILE)
@@ -72,7 +80,7 @@ def init(
         ros = _version(ask("Version of ROS on the robots: 1, 2 or none", ros or "none"))
         while word := ask("Robot as NAME=ADDRESS, or Enter to end", ""):
             try:
-                draft(path, Operator(), Defaults(), [*robots, word])
+                draft(path, OperatorComputer(), Defaults(), [*robots, word])
             except ConfigError as error:
                 write_error(str(error))
             else:
@@ -80,10 +88,10 @@ def init(
     me = here(robots)
     if operator is not None:
         given = robot_of(operator, Defaults())
-        me = Operator(name=given.name, address=given.address)
+        me = OperatorComputer(name=given.name, address=given.address)
     if not yes:
         name = ask("This computer's name", me.name)
-        me = Operator(name=name, address=ask("This computer's address", me.address))
+        me = OperatorComputer(name=name, address=ask("This computer's address", me.address))
     defaults = Defaults(user=user, model=model, ros=ros, bridge=0 if ros else TCP_PORT)
     fleet_ = draft(path, me, defaults, robots)
     change = Change.of(path, to_toml(fleet_))

@@ -20,7 +20,7 @@ from pioneer3.cli.process import run_until_told_to_leave, write_json
 
 if TYPE_CHECKING:
     from pioneer3.fleet.drive import Manner
-    from pioneer3.fleet.spec import Fleet, Robot
+    from pioneer3.fleet.spec import Fleet, FleetRobot
     from pioneer3.fleet.stop import Stopped
 
 TO_SAY = 0.2
@@ -74,7 +74,7 @@ def drive(
 
 
 async def _drive(
-    fleet: "Fleet", robots: "tuple[Robot, ...]", manner: "Manner", lined_up: float | None
+    fleet: "Fleet", robots: "tuple[FleetRobot, ...]", manner: "Manner", lined_up: float | None
 ) -> int:
     from pioneer3.fleet.drive import FleetDrive
     from pioneer3.fleet.screen import run_screen
@@ -119,7 +119,12 @@ def stop(
 
 
 async def _stop(
-    fleet: "Fleet", robots: "tuple[Robot, ...]", patience: float, *, emergency: bool, json: bool
+    fleet: "Fleet",
+    robots: "tuple[FleetRobot, ...]",
+    patience: float,
+    *,
+    emergency: bool,
+    json: bool,
 ) -> int:
     from pioneer3.fleet.stop import exit_code, stop_all
 

@@ -16,8 +16,8 @@ from pioneer3.cli.process import run_until_told_to_leave
 
 if TYPE_CHECKING:
     from pioneer3.fleet.drive import Manner
-    from pioneer3.fleet.group import Together
-    from pioneer3.fleet.spec import Fleet, Robot
+    from pioneer3.fleet.group import GroupKey
+    from pioneer3.fleet.spec import Fleet, FleetRobot
 
 WIDTH = 79
 KEYS = (
@@ -99,7 +99,7 @@ def _run(
 ) -> int:
     from pioneer3.errors import ConfigError
     from pioneer3.fleet.drive import Manner
-    from pioneer3.fleet.group import Together
+    from pioneer3.fleet.group import GroupKey
 
     robots = fleet.select(names)
     known = [robot.name for robot in robots]
@@ -112,15 +112,15 @@ def _run(
     if not (sys.stdin and sys.stdin.isatty() and sys.stdout and sys.stdout.isatty()):
         raise ConfigError(f"fleet {mode.name()} needs a terminal: its keys and table are on it")
     manner = Manner(speed=speeds[0], turn_rate=speeds[1], max_speed=speeds[2])
-    together = Together(mode=mode, leader=leader)
+    together = GroupKey(mode=mode, leader=leader)
     return run_until_told_to_leave(_drive(fleet, robots, manner, together, lined_up))
 
 
 async def _drive(
     fleet: "Fleet",
-    robots: "tuple[Robot, ...]",
+    robots: "tuple[FleetRobot, ...]",
     manner: "Manner",
-    together: "Together",
+    together: "GroupKey",
     lined_up: float | None,
 ) -> int:
     from pioneer3.fleet.drive import FleetDrive

@@ -21,17 +21,17 @@ from pioneer3.fleet.host_checks import CLOCKS_DIFFER
 from pioneer3.fleet.host_facts import HostFacts
 from pioneer3.fleet.key import WITHOUT_PASSWORDS
 from pioneer3.fleet.run import Outcome, exit_code
-from pioneer3.fleet.spec import Robot
+from pioneer3.fleet.spec import FleetRobot
 
 ESCAPES: Final = re.compile(r"\x1b(?:\[[0-?]*[ -/]*[@-~]|\][^\x07\x1b]*(?:\x07|\x1b\\)|.)?")
 """Sequences that colour the text, or do worse to a terminal; they are left out."""
 COLOURS: Final = ("cyan", "magenta", "green", "yellow", "blue", "bright_red", "bright_cyan")
 
 
-class Lines:
+class RobotLines:
     """Prints lines of robots as they come; those of standard error go there."""
 
-    def __init__(self, robots: Sequence[Robot]) -> None:
+    def __init__(self, robots: Sequence[FleetRobot]) -> None:
         width = max((len(robot.name) for robot in robots), default=0)
         self._prefixes = {
             robot.name: Text(f"{robot.name:{width}} | ", COLOURS[number % len(COLOURS)])
@@ -40,7 +40,7 @@ class Lines:
         self._out = Terminal(soft_wrap=True)
         self._err = Terminal(soft_wrap=True, stderr=True)
 
-    def show(self, robot: Robot, line: str, is_error: bool) -> None:
+    def show(self, robot: FleetRobot, line: str, is_error: bool) -> None:
         """Print one line."""
         console = self._err if is_error else self._out
         console.print(self._prefixes[robot.name] + Text(ESCAPES.sub("", line).expandtabs()))
@@ -136,7 +136,7 @@ def print_diagnoses(diagnoses: Sequence[Diagnosis], *, every: bool) -> None:
             console.print(Padding(findings_table(shown), (0, 0, 0, 2)))
 
 
-class Person:
+class TerminalAsker:
     """Asks the person at the terminal; see :class:`pioneer3.fleet.key.Asker`.
 
     Args:
@@ -146,7 +146,7 @@ class Person:
     def __init__(self, *, accept_new: bool = False) -> None:
         self._accept_new = accept_new
 
-    async def accepts_host_key(self, robot: Robot, fingerprint: str) -> bool:
+    async def accepts_host_key(self, robot: FleetRobot, fingerprint: str) -> bool:
         """Show a host key, and wait for an answer."""
         shown = f"{robot.name} ({robot.address}) has the host key {fingerprint}"
         if self._accept_new:
@@ -159,7 +159,7 @@ class Person:
         )
         return (await asked("Are they the same? [yes/no] ")).lower() in {"y", "yes"}
 
-    async def password(self, robots: Sequence[Robot]) -> str:
+    async def password(self, robots: Sequence[FleetRobot]) -> str:
         """Ask for the password, without showing it."""
         _needs_terminal("to ask for the password")
         users = ", ".join(f"{robot.user}@{robot.name}" for robot in robots)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from pioneer3.fleet.live import OnTopics
     from pioneer3.fleet.members import Connect
-    from pioneer3.fleet.spec import Fleet, Robot
+    from pioneer3.fleet.spec import Fleet, FleetRobot
     from pioneer3.ros.ros2.network import Network
     from pioneer3.runtime.driven import Driven
 
@@ -48,10 +48,10 @@ async def connecting(
         sessions(name, patience, sonar=sonar, at_once=at_once) as networks,
     ):
 
-        def ros1(robot: "Robot") -> "AbstractAsyncContextManager[Driven]":
+        def ros1(robot: "FleetRobot") -> "AbstractAsyncContextManager[Driven]":
             return by_node(robot.node, None if at_once else model_of(fleet, robot) or None)
 
-        def ros2(robot: "Robot") -> "AbstractAsyncContextManager[Driven]":
+        def ros2(robot: "FleetRobot") -> "AbstractAsyncContextManager[Driven]":
             model = None if at_once else model_of(fleet, robot) or None
             return networks.robot(network_of(fleet, robot), robot.node, model)
 
@@ -61,7 +61,7 @@ async def connecting(
 @asynccontextmanager
 async def asking(
     fleet: "Fleet",
-) -> "AsyncIterator[Callable[[Robot, float], Awaitable[OnTopics]]]":
+) -> "AsyncIterator[Callable[[FleetRobot, float], Awaitable[OnTopics]]]":
     """Yield the function that asks a robot's topics of ROS 2."""
     import asyncio
 
@@ -70,7 +70,7 @@ async def asking(
 
     async with sessions("fleet_list") as networks:
 
-        async def ask(robot: "Robot", patience: float) -> "OnTopics":
+        async def ask(robot: "FleetRobot", patience: float) -> "OnTopics":
             until = asyncio.get_running_loop().time() + patience
             session = await networks.on(network_of(fleet, robot))
             told = await session.state(robot.node, until)
@@ -86,7 +86,7 @@ async def asking(
         yield ask
 
 
-def network_of(fleet: "Fleet", robot: "Robot") -> "Network":
+def network_of(fleet: "Fleet", robot: "FleetRobot") -> "Network":
     """Return the network of ROS 2 that a robot is on; its files are beside the fleet file."""
     from pioneer3.ros.ros2.network import BackendName, Network
 

@@ -14,7 +14,7 @@ from pioneer3.errors import ConfigError
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from pioneer3.fleet.inventory import Fleet, Robot
+    from pioneer3.fleet.inventory import Fleet, FleetRobot
     from pioneer3.fleet.live import Live, Questions
 
 GOOD = {True: "green", False: "red", None: ""}
@@ -61,12 +61,12 @@ def list_(
         return 0
     from pioneer3.fleet.host_facts import clocks
     from pioneer3.fleet.live import Questions
-    from pioneer3.fleet.ros_graph import Endpoint, master_of
+    from pioneer3.fleet.ros_graph import NodeAddress, master_of
 
     masters = (os.environ.get("ROS_MASTER_URI"), master_of(given))
     questions = Questions(
         timeout=timeout,
-        masters=tuple(Endpoint.of(master) for master in masters if master),
+        masters=tuple(NodeAddress.of(master) for master in masters if master),
         clock=clocks(),
         addresses=given.addresses,
     )
@@ -77,7 +77,7 @@ def list_(
 
 async def _ask(
     fleet: "Fleet",
-    robots: "tuple[Robot, ...]",
+    robots: "tuple[FleetRobot, ...]",
     questions: "Questions",
     *,
     every: float | None,
@@ -93,14 +93,14 @@ async def _ask(
 
 
 async def _list_or_watch(
-    robots: "tuple[Robot, ...]", questions: "Questions", every: float | None, *, json: bool
+    robots: "tuple[FleetRobot, ...]", questions: "Questions", every: float | None, *, json: bool
 ) -> int:
     if every is None:
         return await _list(robots, questions, json=json)
     return await _watch(robots, questions, every, json=json)
 
 
-async def _list(robots: "tuple[Robot, ...]", questions: "Questions", *, json: bool) -> int:
+async def _list(robots: "tuple[FleetRobot, ...]", questions: "Questions", *, json: bool) -> int:
     from pioneer3.cli.process import busy_sign
     from pioneer3.fleet.live import exit_code, look
 
@@ -111,7 +111,7 @@ async def _list(robots: "tuple[Robot, ...]", questions: "Questions", *, json: bo
 
 
 async def _watch(
-    robots: "tuple[Robot, ...]", questions: "Questions", every: float, *, json: bool
+    robots: "tuple[FleetRobot, ...]", questions: "Questions", every: float, *, json: bool
 ) -> int:
     import asyncio
 
@@ -132,7 +132,9 @@ async def _watch(
             await asyncio.sleep(every)
 
 
-def _print(robots: "tuple[Robot, ...]", answers: "tuple[Live, ...] | None", *, json: bool) -> None:
+def _print(
+    robots: "tuple[FleetRobot, ...]", answers: "tuple[Live, ...] | None", *, json: bool
+) -> None:
     if json:
         live = answers or (None,) * len(robots)
         rows = zip(robots, live, strict=True)
@@ -146,7 +148,9 @@ def _print(robots: "tuple[Robot, ...]", answers: "tuple[Live, ...] | None", *, j
     console.print(table(robots, answers, console.width))
 
 
-def table(robots: "tuple[Robot, ...]", answers: "tuple[Live, ...] | None", width: int) -> "Table":
+def table(
+    robots: "tuple[FleetRobot, ...]", answers: "tuple[Live, ...] | None", width: int
+) -> "Table":
     """Return the table of a fleet; without answers, that of the file."""
     from rich.table import Table
     from rich.text import Text

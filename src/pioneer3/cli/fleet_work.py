@@ -11,7 +11,7 @@ from pioneer3.cli.options import SEVERAL, Flag, FleetFile, Seconds, fleet_of
 from pioneer3.cli.process import busy_sign, run_until_told_to_leave, write_json, write_line
 
 if TYPE_CHECKING:
-    from pioneer3.fleet.spec import Robot
+    from pioneer3.fleet.spec import FleetRobot
     from pioneer3.fleet.ssh import Login
 
 
@@ -30,7 +30,7 @@ class RobotsOptions:
     fleet: FleetFile = None
     timeout: Seconds = 20.0
 
-    def robots(self) -> "tuple[Robot, ...]":
+    def robots(self) -> "tuple[FleetRobot, ...]":
         """Return the robots that are meant.
 
         Raises:
@@ -79,11 +79,11 @@ def run(
 
 
 async def _run(command: str, limit: float | None, options: RobotsOptions) -> int:
-    from pioneer3.cli.fleet_output import Lines, finish
+    from pioneer3.cli.fleet_output import RobotLines, finish
     from pioneer3.fleet.run import run_on
 
     robots = options.robots()
-    lines = Lines(robots)
+    lines = RobotLines(robots)
     return finish(await run_on(robots, command, lines.show, login=options.login, limit=limit))
 
 
@@ -185,7 +185,7 @@ def key(
 
 
 async def _key(options: RobotsOptions, *, accept_new: bool, passphrase: bool) -> int:
-    from pioneer3.cli.fleet_output import Person, finish, show_password_advice
+    from pioneer3.cli.fleet_output import TerminalAsker, finish, show_password_advice
     from pioneer3.fleet import key
 
     robots = options.robots()
@@ -194,7 +194,7 @@ async def _key(options: RobotsOptions, *, accept_new: bool, passphrase: bool) ->
         write_line(f"Making you a key, {key.make_key(passphrase=passphrase)}.")
         public = key.public_key()
         assert public is not None
-    person = Person(accept_new=accept_new)
+    person = TerminalAsker(accept_new=accept_new)
     outcomes = await key.install_key(robots, public, person, login=options.login)
     code = finish(outcomes)
     well = [robot for robot, each in zip(robots, outcomes, strict=True) if each.ok]

@@ -12,8 +12,8 @@ from pioneer3.cli.options import UNITS, Flag
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from pioneer3.maps import Bounds
-    from pioneer3.sim.map_check import Finding
+    from pioneer3.maps import Extent
+    from pioneer3.sim.map_check import MapProblem
     from pioneer3.sim.map_convert import MapInfo
 
 map_app = App(
@@ -187,11 +187,11 @@ def _ends(text: str) -> "tuple[tuple[float, float], tuple[float, float]]":
     return (a, b), (c, d)
 
 
-def _box(text: str) -> "Bounds":
-    from pioneer3.maps import Bounds
+def _box(text: str) -> "Extent":
+    from pioneer3.maps import Extent
 
     (a, b), (c, d) = _ends(text)
-    return Bounds(min(a, c), min(b, d), max(a, c), max(b, d))
+    return Extent(min(a, c), min(b, d), max(a, c), max(b, d))
 
 
 def _numbers(text: str, numbers: str, least: int, most: int) -> list[float]:
@@ -216,7 +216,7 @@ def _numbers(text: str, numbers: str, least: int, most: int) -> list[float]:
 def _print_map(info: "MapInfo", console: "Console") -> None:
     from rich.text import Text
 
-    from pioneer3.cli.map_drawing import Canvas, legend
+    from pioneer3.cli.map_drawing import CharacterCanvas, legend
 
     title = Text(info.name, "bold", no_wrap=True, overflow="ellipsis")
     width, height = info.size
@@ -226,7 +226,7 @@ def _print_map(info: "MapInfo", console: "Console") -> None:
     marks = legend(info.drawing.bounds, info.drawing)
     lines = sum(len(text.wrap(console, console.width)) for text in (title, counts, marks))
     # a row for the ruler, and one for the prompt that follows
-    canvas = Canvas(info.drawing, console.width, max(4, console.height - lines - 2))
+    canvas = CharacterCanvas(info.drawing, console.width, max(4, console.height - lines - 2))
     console.print(title)
     if counts:
         console.print(counts)
@@ -235,7 +235,7 @@ def _print_map(info: "MapInfo", console: "Console") -> None:
     console.print(marks)
 
 
-def _print_findings(file: str, findings: "tuple[Finding, ...]") -> None:
+def _print_findings(file: str, findings: "tuple[MapProblem, ...]") -> None:
     from rich.text import Text
 
     from pioneer3.cli.terminal import Terminal

@@ -12,8 +12,8 @@ from rich.text import Text
 
 from pioneer3.demo.drawing import Braille
 from pioneer3.maps.grid import samples
-from pioneer3.maps.line_map import Bounds
-from pioneer3.sim.worldfile.drawing import Drawing, Layer, Marker
+from pioneer3.maps.line_map import Extent
+from pioneer3.sim.worldfile.drawing import Layer, Marker, WorldDrawing
 
 ARROWS: Final = "→↗↑↖←↙↓↘"
 SIGNS: Mapping[Layer, str] = MappingProxyType({Layer.GOAL: "●", Layer.DOCK: "■", Layer.HOME: "▲"})
@@ -39,7 +39,7 @@ STYLES: Mapping[Layer, str] = MappingProxyType(
 ROUND: Final = (1, 2, 5)
 
 
-class Canvas(Braille):
+class CharacterCanvas(Braille):
     """Characters that a drawing fits on.
 
     Args:
@@ -48,7 +48,7 @@ class Canvas(Braille):
         rows: The same.
     """
 
-    def __init__(self, drawing: Drawing, columns: int, rows: int) -> None:
+    def __init__(self, drawing: WorldDrawing, columns: int, rows: int) -> None:
         bounds = drawing.bounds
         width, height = bounds.x_max - bounds.x_min, bounds.y_max - bounds.y_min
         # a character is two dots wide and four high, and dots are about square
@@ -107,7 +107,7 @@ def _sign(marker: Marker) -> str:
     return SIGNS[marker.layer]
 
 
-def legend(bounds: Bounds, drawing: Drawing) -> Text:
+def legend(bounds: Extent, drawing: WorldDrawing) -> Text:
     """Return the meaning of colours and signs on the drawing, and its corners."""
     text = Text()
     used = {marker.layer for marker in drawing.markers}

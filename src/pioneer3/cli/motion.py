@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from cyclopts import Parameter
 
 from pioneer3.behaviors.modes import MODES, Mode
-from pioneer3.behaviors.modes.mode import Described
-from pioneer3.behaviors.modes.mode import Parameter as ModeParameter
+from pioneer3.behaviors.modes.mode import Described, ModeParameter
 from pioneer3.cli.live import carry_out
 from pioneer3.cli.options import (
     LINK,

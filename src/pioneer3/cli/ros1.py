@@ -107,10 +107,10 @@ def ros1(
     """
     if install_package is not None:
         return _install(install_package)
-    from pioneer3.ros.node.start import Options
+    from pioneer3.ros.node.start import StartOptions
     from pioneer3.ros.ros1.start import serve
 
-    options = Options(
+    options = StartOptions(
         port=which.url_or_none,
         model=which.given_model,
         baud=baud,

@@ -106,13 +106,13 @@ def ros2(
         start: Where the robot is: a name, x,y,heading, or unknown; without it at the map's home.
         install_package: Only write a ROS 2 package to this folder, for ros2 run and ros2 launch.
     """
-    from pioneer3.ros.node.start import Options
+    from pioneer3.ros.node.start import StartOptions
     from pioneer3.ros.ros2.start import serve
 
     node = network.node(name, namespace or "/")
     if install_package is not None:
         return _install(install_package, node.network.distro_here().name)
-    options = Options(
+    options = StartOptions(
         port=which.url_or_none,
         model=which.given_model,
         baud=baud,

@@ -9,7 +9,7 @@ from pioneer3.cli.process import run_until_told_to_leave
 from pioneer3.cli.ros2_network import ANYWHERE, NetworkOptions
 
 if TYPE_CHECKING:
-    from pioneer3.ros.checks.facts import Report
+    from pioneer3.ros.checks.facts import CheckReport
 
 WIDE: Final = 400
 """Columns for a file or a program."""
@@ -68,7 +68,7 @@ async def _check(
     return code
 
 
-def _write(report: "Report", code: int) -> None:
+def _write(report: "CheckReport", code: int) -> None:
     from pioneer3.cli.process import write_json
 
     rows = [
@@ -89,7 +89,7 @@ def _write(report: "Report", code: int) -> None:
     )
 
 
-def _show(report: "Report") -> None:
+def _show(report: "CheckReport") -> None:
     from pioneer3.cli.ros2_check_table import absent_line, summary, table
     from pioneer3.cli.terminal import Terminal
 

@@ -10,13 +10,13 @@ from rich.text import Text
 
 from pioneer3.cli.tables import SIGNS
 from pioneer3.doctor.facts import Level
-from pioneer3.ros.checks.facts import Fault, Part, Report, Row
+from pioneer3.ros.checks.facts import CheckFault, CheckReport, CheckRow, ReportPart
 
 HEADS: Final = {
-    Part.NODE: "node",
-    Part.PUBLISHED: "publishes",
-    Part.SUBSCRIBED: "subscribes to",
-    Part.SERVICE: "services",
+    ReportPart.NODE: "node",
+    ReportPart.PUBLISHED: "publishes",
+    ReportPart.SUBSCRIBED: "subscribes to",
+    ReportPart.SERVICE: "services",
 }
 NUMBERED: Final = re.compile(r"(.*?)\d+")
 PACKAGE: Final = re.compile(r"\b\w+/(?:msg|srv)/")
@@ -26,7 +26,7 @@ NARROW: Final = 120
 COLORS: Final = {Level.OK: "green", Level.WARN: "yellow", Level.FAIL: "red"}
 
 
-def table(report: Report, width: int) -> Table:
+def table(report: CheckReport, width: int) -> Table:
     """Return the rows of a report, but for the parts that the robot is without."""
     made = Table(box=None, pad_edge=False, header_style="bold")
     for title, most in zip(("topic", "expected", "found"), WIDTHS, strict=True):
@@ -47,7 +47,7 @@ def table(report: Report, width: int) -> Table:
     return made
 
 
-def verdict(row: Row) -> Text:
+def verdict(row: CheckRow) -> Text:
     """Return the severity of a row, its reasons and advice."""
     if not row.faults:
         return SIGNS[row.level]
@@ -60,9 +60,9 @@ def verdict(row: Row) -> Text:
     return Text("\n").join(lines)
 
 
-def absent_line(report: Report) -> Text | None:
+def absent_line(report: CheckReport) -> Text | None:
     """Return a sentence about the parts that the robot is without; `None` for none."""
-    parts: dict[str, list[Sequence[Row]]] = {}
+    parts: dict[str, list[Sequence[CheckRow]]] = {}
     absent = [row for row in report.rows if row.absent]
     for each in _together(absent):
         parts.setdefault(each[0].absent, []).append(each)
@@ -75,7 +75,7 @@ def absent_line(report: Report) -> Text | None:
     return Text(f"\nWithout: {', '.join(told)}.", "dim")
 
 
-def summary(report: Report) -> Text:
+def summary(report: CheckReport) -> Text:
     """Return the sum of it in one line."""
     wrong, odd = report.count(Level.FAIL), report.count(Level.WARN)
     rows = sum(not row.absent for row in report.rows)
@@ -87,19 +87,19 @@ def summary(report: Report) -> Text:
     return Text(f"{head}, all right.", "bold green")
 
 
-def _together(rows: Sequence[Row]) -> Iterator[Sequence[Row]]:
+def _together(rows: Sequence[CheckRow]) -> Iterator[Sequence[CheckRow]]:
     """Yield the rows, those together that differ in a number only."""
     for _, same in groupby(rows, key=_kind):
         yield list(same)
 
 
-def _kind(row: Row) -> tuple[object, ...]:
+def _kind(row: CheckRow) -> tuple[object, ...]:
     match = NUMBERED.fullmatch(row.name)
     name = (match[1], "N") if match else (row.name,)
     return (name, row.expected, row.absent, row.faults)
 
 
-def _name(rows: Sequence[Row], report: Report) -> str:
+def _name(rows: Sequence[CheckRow], report: CheckReport) -> str:
     """Return the name below the robot's namespace; of several rows with both ends."""
     space = report.node.rpartition("/")[0]
     names = [row.name.removeprefix(f"{space}/") for row in rows]
@@ -109,7 +109,7 @@ def _name(rows: Sequence[Row], report: Report) -> str:
     return f"{names[0]}…{last[0] if last else names[-1]}"
 
 
-def _found(rows: Sequence[Row]) -> str:
+def _found(rows: Sequence[CheckRow]) -> str:
     rates = sorted(row.rate for row in rows if row.rate is not None)
     if len(rows) == 1 or not rates:
         return PACKAGE.sub("", rows[0].found)
@@ -117,5 +117,5 @@ def _found(rows: Sequence[Row]) -> str:
     return f"{low} Hz" if low == high else f"{low} to {high} Hz"
 
 
-def _reason(fault: Fault) -> str:
+def _reason(fault: CheckFault) -> str:
     return f"{fault.reason} ({fault.example})" if fault.example else fault.reason

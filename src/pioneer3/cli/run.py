@@ -96,7 +96,7 @@ def run(
     from pioneer3.nav.settings import AS_SHIPPED
     from pioneer3.sim.worldfile import RobotSpec
     from pioneer3.sim.worldfile.arguments import parse_robot
-    from pioneer3.web.live import Options, live
+    from pioneer3.web.live import RunOptions, live
 
     if of_fleet := robots_of(robot, fleet):
         if port and port != (os.environ.get(PORT_VARIABLE),):
@@ -117,7 +117,7 @@ def run(
     if len(port) > 1 and lasers != NO_LASERS:
         raise ConfigError("--laser: of one robot only; run one `pioneer3 run` for each robot")
     served_at = "0.0.0.0" if lan and host == "127.0.0.1" else host
-    options = Options(
+    options = RunOptions(
         ports=port,
         baud=baud,
         map_name=map_,

@@ -12,7 +12,7 @@ from rich.text import Text
 from pioneer3.cli.tables import battery_text
 from pioneer3.models import SonarMount
 from pioneer3.robot.explain import Reason, ReasonKind
-from pioneer3.robot.supervisor import Connection, RobotInfo, Status, is_simulator, kind
+from pioneer3.robot.supervisor import Connection, ConnectionStatus, RobotInfo, is_simulator, kind
 from pioneer3.state import LinkQuality, Snapshot, Sonar
 
 FARTHEST = 5.0
@@ -33,7 +33,7 @@ def screen(
     info: RobotInfo,
     snapshot: Snapshot | None,
     why: Reason | None,
-    status: Status | None,
+    status: ConnectionStatus | None,
     *,
     width: int = 80,
     lasers: Sequence[Text] = (),
@@ -93,7 +93,7 @@ def _alarms(snapshot: Snapshot) -> list[str]:
     ]
 
 
-def _headline(info: RobotInfo, status: Status | None) -> Text:
+def _headline(info: RobotInfo, status: ConnectionStatus | None) -> Text:
     style = "black on cyan" if is_simulator(info) else "black on green"
     state = status.connection if status else Connection.CONNECTED
     text = Text(no_wrap=True, overflow="ellipsis")
@@ -197,7 +197,10 @@ def _metres(metres: float) -> str:
 
 
 def _bottom(
-    snapshot: Snapshot | None, why: Reason | None, status: Status | None, lasers: Sequence[Text]
+    snapshot: Snapshot | None,
+    why: Reason | None,
+    status: ConnectionStatus | None,
+    lasers: Sequence[Text],
 ) -> Panel:
     lines = [*([_link(snapshot.link)] if snapshot else []), *lasers]
     if status and status.connection is not Connection.CONNECTED:

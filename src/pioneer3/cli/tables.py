@@ -12,7 +12,7 @@ from rich.table import Table
 from rich.text import Text
 
 from pioneer3.doctor.facts import Finding, Level
-from pioneer3.doctor.probe import Probed, Verdict, choose
+from pioneer3.doctor.probe import Probed, ProbeVerdict, choose
 from pioneer3.robot.config_table import NOT_SENT, explained
 from pioneer3.robot.supervisor import RobotInfo, is_simulator, kind
 from pioneer3.state import Charging, Snapshot
@@ -23,11 +23,11 @@ SIGNS: Final = {
     Level.FAIL: Text("FAIL", "bold red"),
 }
 VERDICT_STYLES: Final = {
-    Verdict.ROBOT: "bold green",
-    Verdict.SIMULATOR: "bold cyan",
-    Verdict.LASER: "yellow",
-    Verdict.BUSY: "yellow",
-    Verdict.NO_PERMISSION: "red",
+    ProbeVerdict.ROBOT: "bold green",
+    ProbeVerdict.SIMULATOR: "bold cyan",
+    ProbeVerdict.LASER: "yellow",
+    ProbeVerdict.BUSY: "yellow",
+    ProbeVerdict.NO_PERMISSION: "red",
 }
 
 
@@ -127,7 +127,7 @@ def ports_table(found: Iterable[Probed]) -> Table:
     table.add_column("details", style="dim", overflow="fold")
     for each in found:
         style = VERDICT_STYLES.get(each.verdict, "")
-        capital = each.verdict in {Verdict.ROBOT, Verdict.SIMULATOR}
+        capital = each.verdict in {ProbeVerdict.ROBOT, ProbeVerdict.SIMULATOR}
         what = each.verdict.upper() if capital else str(each.verdict)
         table.add_row(Text(each.url), Text(what, style), Text(_details(each)))
     return table
@@ -146,7 +146,7 @@ def advice(found: Sequence[Probed]) -> Text:
     """Return the options to use, or advice when there is no robot."""
     text = _advice_for_robot(found)
     for each in found:
-        if each.verdict is Verdict.LASER:
+        if each.verdict is ProbeVerdict.LASER:
             text.append("\nThe laser: ").append(f"--laser {each.url}", "bold green")
     return text
 
@@ -158,16 +158,22 @@ def _advice_for_robot(found: Sequence[Probed]) -> Text:
         text.append(_next_step(found), "bold cyan")
         return text.append("\nWithout a robot: ").append("p3 sim", "bold cyan")
     text = Text("\nUse: ").append(f"--port {best.url}", "bold green")
-    if best.verdict is Verdict.SIMULATOR:
+    if best.verdict is ProbeVerdict.SIMULATOR:
         text.append("  (a SIMULATOR; no real robot answers)", "cyan")
-    elif any(each.verdict is Verdict.SIMULATOR for each in found):
+    elif any(each.verdict is ProbeVerdict.SIMULATOR for each in found):
         text.append("  (a SIMULATOR runs too)", "cyan")
     return text
 
 
 def _next_step(found: Sequence[Probed]) -> str:
     """Return the command that tells more: about the port most worth a closer look, if any."""
-    order = (Verdict.NO_PERMISSION, Verdict.BUSY, Verdict.SILENT, Verdict.OTHER, Verdict.FAILED)
+    order = (
+        ProbeVerdict.NO_PERMISSION,
+        ProbeVerdict.BUSY,
+        ProbeVerdict.SILENT,
+        ProbeVerdict.OTHER,
+        ProbeVerdict.FAILED,
+    )
     ranked = (each.url for verdict in order for each in found if each.verdict is verdict)
     suspect = next(ranked, None)
     return f"p3 doctor -p {suspect}" if suspect else "p3 find-port --wait"

@@ -35,7 +35,7 @@ Several = Annotated[tuple[str, ...], Parameter(name=["--robot", "-r"], negative=
 Demo = Callable[..., int]
 
 
-class Graph(Protocol):
+class DemoGraph(Protocol):
     """The ROS graph that a demo finds robots on.
 
     Attributes:
@@ -79,7 +79,7 @@ class Which:
 ANY = Which()
 
 
-def robots(graph: Graph, *, json: Flag = False) -> int:
+def robots(graph: DemoGraph, *, json: Flag = False) -> int:
     """List the robots on the ROS graph.
 
     Example: pioneer3 {ros} robots
@@ -103,7 +103,7 @@ def robots(graph: Graph, *, json: Flag = False) -> int:
 
 
 def rob_key(
-    graph: Graph,
+    graph: DemoGraph,
     *,
     which: Which = ANY,
     speed: Speed = 0.5,
@@ -133,7 +133,7 @@ def rob_key(
 
 
 def rob_key_multi(
-    graph: Graph,
+    graph: DemoGraph,
     *,
     robot: Several = (),
     model: str | None = None,
@@ -170,7 +170,7 @@ def rob_key_multi(
 
 
 def p3_sonar(
-    graph: Graph,
+    graph: DemoGraph,
     *,
     which: Which = ANY,
     seconds: Seconds | None = None,
@@ -196,7 +196,7 @@ def p3_sonar(
 
 
 def android_teleop(
-    graph: Graph,
+    graph: DemoGraph,
     *,
     which: Which = ANY,
     imu: str = "/android/imu",
@@ -231,7 +231,7 @@ def mode_demo(mode: type[Mode]) -> Demo:
     """Return the demo that runs `mode` on topics."""
 
     def run(
-        graph: Graph,
+        graph: DemoGraph,
         *,
         which: Which = ANY,
         seconds: float | None = None,
@@ -253,7 +253,7 @@ def mode_demo(mode: type[Mode]) -> Demo:
     length = Annotated[Seconds | None, Parameter(help="Stop after this time.")]
     lines = Annotated[Flag, Parameter(help="One JSON object for each reading, a line each.")]
     arguments = [
-        Argument("graph", Argument.POSITIONAL_ONLY, annotation=Graph),
+        Argument("graph", Argument.POSITIONAL_ONLY, annotation=DemoGraph),
         keyword("which", Which, ANY),
         *mode_options(mode),
         keyword("seconds", length, None),
@@ -274,7 +274,7 @@ DEMOS: tuple[Demo, ...] = (
 
 
 def commands(
-    graph_of: Callable[[Any], Graph], where: Argument, names: dict[str, str]
+    graph_of: Callable[[Any], DemoGraph], where: Argument, names: dict[str, str]
 ) -> tuple[Demo, ...]:
     """Return the demos as commands on one kind of graph.
 
@@ -287,7 +287,7 @@ def commands(
 
 
 def _command(
-    demo: Demo, graph_of: Callable[[Any], Graph], where: Argument, names: dict[str, str]
+    demo: Demo, graph_of: Callable[[Any], DemoGraph], where: Argument, names: dict[str, str]
 ) -> Demo:
     comes_first = where.kind is Argument.VAR_POSITIONAL
 
@@ -299,7 +299,9 @@ def _command(
     return with_signature(run, demo.__name__, [where, *own] if comes_first else [*own, where])
 
 
-def _run(graph: Graph, name: str, which: Which, work: "WorkOfOne", words: str | None = None) -> int:
+def _run(
+    graph: DemoGraph, name: str, which: Which, work: "WorkOfOne", words: str | None = None
+) -> int:
     """Do `work` with one robot; `words` are told at the start."""
 
     async def working(driven: "list[TopicRobot]", topics: "Topics") -> None:

@@ -16,7 +16,7 @@ from pioneer3.demo import view
 from pioneer3.demo.drawing import Trail, reach_for, ring
 from pioneer3.demo.program import Program
 from pioneer3.demo.view import panel
-from pioneer3.teleop.screen import Part, PatientDriver
+from pioneer3.teleop.screen import PatientDriver, ScreenPart
 
 REFRESH = 0.1
 BELOW = ("row", "flags", "why", "said", "foot")
@@ -64,7 +64,7 @@ class DemoApp(App[None]):
         self._trail = Trail()
         self._reach = 3.0
         self._help = False
-        self._parts = {name: Part(id=name) for name in PARTS}
+        self._parts = {name: ScreenPart(id=name) for name in PARTS}
         self._body = Horizontal(id="body")
         self._panel = VerticalScroll(id="panel", can_focus=False)
 

@@ -10,7 +10,7 @@ MISSING = "n/a"
 
 
 @dataclass(frozen=True, slots=True)
-class Cell:
+class ColumnCell:
     """One column; what is longer than `width` is not cut."""
 
     name: str
@@ -19,7 +19,7 @@ class Cell:
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
+class ColumnRow:
     """Columns at one instant.
 
     Attributes:
@@ -28,7 +28,7 @@ class Row:
         gap: Between two columns.
     """
 
-    cells: tuple[Cell, ...] = ()
+    cells: tuple[ColumnCell, ...] = ()
     tail: str = ""
     gap: str = ""
 
@@ -46,7 +46,7 @@ class Row:
         """Return header and line as often as it takes to keep within `width` characters."""
         lines: list[str] = []
         for cells in self._groups(width):
-            part = Row(cells, gap=self.gap)
+            part = ColumnRow(cells, gap=self.gap)
             lines += [part.header, part.line]
         if not self.cells:
             return [self.tail[at : at + width] for at in range(0, len(self.tail), width)]
@@ -56,8 +56,8 @@ class Row:
             lines.append(self.tail.strip())
         return lines
 
-    def _groups(self, width: int) -> Iterator[tuple[Cell, ...]]:
-        group: list[Cell] = []
+    def _groups(self, width: int) -> Iterator[tuple[ColumnCell, ...]]:
+        group: list[ColumnCell] = []
         used = 0
         for cell in self.cells:
             wide = max(cell.width, len(cell.text), len(cell.name)) + len(self.gap)

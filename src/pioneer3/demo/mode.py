@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from pioneer3.behaviors.action import Stack
-from pioneer3.demo.columns import Row
+from pioneer3.demo.columns import ColumnRow
 from pioneer3.errors import Refusal
 from pioneer3.geometry import ORIGIN, Pose2
 from pioneer3.robot.devices import Acts, Presence
@@ -131,7 +131,7 @@ class DemoMode:
     enter: Callable[[], AbstractContextManager[object]] = nullcontext
     on_key: Callable[[str], bool] = lambda key: False
     again: Callable[[], object] = lambda: None
-    row: Callable[[], Row | None] = lambda: None
+    row: Callable[[], ColumnRow | None] = lambda: None
     gauges: Callable[[], Sequence[Gauge]] = lambda: ()
     details: Callable[[], Sequence[str]] = lambda: ()
     points: Callable[[], Sequence[tuple[float, float]]] = lambda: ()

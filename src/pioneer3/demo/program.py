@@ -8,7 +8,7 @@ from dataclasses import replace
 from types import MappingProxyType
 from typing import Any, Protocol, TypeVar
 
-from pioneer3.demo.columns import Row
+from pioneer3.demo.columns import ColumnRow
 from pioneer3.demo.mode import Context, DemoMode, Description, Gauge
 from pioneer3.demo.modes import MODES
 from pioneer3.errors import PioneerError
@@ -183,7 +183,7 @@ class Program:
             *self.active.about.help,
         ]
 
-    def row(self) -> Row | None:
+    def row(self) -> ColumnRow | None:
         """Return the columns of the active mode, if there is anything to show."""
         if self.active.presence().there is False:
             return None

@@ -1,6 +1,6 @@
 """Finds and explains faults between this computer and a robot.
 
-:func:`gather` collects :class:`Facts`, :func:`diagnose` derives the findings from them.
+:func:`gather` collects :class:`LinkFacts`, :func:`diagnose` derives the findings from them.
 """
 
 import asyncio
@@ -13,10 +13,10 @@ from pioneer3.doctor.facts import (
     FAILED,
     FORBIDDEN,
     UNREACHABLE,
-    Facts,
     Finding,
     Heard,
     Level,
+    LinkFacts,
 )
 from pioneer3.doctor.port_checks import check_adapter, check_answer, check_port
 from pioneer3.doctor.ports import find_port
@@ -44,7 +44,7 @@ async def gather(
     baud: int | None = None,
     model: GivenModel = None,
     seconds: float = 3.0,
-) -> Facts:
+) -> LinkFacts:
     """Return the facts about `url` after listening for `seconds`.
 
     Args:
@@ -59,15 +59,17 @@ async def gather(
     model = loaded_model(model)
     port = await asyncio.to_thread(find_port, url)
     if port is not None and port.holders:  # a second host would disturb the first
-        return Facts(url=url, port=port)
+        return LinkFacts(url=url, port=port)
     try:
         link = await open_link(url, baud=baud)
     except LinkError as error:
-        return Facts(url=url, port=port, refused=error)
-    return await examine(link, seconds, Facts(url=url, port=port), model)
+        return LinkFacts(url=url, port=port, refused=error)
+    return await examine(link, seconds, LinkFacts(url=url, port=port), model)
 
 
-async def examine(link: Link, seconds: float, known: Facts, model: GivenModel = None) -> Facts:
+async def examine(
+    link: Link, seconds: float, known: LinkFacts, model: GivenModel = None
+) -> LinkFacts:
     """Return the facts `known` with those found over `link`; the link is closed then."""
     session = ProbeSession(link, model=model)
     try:
@@ -119,10 +121,10 @@ __all__ = [
     "FAILED",
     "FORBIDDEN",
     "UNREACHABLE",
-    "Facts",
     "Finding",
     "Heard",
     "Level",
+    "LinkFacts",
     "diagnose",
     "exit_code",
     "gather",
@@ -143,7 +145,7 @@ CHECKS: Final = (
 """The checks in the order of repair, from the plug to the wheels."""
 
 
-def diagnose(facts: Facts) -> tuple[Finding, ...]:
+def diagnose(facts: LinkFacts) -> tuple[Finding, ...]:
     """Return the findings in the order of repair."""
     return tuple(finding for check in CHECKS for finding in check(facts))
 

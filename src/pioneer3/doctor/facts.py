@@ -76,7 +76,7 @@ class Heard:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Facts:
+class LinkFacts:
     """The facts about one link.
 
     Attributes:

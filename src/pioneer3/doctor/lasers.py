@@ -10,12 +10,12 @@ from typing import Final
 from pioneer3.doctor.ports import SerialPort, is_serial, list_ports
 from pioneer3.doctor.recognition import UNNAMED
 from pioneer3.errors import ConfigError, LinkError, PortNotFoundError
-from pioneer3.lasers.client import Lost, Patience, ScanSettings, SpeedWanted
+from pioneer3.lasers.client import LineSpeedWanted, Patience, ScanSettings, ScansLost
 from pioneer3.lasers.recognition import QUESTION, name_in
 from pioneer3.links import Link, open_link
 from pioneer3.links.urls import split_url
 from pioneer3.models.lasers import LaserProtocol
-from pioneer3.robot.lasers.search import Search
+from pioneer3.robot.lasers.search import ProtocolSearch
 
 PATIENCE: Final = Patience(give_up=3.5)
 """Once over all serial speeds."""
@@ -111,7 +111,7 @@ async def _search(link: Link, patience: Patience, heard: bytearray) -> LaserProt
     """Return the protocol of the laser; put what it said at its speed into `heard`."""
     clock = asyncio.get_running_loop().time
     found: list[LaserProtocol] = []
-    search = Search(
+    search = ProtocolSearch(
         clock(),
         link.speeds,
         ScanSettings(),
@@ -123,10 +123,10 @@ async def _search(link: Link, patience: Patience, heard: bytearray) -> LaserProt
         while not found:
             for event in search.tick(clock()):
                 match event:
-                    case SpeedWanted(baud):
+                    case LineSpeedWanted(baud):
                         await link.set_speed(baud)
                         heard.clear()
-                    case Lost():
+                    case ScansLost():
                         return None
             if question := search.outgoing():
                 await link.write(question)
@@ -135,7 +135,7 @@ async def _search(link: Link, patience: Patience, heard: bytearray) -> LaserProt
                     data = await link.read()
                     heard += data
                     if not data or any(
-                        isinstance(event, Lost) for event in search.receive(data, clock())
+                        isinstance(event, ScansLost) for event in search.receive(data, clock())
                     ):
                         break
     return found[0] if found else None

@@ -7,12 +7,12 @@ from pioneer3.doctor.facts import (
     FAILED,
     FORBIDDEN,
     UNREACHABLE,
-    Facts,
     Finding,
     Level,
+    LinkFacts,
 )
-from pioneer3.doctor.ports import Holder, SerialPort, latency_file
-from pioneer3.doctor.recognition import Kind, OtherDevice
+from pioneer3.doctor.ports import PortHolder, SerialPort, latency_file
+from pioneer3.doctor.recognition import DeviceKind, OtherDevice
 from pioneer3.errors import PortBusyError, PortNotFoundError, PortPermissionError, UnknownHostError
 from pioneer3.links.serial import SPEEDS, how_to_get_permission
 from pioneer3.robot.supervisor import kind
@@ -20,7 +20,7 @@ from pioneer3.robot.supervisor import kind
 LONGEST_LATENCY_MS: Final = 1
 
 
-def check_port(facts: Facts) -> Iterator[Finding]:
+def check_port(facts: LinkFacts) -> Iterator[Finding]:
     """Does the link open? The last finding is a failure if it does not."""
     if facts.port is not None:
         yield from _serial_port(facts.port, facts)
@@ -43,7 +43,7 @@ def _without(url: str, text: str) -> str:
     return text.removeprefix(f"{url}: ")
 
 
-def _network_advice(facts: Facts) -> str:
+def _network_advice(facts: LinkFacts) -> str:
     if isinstance(facts.refused, UnknownHostError):
         return "Check the spelling, or give the address in numbers: tcp://192.168.1.32:8101."
     if isinstance(facts.refused, PortNotFoundError):
@@ -54,7 +54,7 @@ def _network_advice(facts: Facts) -> str:
     return "Check that the robot's computer is on and in this network: ping it."
 
 
-def _serial_port(port: SerialPort, facts: Facts) -> Iterator[Finding]:
+def _serial_port(port: SerialPort, facts: LinkFacts) -> Iterator[Finding]:
     where = port.path if port.path == port.device else f"{port.path} ({port.device})"
     if port.holders:
         yield _busy(port.holders, where)
@@ -99,7 +99,7 @@ def _serial_port(port: SerialPort, facts: Facts) -> Iterator[Finding]:
         yield Finding(check="port", level=Level.OK, found=f"{where} opens")
 
 
-def _busy(holders: tuple[Holder, ...], where: str) -> Finding:
+def _busy(holders: tuple[PortHolder, ...], where: str) -> Finding:
     who = ", ".join(f"{holder.name} (process {holder.pid})" for holder in holders)
     return Finding(
         check="port",
@@ -111,7 +111,7 @@ def _busy(holders: tuple[Holder, ...], where: str) -> Finding:
     )
 
 
-def _how_to_free(holders: tuple[Holder, ...], where: str) -> str:
+def _how_to_free(holders: tuple[PortHolder, ...], where: str) -> str:
     names = {holder.name for holder in holders}
     if "ModemManager" in names:
         return "It looks for modems. Run: sudo systemctl disable --now ModemManager"
@@ -123,7 +123,7 @@ def _how_to_free(holders: tuple[Holder, ...], where: str) -> str:
     return f"Quit it, or run: kill {' '.join(str(holder.pid) for holder in holders)}"
 
 
-def check_adapter(facts: Facts) -> Iterator[Finding]:
+def check_adapter(facts: LinkFacts) -> Iterator[Finding]:
     """Does the USB adapter pass bytes on at once?"""
     port = facts.port
     if port is None or port.chip is None or facts.refused is not None:
@@ -140,7 +140,7 @@ def check_adapter(facts: Facts) -> Iterator[Finding]:
     )
 
 
-def check_answer(facts: Facts) -> Iterator[Finding]:
+def check_answer(facts: LinkFacts) -> Iterator[Finding]:
     """Does a robot answer?"""
     if facts.refused is not None or (facts.port and facts.port.holders):
         return
@@ -159,7 +159,7 @@ def check_answer(facts: Facts) -> Iterator[Finding]:
         yield _silence(facts)
 
 
-def _hung_up(facts: Facts) -> Finding:
+def _hung_up(facts: LinkFacts) -> Finding:
     if facts.is_serial:
         return Finding(
             check="answer",
@@ -179,7 +179,7 @@ def _hung_up(facts: Facts) -> Finding:
     )
 
 
-def _silence(facts: Facts) -> Finding:
+def _silence(facts: LinkFacts) -> Finding:
     if facts.is_serial:
         speeds = ", ".join(map(str, SPEEDS))
         return Finding(
@@ -202,7 +202,7 @@ def _silence(facts: Facts) -> Finding:
     )
 
 
-def _about(other_device: OtherDevice, facts: Facts) -> Finding:
+def _about(other_device: OtherDevice, facts: LinkFacts) -> Finding:
     if facts.streaming:
         return Finding(
             check="answer",
@@ -227,38 +227,38 @@ def _about(other_device: OtherDevice, facts: Facts) -> Finding:
 
 def _named(other_device: OtherDevice) -> str:
     match other_device.kind:
-        case Kind.LASER:
+        case DeviceKind.LASER:
             return f"not a robot but a laser: {other_device.name}"
-        case Kind.ECHO:
+        case DeviceKind.ECHO:
             return "not a robot but an echo of our own bytes"
-        case Kind.PACKETS:
+        case DeviceKind.PACKETS:
             return f"no handshake, but {other_device.name}"
-        case Kind.TEXT:
+        case DeviceKind.TEXT:
             return f"not a robot but {other_device.name}"
-        case Kind.NOISE:
+        case DeviceKind.NOISE:
             return f"not a robot but bytes that make no sense: {other_device.name}"
 
 
 _OTHER_DEVICES: Final = {
-    Kind.LASER: (
+    DeviceKind.LASER: (
         "This port is the laser's; the robot is on another one. They swap numbers when unplugged.",
         "Give this one with --laser. The robot's: p3 find-port; names that stay: p3 setup udev.",
     ),
-    Kind.ECHO: (
+    DeviceKind.ECHO: (
         "Sent and received lines are joined: a loopback plug, a loose cable end, a modem.",
         "Connect the cable to the robot's HOST socket.",
     ),
-    Kind.PACKETS: (
+    DeviceKind.PACKETS: (
         "It speaks the robot's protocol, but does not finish the handshake. A simulator such as "
         "AMRISim does so when an earlier program began with something else.",
         "Quit all other programs and try again: a new connection begins anew. If that does not "
         "help, start the simulator again, or press reset on the robot.",
     ),
-    Kind.TEXT: (
+    DeviceKind.TEXT: (
         "A device or program for people or others listens there.",
         "Choose another port: p3 find-port lists them.",
     ),
-    Kind.NOISE: (
+    DeviceKind.NOISE: (
         "Another device; or a robot at a speed that is not one of its own; or a broken cable.",
         "Switch the robot off and on (it returns to its first speed), then try again.",
     ),

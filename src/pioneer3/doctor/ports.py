@@ -46,7 +46,7 @@ HOKUYO: Final = 0x15D1
 
 
 @dataclass(frozen=True, slots=True)
-class Holder:
+class PortHolder:
     """A process that has a port open."""
 
     pid: int
@@ -81,7 +81,7 @@ class SerialPort:
     socket: str = ""
     latency_ms: int | None = None
     allowed: bool = True
-    holders: tuple[Holder, ...] = ()
+    holders: tuple[PortHolder, ...] = ()
     console: bool = False
 
     @property
@@ -191,7 +191,7 @@ def is_console(device: str, sys: Path = SYS) -> bool:
     return Path(device).parent == DEV and Path(device).name in active
 
 
-def holders_of(device: str, proc: Path = PROC, me: int | None = None) -> Iterator[Holder]:
+def holders_of(device: str, proc: Path = PROC, me: int | None = None) -> Iterator[PortHolder]:
     """Yield the other processes that have `device` open, as far as this user may see.
 
     A process at the far end of a pseudo terminal is the device, not another user of it.
@@ -199,7 +199,7 @@ def holders_of(device: str, proc: Path = PROC, me: int | None = None) -> Iterato
     me = os.getpid() if me is None else me
     for process in sorted(_processes(proc)):
         if process != me and _holds(proc / str(process), device):
-            yield Holder(process, _name_of(proc / str(process)))
+            yield PortHolder(process, _name_of(proc / str(process)))
 
 
 def _processes(proc: Path) -> Iterator[int]:

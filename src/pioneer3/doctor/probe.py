@@ -10,7 +10,7 @@ from pioneer3.arcos.host_events import Timing
 from pioneer3.doctor.lasers import laser_at
 from pioneer3.doctor.ports import SerialPort
 from pioneer3.doctor.probe_session import QUICK, ProbeSession
-from pioneer3.doctor.recognition import Kind, OtherDevice
+from pioneer3.doctor.recognition import DeviceKind, OtherDevice
 from pioneer3.errors import (
     LinkError,
     PortBusyError,
@@ -25,7 +25,7 @@ NOT_REACHABLE: Final = 3
 SIMULATOR_URL: Final = "tcp://localhost:8101"
 
 
-class Verdict(StrEnum):
+class ProbeVerdict(StrEnum):
     """Result of a probe."""
 
     ROBOT = "robot"
@@ -54,7 +54,7 @@ class Probed:
     """
 
     url: str
-    verdict: Verdict
+    verdict: ProbeVerdict
     detail: str = ""
     port: SerialPort | None = None
     info: RobotInfo | None = None
@@ -64,18 +64,20 @@ def skipped(port: SerialPort) -> Probed | None:
     """Return the result for a port that must not, or need not, be probed; else `None`."""
     if port.holders:
         who = ", ".join(f"{holder.name} (process {holder.pid})" for holder in port.holders)
-        return Probed(port.path, Verdict.BUSY, f"open in {who}", port)
+        return Probed(port.path, ProbeVerdict.BUSY, f"open in {who}", port)
     if port.console:
-        return Probed(port.path, Verdict.CONSOLE, "this computer's own console, left alone", port)
+        return Probed(
+            port.path, ProbeVerdict.CONSOLE, "this computer's own console, left alone", port
+        )
     if port.is_hokuyo:
-        return Probed(port.path, Verdict.LASER, port.product or "Hokuyo", port)
+        return Probed(port.path, ProbeVerdict.LASER, port.product or "Hokuyo", port)
     return None
 
 
 async def probe_port(port: SerialPort, timing: Timing = QUICK) -> Probed:
     """Return the result for the serial `port`."""
     known = skipped(port)
-    if known is not None and known.verdict is Verdict.LASER:
+    if known is not None and known.verdict is ProbeVerdict.LASER:
         laser = await laser_at(port.path)  # by its USB number it is one; it is asked for its name
         return replace(known, detail=laser.name) if laser else known
     return known or await probe(port.path, port, timing)
@@ -96,7 +98,9 @@ async def probe(url: str, port: SerialPort | None = None, timing: Timing = QUICK
             return _robot(url, port, session.info)
         other_device = await session.other_device()
         if other_device is None and session.closed:
-            return Probed(url, Verdict.BUSY, "hangs up at once: busy with somebody else?", port)
+            return Probed(
+                url, ProbeVerdict.BUSY, "hangs up at once: busy with somebody else?", port
+            )
         return _other(url, port, other_device)
     finally:
         await session.close()
@@ -131,35 +135,37 @@ async def probe_all(
     )
 
 
-def _refusal(error: LinkError) -> Verdict:
+def _refusal(error: LinkError) -> ProbeVerdict:
     match error:
         case PortPermissionError():
-            return Verdict.NO_PERMISSION
+            return ProbeVerdict.NO_PERMISSION
         case PortBusyError():
-            return Verdict.BUSY
+            return ProbeVerdict.BUSY
         case PortNotFoundError():
-            return Verdict.NOBODY
+            return ProbeVerdict.NOBODY
         case _:
-            return Verdict.FAILED
+            return ProbeVerdict.FAILED
 
 
 def _robot(url: str, port: SerialPort | None, info: RobotInfo) -> Probed:
-    verdict = Verdict.SIMULATOR if is_simulator(info) else Verdict.ROBOT
+    verdict = ProbeVerdict.SIMULATOR if is_simulator(info) else ProbeVerdict.ROBOT
     speed = f" at {info.speed} baud" if info.speed else ""
     return Probed(url, verdict, f"{info.identity.name}, {info.model.title}{speed}", port, info)
 
 
 def _other(url: str, port: SerialPort | None, other_device: OtherDevice | None) -> Probed:
     if other_device is None:
-        return Probed(url, Verdict.SILENT, "nothing answers: robot off, or nothing there", port)
-    verdict = Verdict.LASER if other_device.kind is Kind.LASER else Verdict.OTHER
+        return Probed(
+            url, ProbeVerdict.SILENT, "nothing answers: robot off, or nothing there", port
+        )
+    verdict = ProbeVerdict.LASER if other_device.kind is DeviceKind.LASER else ProbeVerdict.OTHER
     return Probed(url, verdict, other_device.name, port)
 
 
 def choose(found: Iterable[Probed]) -> Probed | None:
     """Return the one to use: a robot before a simulator, which may have been left running."""
     by_verdict = {each.verdict: each for each in reversed(list(found))}
-    return by_verdict.get(Verdict.ROBOT) or by_verdict.get(Verdict.SIMULATOR)
+    return by_verdict.get(ProbeVerdict.ROBOT) or by_verdict.get(ProbeVerdict.SIMULATOR)
 
 
 def came_back(
@@ -199,11 +205,13 @@ async def wait_for_plug(
 
 def not_probed(ports: Iterable[SerialPort], urls: Iterable[str]) -> list[Probed]:
     """Return the list of ports without probing any."""
-    listed = [skipped(port) or Probed(port.path, Verdict.NOT_PROBED, "", port) for port in ports]
-    return listed + [Probed(url, Verdict.NOT_PROBED) for url in urls]
+    listed = [
+        skipped(port) or Probed(port.path, ProbeVerdict.NOT_PROBED, "", port) for port in ports
+    ]
+    return listed + [Probed(url, ProbeVerdict.NOT_PROBED) for url in urls]
 
 
 def found_code(found: Sequence[Probed]) -> int:
     """Return the exit code: 0 when a robot was found or ports were only listed, else 3."""
-    only_listed = any(each.verdict is Verdict.NOT_PROBED for each in found)
+    only_listed = any(each.verdict is ProbeVerdict.NOT_PROBED for each in found)
     return 0 if only_listed or choose(found) else NOT_REACHABLE

@@ -16,14 +16,14 @@ from pioneer3.arcos.host_events import (
     Event,
     Lost,
     Opened,
-    Received,
+    ReportReceived,
     SpeedWanted,
     Timing,
 )
 from pioneer3.arcos.packet import PacketReader
 from pioneer3.arcos.reports import Config, Sip
 from pioneer3.doctor.lasers import laser_on
-from pioneer3.doctor.recognition import Kind, OtherDevice, recognise
+from pioneer3.doctor.recognition import DeviceKind, OtherDevice, recognise
 from pioneer3.errors import LinkError
 from pioneer3.links import Link
 from pioneer3.models import GivenModel
@@ -37,7 +37,7 @@ QUICK: Final = Timing(retry=0.25, give_up=3.5)
 THOROUGH: Final = Timing(retry=0.3, give_up=8.5)
 """Twice over all serial speeds."""
 CLOSE_TIMEOUT: Final = 0.5
-CERTAIN: Final = {Kind.LASER, Kind.ECHO, Kind.PACKETS}
+CERTAIN: Final = {DeviceKind.LASER, DeviceKind.ECHO, DeviceKind.PACKETS}
 MAX_RECEIVED: Final = 4096
 
 
@@ -141,9 +141,9 @@ class ProbeSession:
         said = [recognise(bytes(data), bytes(self._sent)) for data in self._heard.values()]
         known = [who for who in said if who is not None]
         certain = next((who for who in known if who.kind in CERTAIN), None)
-        if (certain is None or certain.kind is Kind.LASER) and not self.closed:
+        if (certain is None or certain.kind is DeviceKind.LASER) and not self.closed:
             laser = await laser_on(self._link)
-            certain = OtherDevice(Kind.LASER, laser.name) if laser else certain
+            certain = OtherDevice(DeviceKind.LASER, laser.name) if laser else certain
         return certain or next(iter(known), None)
 
     async def close(self) -> None:
@@ -195,7 +195,7 @@ class ProbeSession:
                 self._host.send(commands.Sonar(on=True), now)
             case Configured(config, trusted):
                 self.config, self.config_trusted, self.config_settled = config, trusted, True
-            case Received(Sip() as sip):
+            case ReportReceived(Sip() as sip):
                 self.sips.append((now, sip))
             case Lost(reason):
                 self.failure = reason

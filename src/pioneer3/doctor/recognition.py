@@ -21,7 +21,7 @@ TEXT_ENOUGH: Final = 4
 TEXT_SHARE: Final = 0.9
 
 
-class Kind(StrEnum):
+class DeviceKind(StrEnum):
     """Kinds of devices that are no Pioneer robot."""
 
     LASER = "laser"
@@ -40,7 +40,7 @@ class OtherDevice:
         name: Its name, as far as it sent one, for people.
     """
 
-    kind: Kind
+    kind: DeviceKind
     name: str
 
 
@@ -49,7 +49,7 @@ def recognise(heard: bytes, sent: bytes = b"") -> OtherDevice | None:
     if not heard:
         return None
     if len(sent) >= ECHO_ENOUGH and sent[:ECHO_ENOUGH] in heard:
-        return OtherDevice(Kind.ECHO, "what was sent comes back")
+        return OtherDevice(DeviceKind.ECHO, "what was sent comes back")
     return laser(heard) or _packets(heard) or _text(heard) or _noise(heard)
 
 
@@ -58,7 +58,7 @@ def laser(heard: bytes) -> OtherDevice | None:
     protocol = lasers.recognise(heard)
     if protocol is None:
         return None
-    return OtherDevice(Kind.LASER, lasers.name_in(heard) or UNNAMED[protocol])
+    return OtherDevice(DeviceKind.LASER, lasers.name_in(heard) or UNNAMED[protocol])
 
 
 def _packets(heard: bytes) -> OtherDevice | None:
@@ -69,7 +69,7 @@ def _packets(heard: bytes) -> OtherDevice | None:
         return None
     amount = "1 well-formed packet" if len(numbers) == 1 else f"{len(numbers)} well-formed packets"
     kinds = ", ".join(map(str, sorted(set(numbers))))
-    return OtherDevice(Kind.PACKETS, f"{amount} (number {kinds})")
+    return OtherDevice(DeviceKind.PACKETS, f"{amount} (number {kinds})")
 
 
 def _text(heard: bytes) -> OtherDevice | None:
@@ -78,8 +78,8 @@ def _text(heard: bytes) -> OtherDevice | None:
     if len(heard) < TEXT_ENOUGH or readable < TEXT_SHARE * len(heard):
         return None
     lines = re.split(r"[\r\n]+", heard.decode("ascii", "replace").strip())
-    return OtherDevice(Kind.TEXT, f"something that writes {lines[0][:40]!r}")
+    return OtherDevice(DeviceKind.TEXT, f"something that writes {lines[0][:40]!r}")
 
 
 def _noise(heard: bytes) -> OtherDevice:
-    return OtherDevice(Kind.NOISE, f"{len(heard)} bytes such as {heard[:8].hex(' ')}")
+    return OtherDevice(DeviceKind.NOISE, f"{len(heard)} bytes such as {heard[:8].hex(' ')}")

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from typing import Final
 
-from pioneer3.doctor.facts import FAILED, Facts, Finding, Heard, Level
+from pioneer3.doctor.facts import FAILED, Finding, Heard, Level, LinkFacts
 from pioneer3.links.serial import SPEEDS
 from pioneer3.robot.supervisor import RobotInfo
 from pioneer3.state import Snapshot
@@ -22,7 +22,7 @@ VERY_NOISY = 0.05
 """Share of corrupt frames above which there is a failure."""
 
 
-def check_speed(facts: Facts) -> Iterator[Finding]:
+def check_speed(facts: LinkFacts) -> Iterator[Finding]:
     """Is the line at the speed at which robots start?"""
     if facts.info is None or facts.info.speed is None:
         return
@@ -40,7 +40,7 @@ def check_speed(facts: Facts) -> Iterator[Finding]:
     )
 
 
-def check_session(facts: Facts) -> Iterator[Finding]:
+def check_session(facts: LinkFacts) -> Iterator[Finding]:
     """Was the robot free?"""
     if facts.info is None:
         return
@@ -56,7 +56,7 @@ def check_session(facts: Facts) -> Iterator[Finding]:
     )
 
 
-def check_type(facts: Facts) -> Iterator[Finding]:
+def check_type(facts: LinkFacts) -> Iterator[Finding]:
     """Is it known what the robot's numbers mean?"""
     if facts.info is None:
         return
@@ -76,7 +76,7 @@ def check_type(facts: Facts) -> Iterator[Finding]:
     )
 
 
-def check_config(facts: Facts) -> Iterator[Finding]:
+def check_config(facts: LinkFacts) -> Iterator[Finding]:
     """Did the robot send its configuration without errors?"""
     if facts.info is None:
         return
@@ -101,7 +101,7 @@ def check_config(facts: Facts) -> Iterator[Finding]:
         yield _ok("config", f"serial number {config.serial_number or 'none'}{firmware}")
 
 
-def check_reports(facts: Facts) -> Iterator[Finding]:
+def check_reports(facts: LinkFacts) -> Iterator[Finding]:
     """Do the reports come as often as they should?"""
     heard = facts.heard
     if facts.info is None or heard is None:
@@ -136,7 +136,7 @@ def _cycle(info: RobotInfo) -> float:
     return told or USUAL_CYCLE
 
 
-def check_checksums(facts: Facts) -> Iterator[Finding]:
+def check_checksums(facts: LinkFacts) -> Iterator[Finding]:
     """Do the bytes arrive as they were sent?"""
     heard = facts.heard
     if facts.info is None or heard is None:
@@ -157,7 +157,7 @@ def check_checksums(facts: Facts) -> Iterator[Finding]:
     )
 
 
-def _remedy(facts: Facts) -> str:
+def _remedy(facts: LinkFacts) -> str:
     chip = facts.port.chip if facts.port else None
     if chip is not None:
         return (
@@ -169,7 +169,7 @@ def _remedy(facts: Facts) -> str:
     return "Look at the serial cable at the far end of this connection."
 
 
-def check_state(facts: Facts) -> Iterator[Finding]:
+def check_state(facts: LinkFacts) -> Iterator[Finding]:
     """Is the robot ready to drive?"""
     heard = facts.heard
     if facts.info is None or heard is None or heard.snapshot is None:

@@ -21,7 +21,7 @@ NOT_IN_NAMES: Final = re.compile(r"[^A-Za-z0-9_.-]+")
 
 
 @dataclass(frozen=True, slots=True)
-class Rule:
+class UdevRule:
     """A line for udev.
 
     Attributes:
@@ -35,7 +35,7 @@ class Rule:
     text: str
 
 
-def rules(ports: Sequence[SerialPort], program: str) -> tuple[Rule, ...]:
+def rules(ports: Sequence[SerialPort], program: str) -> tuple[UdevRule, ...]:
     """Return a rule for each USB serial port; Hokuyo lasers share one.
 
     Args:
@@ -46,7 +46,7 @@ def rules(ports: Sequence[SerialPort], program: str) -> tuple[Rule, ...]:
     return tuple(dict.fromkeys(found))
 
 
-def written(found: Sequence[Rule]) -> str:
+def written(found: Sequence[UdevRule]) -> str:
     """Return the text of the file."""
     lines = [
         "# Names that stay for the robots and lasers of this computer; written by:",
@@ -57,7 +57,7 @@ def written(found: Sequence[Rule]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _rule(port: SerialPort, program: str) -> Rule:
+def _rule(port: SerialPort, program: str) -> UdevRule:
     if port.is_hokuyo:
         return _asked(port, program)
     name = NOT_IN_NAMES.sub("-", port.serial_number)
@@ -70,15 +70,15 @@ def _rule(port: SerialPort, program: str) -> Rule:
         match += f', ENV{{ID_PATH}}=="{port.socket}"'
         about = f"{port.chip} without a serial number, in the USB socket {port.socket}"
     link = f"{FOLDER}/serial-{name}"
-    return Rule(about, link, f'{match}, GROUP="{GROUP}", MODE="0660", SYMLINK+="{link}"')
+    return UdevRule(about, link, f'{match}, GROUP="{GROUP}", MODE="0660", SYMLINK+="{link}"')
 
 
-def _asked(port: SerialPort, program: str) -> Rule:
+def _asked(port: SerialPort, program: str) -> UdevRule:
     ask = f"{shlex.quote(program)} laser id /dev/%k"
     text = (
         f'{_usb(port)}, GROUP="{GROUP}", MODE="0660", PROGRAM="{ask}", SYMLINK+="{FOLDER}/laser-%c"'
     )
-    return Rule("Hokuyo lasers, by the number that each tells", f"{FOLDER}/laser-NUMBER", text)
+    return UdevRule("Hokuyo lasers, by the number that each tells", f"{FOLDER}/laser-NUMBER", text)
 
 
 def _usb(port: SerialPort) -> str:

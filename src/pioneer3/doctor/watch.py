@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from itertools import pairwise
 
 from pioneer3.arcos.reports import Report, Sip
-from pioneer3.doctor.facts import Facts, Finding, Heard
+from pioneer3.doctor.facts import Finding, Heard, LinkFacts
 from pioneer3.doctor.ports import SerialPort
 from pioneer3.doctor.robot_checks import (
     battery_finding,
@@ -39,7 +39,7 @@ class LineWatch:
         yield battery_finding(snapshot, info)
         heard = self._summary(now)
         if heard is not None:
-            facts = Facts(url=info.url, port=_port(info.url), info=info, heard=heard)
+            facts = LinkFacts(url=info.url, port=_port(info.url), info=info, heard=heard)
             yield from check_reports(facts)
             yield from check_checksums(facts)
 

@@ -7,8 +7,8 @@ from ipaddress import ip_address
 from pathlib import Path
 
 from pioneer3.errors import ConfigError
-from pioneer3.fleet.network import Network
-from pioneer3.fleet.spec import ALL, Defaults, Operator, Robot
+from pioneer3.fleet.network import FleetNetwork
+from pioneer3.fleet.spec import ALL, Defaults, FleetRobot, OperatorComputer
 from pioneer3.links.urls import split_host, split_url
 from pioneer3.tables import Source, nearest
 from pioneer3.text import shown
@@ -17,7 +17,7 @@ GROUP = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,61}")
 MODEL_FILES = (".toml", ".p")
 
 
-def check_operator(source: Source, operator: Operator) -> None:
+def check_operator(source: Source, operator: OperatorComputer) -> None:
     """Refuse a wrong address of the operator's computer.
 
     Raises:
@@ -27,7 +27,7 @@ def check_operator(source: Source, operator: Operator) -> None:
         _check_address(source, "operator.address", operator.address)
 
 
-def check_robots(source: Source, folder: Path, robots: Sequence[Robot]) -> None:
+def check_robots(source: Source, folder: Path, robots: Sequence[FleetRobot]) -> None:
     """Refuse wrong addresses, ports, models, lasers and cameras.
 
     Args:
@@ -46,7 +46,10 @@ def check_robots(source: Source, folder: Path, robots: Sequence[Robot]) -> None:
 
 
 def check_members(
-    source: Source, networks: Sequence[Network], defaults: Defaults, robots: Sequence[Robot]
+    source: Source,
+    networks: Sequence[FleetNetwork],
+    defaults: Defaults,
+    robots: Sequence[FleetRobot],
 ) -> None:
     """Refuse robots on networks that the file does not have.
 
@@ -62,7 +65,7 @@ def check_members(
             raise source.wrong(f"{place}.network", f"no network {name!r}, {advice}")
 
 
-def check_hardware(source: Source, place: str, folder: Path, given: Robot | Defaults) -> None:
+def check_hardware(source: Source, place: str, folder: Path, given: FleetRobot | Defaults) -> None:
     """Refuse a port, model, laser or camera that commands would refuse.
 
     Raises:
@@ -80,7 +83,9 @@ def check_hardware(source: Source, place: str, folder: Path, given: Robot | Defa
             check()
 
 
-def refuse_doubles(source: Source, operator: Operator, robots: Sequence[Robot]) -> None:
+def refuse_doubles(
+    source: Source, operator: OperatorComputer, robots: Sequence[FleetRobot]
+) -> None:
     """Refuse a name, host, address, port or node that two robots, or a robot and the operator have.
 
     Raises:
@@ -95,7 +100,7 @@ def refuse_doubles(source: Source, operator: Operator, robots: Sequence[Robot]) 
 
 
 def groups(
-    source: Source, tables: Mapping[str, object], robots: Sequence[Robot]
+    source: Source, tables: Mapping[str, object], robots: Sequence[FleetRobot]
 ) -> dict[str, tuple[str, ...]]:
     """Return the groups.
 
@@ -150,7 +155,7 @@ def _check_port(port: str) -> None:
         split_host(f"tcp:{rest}")
 
 
-def _check_bridge(given: Robot | Defaults) -> None:
+def _check_bridge(given: FleetRobot | Defaults) -> None:
     if not given.bridge or isinstance(given, Defaults):
         return
     if not given.is_device:
@@ -203,8 +208,8 @@ REMEDY: Mapping[str, str] = {
 """Remedies for robots that share a value, by key."""
 
 
-def _refuse_shared(source: Source, robots: Sequence[Robot]) -> None:
-    keys: Mapping[str, Callable[[Robot], object]] = {
+def _refuse_shared(source: Source, robots: Sequence[FleetRobot]) -> None:
+    keys: Mapping[str, Callable[[FleetRobot], object]] = {
         "name": lambda robot: robot.name.lower(),
         "host": lambda robot: robot.host.lower(),
         "address": lambda robot: robot.address,
@@ -221,7 +226,7 @@ def _refuse_shared(source: Source, robots: Sequence[Robot]) -> None:
             seen[value] = index
 
 
-def _reached(robot: Robot, robots: Sequence[Robot]) -> object:
+def _reached(robot: FleetRobot, robots: Sequence[FleetRobot]) -> object:
     """Return address and number of a TCP port; `None` for a device, which is its computer's own."""
     if robot.endpoint is None:
         return None

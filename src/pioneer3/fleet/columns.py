@@ -5,12 +5,12 @@ from dataclasses import dataclass
 from math import inf
 from typing import Final
 
-from pioneer3.fleet.live import Answer, Live
-from pioneer3.fleet.spec import Robot
+from pioneer3.fleet.live import Live, SshAnswer
+from pioneer3.fleet.spec import FleetRobot
 
 
 @dataclass(frozen=True, slots=True)
-class Cell:
+class TableCell:
     """A text, and whether it is good news; `None` for neither."""
 
     text: str
@@ -29,7 +29,7 @@ class Column:
 
     title: str
     meaning: str
-    of: Callable[[Robot], Cell]
+    of: Callable[[FleetRobot], TableCell]
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +44,7 @@ class LiveColumn:
 
     title: str
     meaning: str
-    of: Callable[[Live], Cell]
+    of: Callable[[Live], TableCell]
 
 
 NOTHING: Final = "-"
@@ -53,18 +53,20 @@ LEAST: Final = ("note", "model", "laser", "port", "ROS graph", "ROS", "host")
 GAP: Final = 2
 """Between two columns."""
 COLUMNS: Final = (
-    Column("name", "of the robot", lambda robot: Cell(robot.name)),
-    Column("host", "name of its computer, if another", lambda robot: Cell(robot.host)),
-    Column("address", "of its computer", lambda robot: Cell(robot.address)),
-    Column("port", "the robot's own, and that of its bridge", lambda robot: Cell(_port(robot))),
-    Column("model", "its type", lambda robot: Cell(robot.model)),
-    Column("laser", "as `--laser` takes it", lambda robot: Cell(robot.laser)),
-    Column("ROS", "version on its computer", lambda robot: Cell(robot.ros)),
-    Column("note", "for people", lambda robot: Cell(robot.note)),
+    Column("name", "of the robot", lambda robot: TableCell(robot.name)),
+    Column("host", "name of its computer, if another", lambda robot: TableCell(robot.host)),
+    Column("address", "of its computer", lambda robot: TableCell(robot.address)),
+    Column(
+        "port", "the robot's own, and that of its bridge", lambda robot: TableCell(_port(robot))
+    ),
+    Column("model", "its type", lambda robot: TableCell(robot.model)),
+    Column("laser", "as `--laser` takes it", lambda robot: TableCell(robot.laser)),
+    Column("ROS", "version on its computer", lambda robot: TableCell(robot.ros)),
+    Column("note", "for people", lambda robot: TableCell(robot.note)),
 )
 
 
-def _port(robot: Robot) -> str:
+def _port(robot: FleetRobot) -> str:
     return f"{robot.port} {robot.bridge}" if robot.bridge else robot.port
 
 
@@ -84,7 +86,7 @@ LIVE_COLUMNS: Final = (
     LiveColumn(
         "motors",
         "whether they have power",
-        lambda live: Cell(NOTHING if live.motors is None else "on" if live.motors else "off"),
+        lambda live: TableCell(NOTHING if live.motors is None else "on" if live.motors else "off"),
     ),
     LiveColumn(
         "e-stop",
@@ -116,36 +118,40 @@ WARN_AGE: Final = 1.0
 OLDEST_SHOWN: Final = 1000.0
 
 
-def _answer(answer: Answer) -> Cell:
-    return Cell(answer.said or NOTHING, answer.ok)
+def _answer(answer: SshAnswer) -> TableCell:
+    return TableCell(answer.said or NOTHING, answer.ok)
 
 
-def _battery(voltage: float | None) -> Cell:
+def _battery(voltage: float | None) -> TableCell:
     if voltage is None:
-        return Cell(NOTHING)
-    return Cell(f"{voltage:.1f} V", voltage >= WARN_VOLTAGE)
+        return TableCell(NOTHING)
+    return TableCell(f"{voltage:.1f} V", voltage >= WARN_VOLTAGE)
 
 
-def _stopped(stopped: bool | None) -> Cell:
-    return Cell(NOTHING) if stopped is None else Cell("STOP" if stopped else "no", not stopped)
+def _stopped(stopped: bool | None) -> TableCell:
+    return (
+        TableCell(NOTHING)
+        if stopped is None
+        else TableCell("STOP" if stopped else "no", not stopped)
+    )
 
 
-def _age(seconds: float | None) -> Cell:
+def _age(seconds: float | None) -> TableCell:
     if seconds is None:
-        return Cell(NOTHING)
+        return TableCell(NOTHING)
     shown = f"{seconds:z.1f} s" if seconds < OLDEST_SHOWN else "very old"
-    return Cell(shown, abs(seconds) <= WARN_AGE)
+    return TableCell(shown, abs(seconds) <= WARN_AGE)
 
 
-def _clock(ahead: float | None) -> Cell:
+def _clock(ahead: float | None) -> TableCell:
     if ahead is None:
-        return Cell(NOTHING)
-    return Cell(f"{ahead:+.3f} s", abs(ahead) <= WARN_CLOCK)
+        return TableCell(NOTHING)
+    return TableCell(f"{ahead:+.3f} s", abs(ahead) <= WARN_CLOCK)
 
 
 def shown(
-    robots: Sequence[Robot], answers: Sequence[Live] | None, width: float = inf
-) -> tuple[tuple[str, ...], tuple[tuple[Cell, ...], ...]]:
+    robots: Sequence[FleetRobot], answers: Sequence[Live] | None, width: float = inf
+) -> tuple[tuple[str, ...], tuple[tuple[TableCell, ...], ...]]:
     """Return the titles and rows of the table.
 
     Columns in which no robot has anything are left out, and those of :data:`LEAST`, in their order,
@@ -173,7 +179,7 @@ def shown(
     return tuple(columns), tuple(zip(*columns.values(), strict=True))
 
 
-def _width(columns: Mapping[str, Sequence[Cell]]) -> int:
+def _width(columns: Mapping[str, Sequence[TableCell]]) -> int:
     widths = (
         max(len(title), *(len(cell.text) for cell in cells)) for title, cells in columns.items()
     )

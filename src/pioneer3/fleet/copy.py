@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from pioneer3.errors import ConfigError, RemoteError
 from pioneer3.fleet.run import Done, Outcome, on_each, output_of
-from pioneer3.fleet.spec import Robot
+from pioneer3.fleet.spec import FleetRobot
 from pioneer3.fleet.ssh import LOGIN, Login, asyncssh_module, connect
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ DEEPEST: Final = 64
 
 
 @dataclass(frozen=True, slots=True)
-class Found:
+class RemoteFile:
     """A file of a robot: its path there, the parts of its name here, and its size [bytes]."""
 
     path: str
@@ -55,7 +55,7 @@ class Piece:
 
 
 async def push(
-    robots: Iterable[Robot], files: Sequence[Path], destination: str, *, login: Login = LOGIN
+    robots: Iterable[FleetRobot], files: Sequence[Path], destination: str, *, login: Login = LOGIN
 ) -> tuple[Outcome, ...]:
     """Copy files and folders to all computers at once.
 
@@ -72,7 +72,7 @@ async def push(
     pieces = tuple(_pieces(files))
     total = sum(piece.path.stat().st_size for piece in pieces)
 
-    async def work(robot: Robot) -> Done:
+    async def work(robot: FleetRobot) -> Done:
         async with connect(robot, login) as connection, _sftp(connection) as sftp:
             into_folder = (
                 destination.endswith("/")
@@ -100,7 +100,7 @@ async def put_file(connection: "asyncssh.SSHClientConnection", source: Path, tar
 
 
 async def pull(
-    robots: Iterable[Robot], paths: Sequence[str], folder: Path, *, login: Login = LOGIN
+    robots: Iterable[FleetRobot], paths: Sequence[str], folder: Path, *, login: Login = LOGIN
 ) -> tuple[Outcome, ...]:
     """Copy files and folders from all computers at once, each into a folder of its robot's name.
 
@@ -111,7 +111,7 @@ async def pull(
         login: How to log in.
     """
 
-    async def work(robot: Robot) -> Done:
+    async def work(robot: FleetRobot) -> Done:
         async with connect(robot, login) as connection, _sftp(connection) as sftp:
             found = await _all(_found(sftp, _home(path)) for path in paths)
             root = folder / robot.name
@@ -205,13 +205,13 @@ async def _why(sftp: Any, place: PurePosixPath, error: Exception, size: int) -> 
     return f"{place}: {getattr(error, 'reason', error)}"
 
 
-async def _all(findings: Iterable[AsyncIterator[Found]]) -> list[Found]:
+async def _all(findings: Iterable[AsyncIterator[RemoteFile]]) -> list[RemoteFile]:
     """Return all files that are found.
 
     Raises:
         RemoteError: They are too many, or too large.
     """
-    found: list[Found] = []
+    found: list[RemoteFile] = []
     total = 0
     for finding in findings:
         async for each in finding:
@@ -247,7 +247,7 @@ def _place(root: Path, parts: Sequence[str]) -> Path:
     return place
 
 
-async def _get(connection: Any, sftp: Any, found: Found, target: Path) -> None:
+async def _get(connection: Any, sftp: Any, found: RemoteFile, target: Path) -> None:
     """Copy one file here.
 
     Raises:
@@ -278,7 +278,7 @@ async def _get(connection: Any, sftp: Any, found: Found, target: Path) -> None:
             temporary.unlink()
 
 
-async def _found(sftp: Any, path: str) -> AsyncIterator[Found]:
+async def _found(sftp: Any, path: str) -> AsyncIterator[RemoteFile]:
     """Yield the files that `path` means there."""
     has_pattern = any(letter in path for letter in "*?[")
     matches = [each async for each in _matches(sftp, path)] if has_pattern else [path]
@@ -294,7 +294,7 @@ async def _found(sftp: Any, path: str) -> AsyncIterator[Found]:
             async for below in _below(sftp, match, (_part(name),)):
                 yield below
         else:
-            yield Found(match, (_part(name),), await sftp.getsize(match) or 0)
+            yield RemoteFile(match, (_part(name),), await sftp.getsize(match) or 0)
 
 
 async def _matches(sftp: Any, pattern: str) -> AsyncIterator[str]:
@@ -304,7 +304,7 @@ async def _matches(sftp: Any, pattern: str) -> AsyncIterator[str]:
             yield match
 
 
-async def _below(sftp: Any, folder: str, parts: tuple[str, ...]) -> AsyncIterator[Found]:
+async def _below(sftp: Any, folder: str, parts: tuple[str, ...]) -> AsyncIterator[RemoteFile]:
     if len(parts) > DEEPEST:
         raise RemoteError(f"{folder}: more than {DEEPEST} folders in each other")
     async for entry in sftp.scandir(folder):
@@ -316,7 +316,7 @@ async def _below(sftp: Any, folder: str, parts: tuple[str, ...]) -> AsyncIterato
             async for each in _below(sftp, path, below):
                 yield each
         elif kind == stat.S_IFREG:
-            yield Found(path, below, entry.attrs.size or 0)
+            yield RemoteFile(path, below, entry.attrs.size or 0)
 
 
 async def _check(connection: Any, path: str, sha256: str, problem: str) -> None:

@@ -15,9 +15,9 @@ from pioneer3.fleet.bundle import OLDEST_PYTHON, Bundle, Bundler, Platform, vers
 from pioneer3.fleet.copy import put_file
 from pioneer3.fleet.host_facts import BASE, SERVICE, WITH_ROOT
 from pioneer3.fleet.run import Done, Outcome, on_each, output_of
-from pioneer3.fleet.spec import Fleet, Robot
+from pioneer3.fleet.spec import Fleet, FleetRobot
 from pioneer3.fleet.ssh import LOGIN, Login, connect
-from pioneer3.fleet.unit import Unit
+from pioneer3.fleet.unit import SystemdUnit
 
 if TYPE_CHECKING:
     import asyncssh
@@ -125,7 +125,7 @@ class _Target:
 
 async def deploy(
     fleet: Fleet,
-    robots: Sequence[Robot],
+    robots: Sequence[FleetRobot],
     *,
     login: Login = LOGIN,
     extras: Sequence[str] = (),
@@ -145,19 +145,19 @@ async def deploy(
     with tempfile.TemporaryDirectory(prefix="pioneer3-") as folder:
         bundler = Bundler(Path(folder), extras)
 
-        async def work(robot: Robot) -> Done:
+        async def work(robot: FleetRobot) -> Done:
             async with connect(robot, login) as connection:
                 target = await _ask(connection)
                 try:
                     if service:
-                        Unit.check(robot, fleet)
+                        SystemdUnit.check(robot, fleet)
                     bundle = await bundler.bundle(target.platform)
                 except ConfigError as error:
                     raise RemoteError(str(error)) from None
                 is_new = await _install(connection, target, bundle)
                 said = bundle.name if is_new else f"{bundle.name} was there"
                 if service:
-                    unit = Unit(
+                    unit = SystemdUnit(
                         robot=robot,
                         fleet=fleet,
                         python=f"{target.base}/current/bin/python",
@@ -237,7 +237,7 @@ async def _serve(
     connection: "asyncssh.SSHClientConnection",
     target: _Target,
     bundle: Bundle,
-    unit: Unit,
+    unit: SystemdUnit,
     folder: Path,
 ) -> str:
     """Let the service run this version; return a word about that.

@@ -15,7 +15,7 @@ from enum import StrEnum
 from ipaddress import IPv4Interface, ip_address, ip_network
 from typing import TYPE_CHECKING, Final
 
-from pioneer3.doctor.probe import Verdict, probe
+from pioneer3.doctor.probe import ProbeVerdict, probe
 from pioneer3.errors import ConfigError
 from pioneer3.fleet.announce import SERVICE
 from pioneer3.fleet.spec import Fleet
@@ -41,7 +41,7 @@ AT_ONCE: Final = 128
 """Connections that are tried side by side."""
 
 
-class Kind(StrEnum):
+class FindingKind(StrEnum):
     """Kinds of findings."""
 
     ROBOT = "robot"
@@ -64,7 +64,7 @@ class Found:
         model: Name of the robot's model; empty if it told none.
     """
 
-    kind: Kind
+    kind: FindingKind
     address: str
     port: int | None = None
     name: str = ""
@@ -108,14 +108,18 @@ async def discover(
         *([_announcements(seconds)] if broadcast else []),  # they know the robots' names
         _ports(addresses, seconds),
     ]
-    found: dict[tuple[str, int | Kind], Found] = {}
+    found: dict[tuple[str, int | FindingKind], Found] = {}
     for way in await asyncio.gather(*ways):
         for one in way:
             key = (one.address, one.port or one.kind)
             found[key] = _better(found.get(key), one)
     known = {one.address for one in found.values() if one.port is not None}
     # a bridge without a port is the computer of the port that was found there
-    kept = [one for one in found.values() if not (one.kind is Kind.BRIDGE and one.address in known)]
+    kept = [
+        one
+        for one in found.values()
+        if not (one.kind is FindingKind.BRIDGE and one.address in known)
+    ]
     return tuple(sorted(kept, key=lambda one: (ip_address(one.address).packed, one.port or 0)))
 
 
@@ -157,8 +161,10 @@ def bridge_answer(data: bytes, address: str) -> Found | None:
     if len(data) < 4 or data[:3] != b"\0\0\0" or data[3] != BRIDGE_ANSWER:
         return None
     if data[8:10] == ROBOT_MARK:
-        return Found(kind=Kind.BRIDGE, address=address, detail="says that a robot is behind it")
-    return Found(kind=Kind.BRIDGE, address=address, detail="its device is not told")
+        return Found(
+            kind=FindingKind.BRIDGE, address=address, detail="says that a robot is behind it"
+        )
+    return Found(kind=FindingKind.BRIDGE, address=address, detail="its device is not told")
 
 
 async def _bridges(targets: Sequence[str], seconds: float) -> list[Found]:
@@ -208,7 +214,7 @@ async def _computer(address: str, seconds: float) -> Found | None:
     banner = line.decode("ascii", "replace").strip()
     if not banner.startswith("SSH-") or not banner.isprintable():
         return None
-    return Found(kind=Kind.COMPUTER, address=address, detail=banner.split("-", 2)[-1][:60])
+    return Found(kind=FindingKind.COMPUTER, address=address, detail=banner.split("-", 2)[-1][:60])
 
 
 async def _robot(address: str, port: int, seconds: float) -> Found | None:
@@ -222,8 +228,10 @@ async def _robot(address: str, port: int, seconds: float) -> Found | None:
     host = f"[{address}]" if ":" in address else address
     result = await probe(f"tcp://{host}:{port}")
     match result.verdict:
-        case Verdict.ROBOT | Verdict.SIMULATOR if result.info is not None:
-            kind = Kind.ROBOT if result.verdict is Verdict.ROBOT else Kind.SIMULATOR
+        case ProbeVerdict.ROBOT | ProbeVerdict.SIMULATOR if result.info is not None:
+            kind = (
+                FindingKind.ROBOT if result.verdict is ProbeVerdict.ROBOT else FindingKind.SIMULATOR
+            )
             info = result.info
             return Found(
                 kind=kind,
@@ -233,9 +241,9 @@ async def _robot(address: str, port: int, seconds: float) -> Found | None:
                 detail=info.model.title,
                 model=info.model.name,
             )
-        case Verdict.BUSY:
+        case ProbeVerdict.BUSY:
             detail = "its port is busy: another program may have it"
-            return Found(kind=Kind.ROBOT, address=address, port=port, detail=detail)
+            return Found(kind=FindingKind.ROBOT, address=address, port=port, detail=detail)
     return None
 
 
@@ -284,14 +292,16 @@ def _announced(
     if texts:  # it came over the network
         return
     if service == SSH:
-        yield Found(kind=Kind.COMPUTER, address=address, name=host, detail="announces ssh")
+        yield Found(kind=FindingKind.COMPUTER, address=address, name=host, detail="announces ssh")
         return
     if told.get("kind", "").endswith("page"):
         place = f"[{address}]" if ":" in address else address
         url = f"{told['kind'].partition(' ')[0]}://{place}:{port}"
-        yield Found(kind=Kind.PAGE, address=address, name=host, detail=f"its robots at {url}")
+        yield Found(
+            kind=FindingKind.PAGE, address=address, name=host, detail=f"its robots at {url}"
+        )
         return
-    kind = Kind.SIMULATOR if told.get("kind") == Kind.SIMULATOR else Kind.ROBOT
+    kind = FindingKind.SIMULATOR if told.get("kind") == FindingKind.SIMULATOR else FindingKind.ROBOT
     yield Found(
         kind=kind,
         address=address,
@@ -340,7 +350,7 @@ def offers(found: Sequence[Found], fleet: Fleet | None) -> Iterator[str]:
 
 def _name(here: Sequence[Found], address: str, taken: set[str]) -> str:
     """Return a name that no other robot has: that of its computer, else one by its address."""
-    told = next((one.name for one in here if one.name and one.kind is not Kind.ROBOT), "")
+    told = next((one.name for one in here if one.name and one.kind is not FindingKind.ROBOT), "")
     usual = f"robot-{re.split(r'[.:]', address)[-1]}"
     made = _host_name(told) or _host_name(usual)
     name, number = made, 1

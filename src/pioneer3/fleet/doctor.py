@@ -8,7 +8,7 @@ from pioneer3.errors import RemoteError
 from pioneer3.fleet.host_checks import Patient, findings
 from pioneer3.fleet.host_facts import HostFacts, clock_of, parsed, question, reaches_ports
 from pioneer3.fleet.run import Done, Outcome, on_each, output_of
-from pioneer3.fleet.spec import Fleet, Robot
+from pioneer3.fleet.spec import Fleet, FleetRobot
 from pioneer3.fleet.ssh import LOGIN, Login, accepts_passwords, connect
 
 
@@ -27,7 +27,7 @@ class Diagnosis:
 
 
 async def gather(
-    fleet: Fleet, robots: Sequence[Robot], *, login: Login = LOGIN, thorough: bool = False
+    fleet: Fleet, robots: Sequence[FleetRobot], *, login: Login = LOGIN, thorough: bool = False
 ) -> tuple[dict[str, HostFacts], tuple[Outcome, ...]]:
     """Return the facts about all computers by the names of their robots, and how that went.
 
@@ -39,7 +39,7 @@ async def gather(
     """
     found: dict[str, HostFacts] = {}
 
-    async def work(robot: Robot) -> Done:
+    async def work(robot: FleetRobot) -> Done:
         async with connect(robot, login) as connection:
             facts = parsed(robot, await output_of(connection, question(robot, fleet)))
             offset, error = await clock_of(connection)
@@ -59,7 +59,7 @@ async def gather(
 
 
 async def diagnose(
-    fleet: Fleet, robots: Sequence[Robot], *, login: Login = LOGIN
+    fleet: Fleet, robots: Sequence[FleetRobot], *, login: Login = LOGIN
 ) -> tuple[Diagnosis, ...]:
     """Return a diagnosis of each robot's computer."""
     found, outcomes = await gather(fleet, robots, login=login, thorough=True)
@@ -70,7 +70,7 @@ async def diagnose(
 
 
 def _diagnosis(
-    robot: Robot, fleet: Fleet, found: dict[str, HostFacts], outcome: Outcome
+    robot: FleetRobot, fleet: Fleet, found: dict[str, HostFacts], outcome: Outcome
 ) -> Diagnosis:
     facts = found.get(robot.name)
     if facts is None:

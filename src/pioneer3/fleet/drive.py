@@ -6,10 +6,10 @@ from contextlib import asynccontextmanager
 from dataclasses import dataclass
 
 from pioneer3.errors import ConfigError
-from pioneer3.fleet.group import Group, Together
+from pioneer3.fleet.group import GroupKey, RobotGroup
 from pioneer3.fleet.members import Connect, Member, Members
-from pioneer3.fleet.places import Places
-from pioneer3.fleet.spec import Robot
+from pioneer3.fleet.places import StartPlaces
+from pioneer3.fleet.spec import FleetRobot
 from pioneer3.runtime.driven import Driven
 from pioneer3.teleop.keyboard import PATIENCE, Keyboard
 from pioneer3.teleop.keyboard_drive import KeyboardDriver
@@ -53,19 +53,19 @@ class FleetDrive:
 
     def __init__(
         self,
-        robots: Sequence[Robot],
+        robots: Sequence[FleetRobot],
         connect: Connect,
         manner: Manner,
         *,
-        together: Together | None = None,
+        together: GroupKey | None = None,
         lined_up: float | None = None,
     ) -> None:
         if not robots:
             raise ConfigError("no robot is named: there is nobody to drive")
         self.board = KeyRouter(numbers([robot.name for robot in robots]))
         order = self.board.selection.order
-        self.group = Group(order, together)
-        self._places = Places(order, lined_up)
+        self.group = RobotGroup(order, together)
+        self._places = StartPlaces(order, lined_up)
         if together is not None and together.leader is not None:
             self.board.selection.choose(together.leader)
         self.over = asyncio.Event()
@@ -93,7 +93,7 @@ class FleetDrive:
         return self._members.look()
 
     @asynccontextmanager
-    async def _join(self, robot: Robot, driven: Driven) -> AsyncIterator[None]:
+    async def _join(self, robot: FleetRobot, driven: Driven) -> AsyncIterator[None]:
         """Let a robot that is connected have the keys for the length of the block."""
         driven.arbiter.remembers = False
         manner = self._manner

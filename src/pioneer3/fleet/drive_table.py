@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from pioneer3.fleet.columns import Cell
+from pioneer3.fleet.columns import TableCell
 from pioneer3.fleet.members import Member, Reached
 from pioneer3.robot.explain import Reason, ReasonKind
 from pioneer3.teleop.several import Selection
@@ -45,53 +45,57 @@ class DriveColumn:
     title: str
     meaning: str
     width: int
-    of: Callable[[Look], Cell]
+    of: Callable[[Look], TableCell]
 
 
-def _keys(look: Look) -> Cell:
+def _keys(look: Look) -> TableCell:
     name, marked = look.member.name, look.selection.marked
     if marked is not None and name in marked:
-        return Cell("marked", True)
-    return Cell("drives", True) if name in look.selection.chosen else Cell("")
+        return TableCell("marked", True)
+    return TableCell("drives", True) if name in look.selection.chosen else TableCell("")
 
 
-def _state(look: Look) -> Cell:
+def _state(look: Look) -> TableCell:
     member = look.member
     if member.told is not None and member.told.age > OLD:
-        return Cell(f"old {member.told.age:.1f} s", False)
+        return TableCell(f"old {member.told.age:.1f} s", False)
     if member.reached is Reached.CONNECTED:
-        return Cell(member.reached.value, True)
-    return Cell(f"{member.reached.value} {_time(look.now - member.since)}", False)
+        return TableCell(member.reached.value, True)
+    return TableCell(f"{member.reached.value} {_time(look.now - member.since)}", False)
 
 
 def _time(seconds: float) -> str:
     return f"{seconds:.0f} s" if seconds < 99.5 else f"{seconds / 60:.0f} min"
 
 
-def _motion(look: Look) -> Cell:
+def _motion(look: Look) -> TableCell:
     told = look.member.told
-    return Cell(f"{told.speed:z5.2f} {degrees(told.turn_rate):z4.0f}" if told else "-")
+    return TableCell(f"{told.speed:z5.2f} {degrees(told.turn_rate):z4.0f}" if told else "-")
 
 
-def _motors(look: Look) -> Cell:
+def _motors(look: Look) -> TableCell:
     told = look.member.told
-    return Cell("-" if told is None else "on" if told.motors else "off")
+    return TableCell("-" if told is None else "on" if told.motors else "off")
 
 
-def _battery(look: Look) -> Cell:
+def _battery(look: Look) -> TableCell:
     told = look.member.told
     if told is None:
-        return Cell("-")
-    return Cell(f"{told.voltage:.1f} LOW", False) if told.low else Cell(f"{told.voltage:.1f}", True)
+        return TableCell("-")
+    return (
+        TableCell(f"{told.voltage:.1f} LOW", False)
+        if told.low
+        else TableCell(f"{told.voltage:.1f}", True)
+    )
 
 
-def _why(look: Look) -> Cell:
+def _why(look: Look) -> TableCell:
     why = why_of(look.member)
     if why is None or why.kind is ReasonKind.IDLE:
-        return Cell("")
+        return TableCell("")
     if why.kind is ReasonKind.FAULT:
-        return Cell(ADDRESS.sub("", why.text), False)
-    return Cell(why.text)
+        return TableCell(ADDRESS.sub("", why.text), False)
+    return TableCell(why.text)
 
 
 def why_of(member: Member) -> Reason | None:
@@ -103,8 +107,10 @@ def why_of(member: Member) -> Reason | None:
 
 COLUMNS: Final = (
     DriveColumn("keys", "drives with the keys, or is marked to do so next", 6, _keys),
-    DriveColumn("nr", "its number", 3, lambda look: Cell(look.selection.label(look.member.name))),
-    DriveColumn("robot", "its name", 0, lambda look: Cell(look.member.name)),
+    DriveColumn(
+        "nr", "its number", 3, lambda look: TableCell(look.selection.label(look.member.name))
+    ),
+    DriveColumn("robot", "its name", 0, lambda look: TableCell(look.member.name)),
     DriveColumn(
         "state", "whether it is connected, and its report is not old; else since when", 12, _state
     ),
@@ -129,7 +135,7 @@ def widths(names: Sequence[str], columns: int) -> tuple[int, ...]:
     return (*fixed[:-1], max(1, rest))
 
 
-def cells(look: Look) -> tuple[Cell, ...]:
+def cells(look: Look) -> tuple[TableCell, ...]:
     """Return the row of a robot."""
     return tuple(column.of(look) for column in COLUMNS)
 

@@ -18,7 +18,7 @@ log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Together:
+class GroupKey:
     """A mode that a key starts.
 
     Attributes:
@@ -30,7 +30,7 @@ class Together:
     leader: str | None = None
 
 
-class Group:
+class RobotGroup:
     """The robots that are connected: they keep apart, and start a mode together.
 
     Args:
@@ -38,7 +38,7 @@ class Group:
         together: The mode that the key starts, if any.
     """
 
-    def __init__(self, names: Sequence[str], together: Together | None) -> None:
+    def __init__(self, names: Sequence[str], together: GroupKey | None) -> None:
         self.together = together
         self._names = names
         self._traffic = Traffic()

@@ -9,7 +9,7 @@ from pioneer3.doctor.facts import FAILED, FORBIDDEN, Finding, Level
 from pioneer3.fleet.host_facts import ROS_VARIABLES, HostFacts
 from pioneer3.fleet.key import WITHOUT_PASSWORDS
 from pioneer3.fleet.ros_graph import MASTER_PORT
-from pioneer3.fleet.spec import Fleet, Robot
+from pioneer3.fleet.spec import Fleet, FleetRobot
 
 CLOCKS_DIFFER = 0.1
 """Offset from which transforms of two computers differ visibly [s]."""
@@ -25,7 +25,7 @@ DISK_FULL = 100_000_000
 class Patient:
     """A robot's computer with its facts, among those of its fleet."""
 
-    robot: Robot
+    robot: FleetRobot
     fleet: Fleet
     facts: HostFacts
     all_facts: Mapping[str, HostFacts]

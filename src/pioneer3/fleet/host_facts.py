@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final
 
 from pioneer3.errors import HostError, RemoteError
 from pioneer3.fleet.run import output_of
-from pioneer3.fleet.spec import Fleet, Robot
+from pioneer3.fleet.spec import Fleet, FleetRobot
 from pioneer3.fleet.ssh import asyncssh_module, connect
 from pioneer3.names import printable
 
@@ -123,7 +123,7 @@ _LISTEN: Final = (
 )
 
 
-def question(robot: Robot, fleet: Fleet) -> str:
+def question(robot: FleetRobot, fleet: Fleet) -> str:
     """Return the script that answers with a line for each fact, `key=value`."""
     asked = dict(_QUESTIONS)
     if robot.is_device:
@@ -149,7 +149,7 @@ def _hosts(fleet: Fleet) -> Iterator[tuple[str, str]]:
         yield robot.host, robot.address
 
 
-def parsed(robot: Robot, answer: str) -> HostFacts:
+def parsed(robot: FleetRobot, answer: str) -> HostFacts:
     """Return the facts in the answer to :func:`question`."""
     lines = (printable(line).partition("=") for line in answer.split("\n"))
     said = {key: value.strip() for key, _, value in lines}
@@ -237,7 +237,7 @@ async def reaches_ports(connection: "asyncssh.SSHClientConnection", address: str
     return True
 
 
-async def clock_ahead(robot: Robot) -> float:
+async def clock_ahead(robot: FleetRobot) -> float:
     """Return how far the clock of a robot's computer is ahead of ours [s].
 
     Raises:
@@ -249,7 +249,7 @@ async def clock_ahead(robot: Robot) -> float:
     return ahead
 
 
-def clocks() -> Callable[[Robot], Awaitable[float]] | None:
+def clocks() -> Callable[[FleetRobot], Awaitable[float]] | None:
     """Return :func:`clock_ahead`, or `None` where asyncssh is missing.
 
     Loads asyncssh, which takes so long that it must not happen while robots are asked.

@@ -20,7 +20,7 @@ _LINE: Final = re.compile(r"(\s*)([^\s#]+)([ \t]+)([^#]*?)([ \t]*)(#.*)?$")
 
 
 @dataclass(frozen=True, slots=True)
-class Entry:
+class HostsEntry:
     """A line of a hosts file: an address and its names, the first of which is the usual one."""
 
     address: str
@@ -31,7 +31,7 @@ class Entry:
 
 
 @dataclass(frozen=True, slots=True)
-class Situation:
+class HostsSituation:
     """All that the checks look at.
 
     Attributes:
@@ -42,21 +42,23 @@ class Situation:
 
     fleet: Fleet
     name: str
-    lines: tuple[tuple[int, Entry], ...]
+    lines: tuple[tuple[int, HostsEntry], ...]
 
-    def having(self, name: str) -> tuple[tuple[int, Entry], ...]:
+    def having(self, name: str) -> tuple[tuple[int, HostsEntry], ...]:
         """Return the entries with a name."""
         return tuple((at, e) for at, e in self.lines if name.lower() in map(str.lower, e.names))
 
 
-def entries(fleet: Fleet) -> tuple[Entry, ...]:
+def entries(fleet: Fleet) -> tuple[HostsEntry, ...]:
     """Return the entries for the operator's computer and all robots'."""
     operator = fleet.operator
     first = (
-        (Entry(operator.address, (operator.name,)),) if operator.name and operator.address else ()
+        (HostsEntry(operator.address, (operator.name,)),)
+        if operator.name and operator.address
+        else ()
     )
     return first + tuple(
-        Entry(robot.address, tuple(dict.fromkeys((robot.host, robot.name))))
+        HostsEntry(robot.address, tuple(dict.fromkeys((robot.host, robot.name))))
         for robot in fleet.robots
     )
 
@@ -84,11 +86,11 @@ def check_hosts(text: str, fleet: Fleet, name: str) -> tuple[Finding, ...]:
         fleet: Whose computers are to be found by it.
         name: Host name of the computer that the file is of.
     """
-    situation = Situation(fleet, name.partition(".")[0], tuple(_entries_in(text)))
+    situation = HostsSituation(fleet, name.partition(".")[0], tuple(_entries_in(text)))
     return tuple(finding for check in CHECKS for finding in check(situation))
 
 
-def _own_name(here: Situation) -> Iterator[Finding]:
+def _own_name(here: HostsSituation) -> Iterator[Finding]:
     """Look whether this computer is of the fleet, and which addresses its own name leads to."""
     known = {name.lower(): e for e in entries(here.fleet) for name in e.names}
     mine = known.get(here.name.lower())
@@ -113,7 +115,7 @@ def _own_name(here: Situation) -> Iterator[Finding]:
         )
 
 
-def _missing(here: Situation) -> Iterator[Finding]:
+def _missing(here: HostsSituation) -> Iterator[Finding]:
     """Look for computers without an entry, and for addresses that lead back to another name."""
     for entry in entries(here.fleet):
         found = [one for _, one in here.lines if one.address == entry.address]
@@ -137,7 +139,7 @@ def _missing(here: Situation) -> Iterator[Finding]:
             )
 
 
-def _elsewhere(here: Situation) -> Iterator[Finding]:
+def _elsewhere(here: HostsSituation) -> Iterator[Finding]:
     """Look for names at another address than the fleet's."""
     for entry in entries(here.fleet):
         for name in entry.names:
@@ -157,7 +159,7 @@ def _elsewhere(here: Situation) -> Iterator[Finding]:
                 )
 
 
-def _doubles(here: Situation) -> Iterator[Finding]:
+def _doubles(here: HostsSituation) -> Iterator[Finding]:
     """Look for fleet addresses on several lines."""
     for entry in entries(here.fleet):
         lines = [at for at, one in here.lines if one.address == entry.address]
@@ -170,7 +172,7 @@ def _doubles(here: Situation) -> Iterator[Finding]:
             )
 
 
-CHECKS: Final[tuple[Callable[[Situation], Iterator[Finding]], ...]] = (
+CHECKS: Final[tuple[Callable[[HostsSituation], Iterator[Finding]], ...]] = (
     _own_name,
     _missing,
     _elsewhere,
@@ -185,11 +187,11 @@ def _is_loopback(address: str) -> bool:
         return False
 
 
-def _entries_in(text: str) -> Iterator[tuple[int, Entry]]:
+def _entries_in(text: str) -> Iterator[tuple[int, HostsEntry]]:
     for number, line in enumerate(text.split("\n"), 1):
         address, *names = line.partition("#")[0].split() or [""]
         if names:
-            yield number, Entry(address, tuple(names))
+            yield number, HostsEntry(address, tuple(names))
 
 
 def _without(text: str, names: set[str]) -> str:

@@ -12,9 +12,9 @@ from typing import Any, Final
 
 from pioneer3.errors import ConfigError
 from pioneer3.fleet import checks
-from pioneer3.fleet.network import Network, check_networks
+from pioneer3.fleet.network import FleetNetwork, check_networks
 from pioneer3.fleet.reach import address_towards
-from pioneer3.fleet.spec import ALL, Defaults, Fleet, Operator, Robot, usual
+from pioneer3.fleet.spec import ALL, Defaults, Fleet, FleetRobot, OperatorComputer, usual
 from pioneer3.tables import Source, converted, keys, load, table_of, written
 from pioneer3.text import decoded, read_bytes, shown
 
@@ -22,8 +22,8 @@ __all__ = [
     "ALL",
     "Defaults",
     "Fleet",
-    "Operator",
-    "Robot",
+    "FleetRobot",
+    "OperatorComputer",
     "find_fleet",
     "parse_fleet",
     "read_fleet",
@@ -115,27 +115,27 @@ def to_toml(fleet: Fleet) -> str:
 class _Tables:
     """All tables of a fleet file; :mod:`pioneer3.fleet.checks` checks the groups."""
 
-    operator: Operator = field(default_factory=Operator)
+    operator: OperatorComputer = field(default_factory=OperatorComputer)
     defaults: Defaults = field(default_factory=Defaults)
-    network: tuple[Network, ...] = ()
+    network: tuple[FleetNetwork, ...] = ()
     robot: tuple[dict[str, object], ...] = ()
     groups: dict[str, object] = field(default_factory=dict)
 
 
-def _robot(source: Source, index: int, table: Mapping[str, Any], defaults: Defaults) -> Robot:
+def _robot(source: Source, index: int, table: Mapping[str, Any], defaults: Defaults) -> FleetRobot:
     """Return the robot of a table, with the usual values of keys that it does not give."""
     place = f"robot[{index}]"
-    robot = converted(source, table, Robot, place)
+    robot = converted(source, table, FleetRobot, place)
     port, ros = table.get("port", defaults.port), table.get("ros", defaults.ros)
     robot = replace(robot, port=port, ros=ros, line=source.line(place) or 0)
     missing = {key: value for key, value in usual(robot, defaults).items() if key not in table}
     return replace(robot, **missing)
 
 
-def _table(robot: Robot, defaults: Defaults) -> dict[str, object]:
+def _table(robot: FleetRobot, defaults: Defaults) -> dict[str, object]:
     """Return the table of a robot, without usual values."""
     known = usual(robot, defaults)
-    values = {key: getattr(robot, key) for key in keys(Robot)}
+    values = {key: getattr(robot, key) for key in keys(FleetRobot)}
     given = [key for key, value in values.items() if value != known.get(key, "")]
     written_out = table_of(robot)
     return {key: written_out.get(key, values[key]) for key in given}
@@ -145,7 +145,7 @@ DOCUMENTATION_ADDRESS = "192.0.2.1"
 """An address that no computer has (RFC 5737)."""
 
 
-def robot_of(word: str, defaults: Defaults) -> Robot:
+def robot_of(word: str, defaults: Defaults) -> FleetRobot:
     """Read `NAME=ADDRESS`, such as `p3at-1=192.168.1.113`.
 
     Raises:
@@ -154,11 +154,13 @@ def robot_of(word: str, defaults: Defaults) -> Robot:
     name, equals, address = (part.strip() for part in word.partition("="))
     if not (name and equals and address):
         raise ConfigError(f"{shown(word)}: expected NAME=ADDRESS, such as p3at-1=192.168.1.113")
-    robot = Robot(name=name, address=address, port=defaults.port, ros=defaults.ros)
+    robot = FleetRobot(name=name, address=address, port=defaults.port, ros=defaults.ros)
     return replace(robot, **usual(robot, defaults))
 
 
-def draft(path: Path, operator: Operator, defaults: Defaults, robots: Sequence[str]) -> Fleet:
+def draft(
+    path: Path, operator: OperatorComputer, defaults: Defaults, robots: Sequence[str]
+) -> Fleet:
     """Return a new fleet, checked as a file is.
 
     Args:
@@ -175,7 +177,7 @@ def draft(path: Path, operator: Operator, defaults: Defaults, robots: Sequence[s
     return parse_fleet(path, to_toml(fleet))
 
 
-def here(robots: Sequence[str]) -> Operator:
+def here(robots: Sequence[str]) -> OperatorComputer:
     """Return this computer: its name, and the address that the first of `robots` sees.
 
     The address is empty if it is a robot's: simulated robots are on this computer.
@@ -186,4 +188,4 @@ def here(robots: Sequence[str]) -> Operator:
     addresses = [word.partition("=")[2].strip() for word in robots]
     own = address_towards(next(iter(addresses), DOCUMENTATION_ADDRESS))
     name = socket.gethostname().partition(".")[0]
-    return Operator(name=name, address="" if own in addresses else own)
+    return OperatorComputer(name=name, address="" if own in addresses else own)

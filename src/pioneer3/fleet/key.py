@@ -16,7 +16,7 @@ from typing import Final, Protocol
 
 from pioneer3.errors import ConfigError, LoginError
 from pioneer3.fleet.run import Done, Outcome, on_each, output_of
-from pioneer3.fleet.spec import Robot
+from pioneer3.fleet.spec import FleetRobot
 from pioneer3.fleet.ssh import (
     KEY_NAMES,
     LOGIN,
@@ -96,11 +96,11 @@ _INSTALL: Final = (
 class Asker(Protocol):
     """Asks the person at the terminal."""
 
-    async def accepts_host_key(self, robot: Robot, fingerprint: str) -> bool:
+    async def accepts_host_key(self, robot: FleetRobot, fingerprint: str) -> bool:
         """Return whether a computer with this host key is the robot's."""
         ...
 
-    async def password(self, robots: Sequence[Robot]) -> str:
+    async def password(self, robots: Sequence[FleetRobot]) -> str:
         """Return the password of the users there."""
         ...
 
@@ -149,7 +149,7 @@ def make_key(*, passphrase: bool) -> Path:
 
 
 async def install_key(
-    robots: Iterable[Robot], key: str, asker: Asker, *, login: Login = LOGIN
+    robots: Iterable[FleetRobot], key: str, asker: Asker, *, login: Login = LOGIN
 ) -> tuple[Outcome, ...]:
     """Let the owner of `key` log in on all computers, and try that.
 
@@ -166,11 +166,11 @@ async def install_key(
     offered: dict[str, str | None] = {}
     refused: set[str] = set()
 
-    async def look(robot: Robot) -> Done:
+    async def look(robot: FleetRobot) -> Done:
         offered[robot.name] = await offered_host_key(robot, login)
         return Done()
 
-    async def try_key(robot: Robot) -> Done:
+    async def try_key(robot: FleetRobot) -> Done:
         try:
             return await _tried(robot, login, "the key was installed before")
         except LoginError:
@@ -189,7 +189,7 @@ async def install_key(
     if to_install:
         with_password = replace(login, password=await asker.password(to_install))
 
-        async def install(robot: Robot) -> Done:
+        async def install(robot: FleetRobot) -> Done:
             async with connect(robot, with_password) as connection:
                 await output_of(connection, _INSTALL.format(key=shlex.quote(key)))
             return await _tried(robot, login, "the key is installed, and works")
@@ -198,11 +198,11 @@ async def install_key(
     return tuple(outcomes[robot.name] for robot in robots)
 
 
-async def with_passwords(robots: Iterable[Robot], *, login: Login = LOGIN) -> tuple[str, ...]:
+async def with_passwords(robots: Iterable[FleetRobot], *, login: Login = LOGIN) -> tuple[str, ...]:
     """Return the names of robots whose computers let people in with a password."""
     found: list[str] = []
 
-    async def ask(robot: Robot) -> Done:
+    async def ask(robot: FleetRobot) -> Done:
         if await accepts_passwords(robot, login):
             found.append(robot.name)
         return Done()
@@ -212,7 +212,7 @@ async def with_passwords(robots: Iterable[Robot], *, login: Login = LOGIN) -> tu
     return tuple(robot.name for robot in robots if robot.name in found)
 
 
-async def _introduced(robot: Robot, key: str, asker: Asker) -> bool:
+async def _introduced(robot: FleetRobot, key: str, asker: Asker) -> bool:
     """Ask about a host key, and remember it if it is accepted."""
     if not await asker.accepts_host_key(robot, fingerprint(key)):
         return False
@@ -222,7 +222,7 @@ async def _introduced(robot: Robot, key: str, asker: Asker) -> bool:
     return True
 
 
-async def _tried(robot: Robot, login: Login, said: str) -> Done:
+async def _tried(robot: FleetRobot, login: Login, said: str) -> Done:
     """Log in with the key.
 
     Raises:

@@ -13,8 +13,8 @@ from pioneer3.arcos.host_events import Timing
 from pioneer3.arcos.reports.sip import SipFlag
 from pioneer3.doctor.probe_session import ProbeSession
 from pioneer3.errors import LinkError, NoRobotError, PioneerError
-from pioneer3.fleet.ros_graph import MASTER_PORT, Endpoint, Graph, RosGraphError
-from pioneer3.fleet.spec import Robot
+from pioneer3.fleet.ros_graph import MASTER_PORT, MasterGraph, NodeAddress, RosGraphError
+from pioneer3.fleet.spec import FleetRobot
 from pioneer3.links.stream import open_tcp
 from pioneer3.units import DECIVOLT
 
@@ -29,7 +29,7 @@ LONGEST_BANNER: Final = 255
 
 
 @dataclass(frozen=True, slots=True)
-class Answer:
+class SshAnswer:
     """An answer, or its absence.
 
     Attributes:
@@ -60,10 +60,10 @@ class Live:
     """
 
     robot: str
-    up: Answer
-    ssh: Answer
-    driver: Answer
-    ros: Answer
+    up: SshAnswer
+    ssh: SshAnswer
+    driver: SshAnswer
+    ros: SshAnswer
     battery: float | None = None
     motors: bool | None = None
     stopped: bool | None = None
@@ -108,20 +108,20 @@ class Questions:
     """
 
     timeout: float = TIMEOUT
-    masters: tuple[Endpoint, ...] = ()
+    masters: tuple[NodeAddress, ...] = ()
     addresses: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
-    ros2: Callable[[Robot, float], Awaitable[OnTopics]] | None = None
-    clock: Callable[[Robot], Awaitable[float]] | None = None
+    ros2: Callable[[FleetRobot, float], Awaitable[OnTopics]] | None = None
+    clock: Callable[[FleetRobot], Awaitable[float]] | None = None
     ssh_port: int = SSH_PORT
     master_port: int = MASTER_PORT
 
 
-async def look(robots: Sequence[Robot], questions: Questions) -> tuple[Live, ...]:
+async def look(robots: Sequence[FleetRobot], questions: Questions) -> tuple[Live, ...]:
     """Return the state of all `robots`, in their order."""
     return tuple(await asyncio.gather(*(look_at(robot, questions) for robot in robots)))
 
 
-async def look_at(robot: Robot, questions: Questions) -> Live:
+async def look_at(robot: FleetRobot, questions: Questions) -> Live:
     """Return the state of one robot."""
     clock = asyncio.get_running_loop().time
     began = clock()
@@ -129,9 +129,9 @@ async def look_at(robot: Robot, questions: Questions) -> Live:
         _ssh(robot, questions), _driver(robot, questions), _clock(robot, questions)
     )
     if ahead is not None:
-        up = ssh = Answer(True, "yes")  # at another port, or by way of another computer
+        up = ssh = SshAnswer(True, "yes")  # at another port, or by way of another computer
     if not up.ok and (told.driver.ok or (told.ros.ok and robot.ros == "1")):
-        up = Answer(True, "yes")  # a firewall that lets ssh go unanswered
+        up = SshAnswer(True, "yes")  # a firewall that lets ssh go unanswered
     return Live(
         robot=robot.name,
         up=up,
@@ -151,40 +151,40 @@ async def look_at(robot: Robot, questions: Questions) -> Live:
 class _Told:
     """The answer of the robot's port or node."""
 
-    driver: Answer
-    ros: Answer = Answer(None, "")
+    driver: SshAnswer
+    ros: SshAnswer = SshAnswer(None, "")
     battery: float | None = None
     motors: bool | None = None
     stopped: bool | None = None
     age: float | None = None
 
 
-async def _ssh(robot: Robot, questions: Questions) -> tuple[Answer, Answer]:
+async def _ssh(robot: FleetRobot, questions: Questions) -> tuple[SshAnswer, SshAnswer]:
     """Return whether the computer is up, and its ssh server; a refusal is an answer too."""
     try:
         async with asyncio.timeout(questions.timeout):
             reader, writer = await asyncio.open_connection(robot.address, questions.ssh_port)
     except ConnectionRefusedError:
-        return Answer(True, "yes"), Answer(False, "refused")
+        return SshAnswer(True, "yes"), SshAnswer(False, "refused")
     except TimeoutError:
-        return Answer(False, "no answer"), Answer(False, "")
+        return SshAnswer(False, "no answer"), SshAnswer(False, "")
     except OSError as error:
-        return Answer(False, (error.strerror or str(error)).lower()), Answer(False, "")
+        return SshAnswer(False, (error.strerror or str(error)).lower()), SshAnswer(False, "")
     try:
         async with asyncio.timeout(questions.timeout):
             banner = await reader.read(LONGEST_BANNER)
     except TimeoutError:
-        return Answer(True, "yes"), Answer(False, "silent")
+        return SshAnswer(True, "yes"), SshAnswer(False, "silent")
     except OSError:
         banner = b""
     finally:
         writer.transport.abort()
     if banner.startswith(b"SSH-"):
-        return Answer(True, "yes"), Answer(True, "yes")
-    return Answer(True, "yes"), Answer(False, "hung up" if not banner else "not ssh")
+        return SshAnswer(True, "yes"), SshAnswer(True, "yes")
+    return SshAnswer(True, "yes"), SshAnswer(False, "hung up" if not banner else "not ssh")
 
 
-async def _driver(robot: Robot, questions: Questions) -> _Told:
+async def _driver(robot: FleetRobot, questions: Questions) -> _Told:
     """Ask the ROS node of the robot, or else its own port; a node has the port to itself."""
     if robot.ros == "1":
         return await _node(robot, questions)
@@ -192,32 +192,32 @@ async def _driver(robot: Robot, questions: Questions) -> _Told:
         return await _topics(robot, questions)
     if robot.endpoint is not None:
         return await _port(robot, robot.endpoint, questions)
-    return _Told(driver=Answer(None, ""))  # a device of its computer
+    return _Told(driver=SshAnswer(None, ""))  # a device of its computer
 
 
-async def _topics(robot: Robot, questions: Questions) -> _Told:
+async def _topics(robot: FleetRobot, questions: Questions) -> _Told:
     """Ask the robot's topics of ROS 2."""
     if questions.ros2 is None:
-        return _Told(driver=Answer(None, ""))
+        return _Told(driver=SshAnswer(None, ""))
     try:
         async with asyncio.timeout(questions.timeout + LEEWAY):
             told = await questions.ros2(robot, questions.timeout)
     except NoRobotError as error:
-        return _Told(driver=Answer(False, "no node"), ros=Answer(False, str(error)))
+        return _Told(driver=SshAnswer(False, "no node"), ros=SshAnswer(False, str(error)))
     except TimeoutError:
-        return _Told(driver=Answer(False, "no network"), ros=Answer(False, "silent"))
+        return _Told(driver=SshAnswer(False, "no network"), ros=SshAnswer(False, "silent"))
     except PioneerError as error:
-        return _Told(driver=Answer(False, "no network"), ros=Answer(False, str(error)))
+        return _Told(driver=SshAnswer(False, "no network"), ros=SshAnswer(False, str(error)))
     except Exception as error:  # the others are to be told of all the same
         log.exception("%s: failed", robot.name)
-        return _Told(driver=Answer(False, "failed"), ros=Answer(False, type(error).__name__))
+        return _Told(driver=SshAnswer(False, "failed"), ros=SshAnswer(False, type(error).__name__))
     if told.nodes > 1:
-        driver = Answer(False, f"{told.nodes} nodes")
+        driver = SshAnswer(False, f"{told.nodes} nodes")
     else:
-        driver = Answer(False, "silent") if told.age is None else Answer(True, robot.node)
+        driver = SshAnswer(False, "silent") if told.age is None else SshAnswer(True, robot.node)
     return _Told(
         driver=driver,
-        ros=Answer(True, told.network),
+        ros=SshAnswer(True, told.network),
         battery=told.battery,
         motors=told.motors,
         stopped=told.stopped,
@@ -225,20 +225,20 @@ async def _topics(robot: Robot, questions: Questions) -> _Told:
     )
 
 
-async def _port(robot: Robot, endpoint: tuple[str, int], questions: Questions) -> _Told:
+async def _port(robot: FleetRobot, endpoint: tuple[str, int], questions: Questions) -> _Told:
     host, number = endpoint
     address = questions.addresses.get(host.lower(), host)
     try:
         async with asyncio.timeout(questions.timeout):
             told = await asked_port(address, number, questions.timeout)
     except TimeoutError:
-        return _Told(driver=Answer(False, "silent"))
+        return _Told(driver=SshAnswer(False, "silent"))
     except ConnectionResetError:
-        return _Told(driver=Answer(False, "busy"))
+        return _Told(driver=SshAnswer(False, "busy"))
     except LinkError:
-        return _Told(driver=Answer(False, "refused"))
+        return _Told(driver=SshAnswer(False, "refused"))
     says = f"{number} in use" if told.motors else f"{number} answers"
-    return _Told(driver=Answer(True, says), battery=told.battery, motors=told.motors)
+    return _Told(driver=SshAnswer(True, says), battery=told.battery, motors=told.motors)
 
 
 @dataclass(frozen=True, slots=True)
@@ -281,11 +281,11 @@ async def asked_port(address: str, number: int, patience: float) -> AtPort:
         await session.close()
 
 
-async def _node(robot: Robot, questions: Questions) -> _Told:
+async def _node(robot: FleetRobot, questions: Questions) -> _Told:
     """Ask the masters for the robot's node, all at once; the first that knows it counts."""
-    own = Endpoint(robot.address, questions.master_port)
+    own = NodeAddress(robot.address, questions.master_port)
     graphs = [
-        Graph(master, questions.addresses, robot.address)
+        MasterGraph(master, questions.addresses, robot.address)
         for master in dict.fromkeys((*questions.masters, own))
     ]
     found = await asyncio.gather(*(_on_graph(robot, graph, questions.timeout) for graph in graphs))
@@ -295,33 +295,33 @@ async def _node(robot: Robot, questions: Questions) -> _Told:
     )
 
 
-async def _on_graph(robot: Robot, graph: Graph, patience: float) -> _Told:
+async def _on_graph(robot: FleetRobot, graph: MasterGraph, patience: float) -> _Told:
     place = f"{graph.master.host}:{graph.master.port}"
     name = f"/{robot.node.lstrip('/')}"
     try:
         async with asyncio.timeout(patience):
             node = await graph.node(name)
     except TimeoutError:
-        return _Told(driver=Answer(False, "no master"), ros=Answer(False, "silent"))
+        return _Told(driver=SshAnswer(False, "no master"), ros=SshAnswer(False, "silent"))
     except OSError as error:
         why = "no ROS" if isinstance(error, RosGraphError) else "no master"
-        return _Told(driver=Answer(False, why), ros=Answer(False, why))
-    here = Answer(True, place)
+        return _Told(driver=SshAnswer(False, why), ros=SshAnswer(False, why))
+    here = SshAnswer(True, place)
     if node is None:
-        return _Told(driver=Answer(False, "no node"), ros=here)
+        return _Told(driver=SshAnswer(False, "no node"), ros=here)
     try:
         async with asyncio.timeout(patience):
             alive = await graph.answers(node)
     except TimeoutError:
         alive = False
     if not alive:
-        return _Told(driver=Answer(False, "node silent"), ros=here)
+        return _Told(driver=SshAnswer(False, "node silent"), ros=here)
     battery, motors = await asyncio.gather(
         _message(graph, node, f"{name}/battery_voltage", "std_msgs/Float64", patience),
         _message(graph, node, f"{name}/motors_state", "std_msgs/Bool", patience),
     )
     return _Told(
-        driver=Answer(True, robot.node),
+        driver=SshAnswer(True, robot.node),
         ros=here,
         battery=unpack("<d", battery)[0] if battery and len(battery) == 8 else None,
         motors=bool(motors[0]) if motors else None,
@@ -329,7 +329,7 @@ async def _on_graph(robot: Robot, graph: Graph, patience: float) -> _Told:
 
 
 async def _message(
-    graph: Graph, node: Endpoint, topic: str, kind: str, patience: float
+    graph: MasterGraph, node: NodeAddress, topic: str, kind: str, patience: float
 ) -> bytes | None:
     with suppress(TimeoutError, OSError):
         async with asyncio.timeout(patience):
@@ -337,7 +337,7 @@ async def _message(
     return None
 
 
-async def _clock(robot: Robot, questions: Questions) -> float | None:
+async def _clock(robot: FleetRobot, questions: Questions) -> float | None:
     if questions.clock is None:
         return None
     with suppress(TimeoutError, OSError, PioneerError):

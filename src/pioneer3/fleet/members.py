@@ -17,7 +17,7 @@ from pioneer3.errors import (
     TurnedAwayError,
 )
 from pioneer3.fleet.reach import given_model, port_of
-from pioneer3.fleet.spec import Fleet, Robot
+from pioneer3.fleet.spec import Fleet, FleetRobot
 from pioneer3.navigation.connect import connect_async
 from pioneer3.robot.explain import Reason
 from pioneer3.robot.supervisor import Connection
@@ -37,9 +37,9 @@ REFUSALS: Final = (
     TurnedAwayError,
 )
 """Errors by which a robot that is there does not let this program in."""
-Connect = Callable[[Robot], AbstractAsyncContextManager[Driven]]
+Connect = Callable[[FleetRobot], AbstractAsyncContextManager[Driven]]
 """Connects to a robot for the length of a block: at its port, or over topics."""
-Join = Callable[[Robot, Driven], AbstractAsyncContextManager[None]]
+Join = Callable[[FleetRobot, Driven], AbstractAsyncContextManager[None]]
 """Lets a connected robot take part for the length of a block."""
 
 
@@ -53,7 +53,7 @@ class Reached(StrEnum):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Told:
+class MemberReport:
     """The report of a robot that is connected.
 
     Attributes:
@@ -95,7 +95,7 @@ class Member:
     reached: Reached
     why: str
     since: float
-    told: Told | None
+    told: MemberReport | None
 
 
 class Connector:
@@ -108,7 +108,7 @@ class Connector:
         join: Lets it take part while it is connected.
     """
 
-    def __init__(self, robot: Robot, number: int, connect: Connect, join: Join) -> None:
+    def __init__(self, robot: FleetRobot, number: int, connect: Connect, join: Join) -> None:
         self.robot = robot
         self._number = number
         self._connect = connect
@@ -174,7 +174,7 @@ class Members:
     """
 
     def __init__(
-        self, robots: Sequence[Robot], numbers: Mapping[str, int], connect: Connect, join: Join
+        self, robots: Sequence[FleetRobot], numbers: Mapping[str, int], connect: Connect, join: Join
     ) -> None:
         self._connectors = [
             Connector(robot, numbers[robot.name], connect, join)
@@ -198,11 +198,11 @@ def _kind(error: Exception, before: Reached) -> Reached:
     return Reached.LOST if before in {Reached.CONNECTED, Reached.LOST} else Reached.WAITS
 
 
-def _told(driven: Driven) -> Told | None:
+def _told(driven: Driven) -> MemberReport | None:
     now = driven.snapshot
     if now is None:
         return None
-    return Told(
+    return MemberReport(
         speed=now.odometry.twist.v,
         turn_rate=now.odometry.twist.w,
         motors=now.motors.enabled,
@@ -226,7 +226,7 @@ def connects(
         max_speed: Keep below this at ports [m/s].
     """
 
-    def connect(robot: Robot) -> AbstractAsyncContextManager[Driven]:
+    def connect(robot: FleetRobot) -> AbstractAsyncContextManager[Driven]:
         match robot.ros:
             case "1":
                 return ros1(robot)

@@ -53,7 +53,7 @@ Endpoint = Annotated[
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Network:
+class FleetNetwork:
     """A network of ROS 2, as this computer joins it.
 
     Secrets are in files of their own: none of them is a value of these keys.
@@ -96,7 +96,7 @@ class Network:
         return folder / Path(path).expanduser() if path else None
 
 
-def check_networks(source: Source, networks: Sequence[Network]) -> None:
+def check_networks(source: Source, networks: Sequence[FleetNetwork]) -> None:
     """Refuse two networks of one name, and keys that do not go together.
 
     Raises:
@@ -112,7 +112,7 @@ def check_networks(source: Source, networks: Sequence[Network]) -> None:
             raise source.wrong(f"{place}.{key}", problem)
 
 
-def network_of(networks: Iterable[Network], name: str) -> Network:
+def network_of(networks: Iterable[FleetNetwork], name: str) -> FleetNetwork:
     """Return the network of this name; the first one if the name is empty.
 
     A file without any means the network of this computer's own variables.
@@ -121,16 +121,20 @@ def network_of(networks: Iterable[Network], name: str) -> Network:
         ConfigError: There is no such network.
     """
     known = list(networks)
-    found = [each for each in known if each.name == name] if name else [*known, Network(name="")]
+    found = (
+        [each for each in known if each.name == name] if name else [*known, FleetNetwork(name="")]
+    )
     if not found:
         raise ConfigError(f"no network {name!r}, {nearest(name, tuple(n.name for n in known))}")
     return found[0]
 
 
-def _problems(network: Network) -> Iterator[tuple[str, str]]:
+def _problems(network: FleetNetwork) -> Iterator[tuple[str, str]]:
     """Yield keys with their problems."""
     given = {
-        each.name for each in fields(Network) if getattr(network, each.name) not in {None, *EMPTY}
+        each.name
+        for each in fields(FleetNetwork)
+        if getattr(network, each.name) not in {None, *EMPTY}
     }
     for key in FOREIGN.get(network.backend, ()):
         if key in given:

@@ -6,13 +6,13 @@ from functools import partial
 
 from pioneer3.geometry import Pose2
 from pioneer3.navigation.simulator import TruePose
-from pioneer3.navigation.traffic import Place
+from pioneer3.navigation.traffic import SharedPlace
 from pioneer3.runtime.driven import Driven
 from pioneer3.runtime.robot import Robot
 from pioneer3.state import Snapshot
 from pioneer3.tasks import running
 
-PlaceOf = Callable[[Snapshot], Place | str]
+PlaceOf = Callable[[Snapshot], SharedPlace | str]
 PERIOD = 0.5
 """A simulator is asked so often for the place of a robot [s]; wheels tell it in between."""
 NOT_TOLD = (
@@ -25,7 +25,7 @@ MOVED = (
 )
 
 
-class Places:
+class StartPlaces:
     """Where robots are, each at its first connection.
 
     Args:
@@ -60,15 +60,15 @@ class Places:
 def _lined_up(start: Pose2, driven: Driven, *, again: bool) -> PlaceOf:
     first = driven.snapshot
 
-    def place(snapshot: Snapshot) -> Place | str:
+    def place(snapshot: Snapshot) -> SharedPlace | str:
         if again or first is None or snapshot.link.sessions != first.link.sessions:
             return MOVED
-        return Place("lined up", start @ first.odometry.robot_in_odom.inverse())
+        return SharedPlace("lined up", start @ first.odometry.robot_in_odom.inverse())
 
     return place
 
 
-def _true(true: TruePose, _: Snapshot) -> Place | str:
+def _true(true: TruePose, _: Snapshot) -> SharedPlace | str:
     if true.odom_in_world is None:
         return NOT_TOLD
-    return Place(("simulator", true.world), true.odom_in_world, true=True)
+    return SharedPlace(("simulator", true.world), true.odom_in_world, true=True)

@@ -7,7 +7,7 @@ from ipaddress import ip_address
 from typing import Final
 
 from pioneer3.errors import ConfigError
-from pioneer3.fleet.spec import ALL, Fleet, Robot
+from pioneer3.fleet.spec import ALL, Fleet, FleetRobot
 from pioneer3.links.urls import split_url
 from pioneer3.mjpeg import parse_url
 from pioneer3.models import Fallback, find_model
@@ -37,7 +37,7 @@ def port_of(fleet: Fleet, name: str) -> str:
     )
 
 
-def named(words: Sequence[str], fleet: Fleet) -> tuple[Robot, ...]:
+def named(words: Sequence[str], fleet: Fleet) -> tuple[FleetRobot, ...]:
     """Return the robots that words name which may be models too; empty if all are models.
 
     Raises:
@@ -62,12 +62,12 @@ def _is_file(model: str) -> bool:
     return model.lower().endswith(MODEL_FILES)
 
 
-def model_of(fleet: Fleet, robot: Robot) -> str:
+def model_of(fleet: Fleet, robot: FleetRobot) -> str:
     """Return the model that the fleet file gives a robot: a name, a path, or nothing."""
     return str(fleet.path.parent / robot.model) if _is_file(robot.model) else robot.model
 
 
-def given_model(fleet: Fleet, robot: Robot) -> str | Fallback | None:
+def given_model(fleet: Fleet, robot: FleetRobot) -> str | Fallback | None:
     """Return the model of a robot, for `connect_async`.
 
     A file counts whatever the robot says of itself; a name, if the robot's own is not known.
@@ -76,7 +76,7 @@ def given_model(fleet: Fleet, robot: Robot) -> str | Fallback | None:
     return model if _is_file(model) else Fallback(model) if model else None
 
 
-def laser_of(robot: Robot) -> str:
+def laser_of(robot: FleetRobot) -> str:
     """Return the laser of a robot, for `--laser`; empty if it has none that is reached from here.
 
     Like the robot's port, a device is its computer's own.
@@ -87,7 +87,7 @@ def laser_of(robot: Robot) -> str:
     return robot.laser if url != "auto" and split_url(url)[0] == "tcp" else ""
 
 
-def camera_of(robot: Robot) -> str | None:
+def camera_of(robot: FleetRobot) -> str | None:
     """Return the camera of a robot, for `--camera`; `None` if it has none.
 
     One at the loopback address of another computer is looked for at that computer's address.
@@ -113,7 +113,7 @@ def reached_at(fleet: Fleet, endpoint: tuple[str, int]) -> tuple[str, int]:
     return fleet.addresses.get(host.lower(), host), number
 
 
-def is_here(robot: Robot) -> bool:
+def is_here(robot: FleetRobot) -> bool:
     """Whether the robot's computer is this one."""
     return is_own(robot.address)
 

@@ -31,14 +31,14 @@ class RosGraphError(LinkError):
 
 
 @dataclass(frozen=True, slots=True)
-class Endpoint:
+class NodeAddress:
     """Where a master or a node listens."""
 
     host: str
     port: int
 
     @classmethod
-    def of(cls, uri: str) -> "Endpoint":
+    def of(cls, uri: str) -> "NodeAddress":
         """Return the place that a URI names, such as `http://p3at-1:11311/`.
 
         Raises:
@@ -55,7 +55,7 @@ class Endpoint:
 
 
 @dataclass(frozen=True, slots=True)
-class Graph:
+class MasterGraph:
     """A master, and how the hosts that nodes name are reached.
 
     Attributes:
@@ -65,11 +65,11 @@ class Graph:
         fallback: The address of hosts of another name.
     """
 
-    master: Endpoint
+    master: NodeAddress
     addresses: Mapping[str, str]
     fallback: str
 
-    async def node(self, name: str) -> Endpoint | None:
+    async def node(self, name: str) -> NodeAddress | None:
         """Return where a node listens; `None` if the master knows none of that name.
 
         Raises:
@@ -77,9 +77,9 @@ class Graph:
             OSError: It cannot be reached.
         """
         code, _, uri = await _call(self.master, "lookupNode", CALLER, name)
-        return self._reached(Endpoint.of(str(uri))) if code == 1 else None
+        return self._reached(NodeAddress.of(str(uri))) if code == 1 else None
 
-    async def answers(self, node: Endpoint) -> bool:
+    async def answers(self, node: NodeAddress) -> bool:
         """Whether a node is alive: a master goes on to list those that were killed."""
         try:
             code, *_ = await _call(node, "getPid", CALLER)
@@ -87,7 +87,7 @@ class Graph:
             return False
         return code == 1
 
-    async def message(self, node: Endpoint, topic: str, kind: str) -> bytes:
+    async def message(self, node: NodeAddress, topic: str, kind: str) -> bytes:
         """Return the next message, or the latched one, that a node publishes on `topic`.
 
         Raises:
@@ -97,7 +97,7 @@ class Graph:
         code, said, place = await _call(node, "requestTopic", CALLER, topic, [["TCPROS"]])
         match place:
             case ["TCPROS", str(host), int(port)] if code == 1:
-                source = self._reached(Endpoint(host, port))
+                source = self._reached(NodeAddress(host, port))
             case _:
                 raise RosGraphError(f"{topic}: {said}")
         fields = {"callerid": CALLER, "topic": topic, "type": kind, "md5sum": "*"}
@@ -110,7 +110,7 @@ class Graph:
                 raise RosGraphError(f"{topic}: {answer.decode(errors='replace')}")
             return await _block(reader)
 
-    def _reached(self, endpoint: Endpoint) -> Endpoint:
+    def _reached(self, endpoint: NodeAddress) -> NodeAddress:
         """Return the same place with an address of this network."""
         host = endpoint.host.lower()
         try:
@@ -120,11 +120,11 @@ class Graph:
             known = self.addresses.get(host, self.fallback)
         else:
             known = host
-        return Endpoint(self.master.host if loopback else known, endpoint.port)
+        return NodeAddress(self.master.host if loopback else known, endpoint.port)
 
 
 async def _call(
-    place: Endpoint, method: str, *arguments: str | list[list[str]]
+    place: NodeAddress, method: str, *arguments: str | list[list[str]]
 ) -> tuple[int, str, object]:
     """Return code, text and value of a call.
 
@@ -162,7 +162,7 @@ async def _call(
 
 @asynccontextmanager
 async def _connected(
-    place: Endpoint,
+    place: NodeAddress,
 ) -> AsyncIterator[tuple[asyncio.StreamReader, asyncio.StreamWriter]]:
     """Connect for the block; leaving it waits for nobody."""
     reader, writer = await asyncio.open_connection(place.host, place.port)

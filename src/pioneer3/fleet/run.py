@@ -11,7 +11,7 @@ from math import inf
 from typing import TYPE_CHECKING, Any, Final
 
 from pioneer3.errors import HostError, RemoteError
-from pioneer3.fleet.spec import Robot
+from pioneer3.fleet.spec import FleetRobot
 from pioneer3.fleet.ssh import LOGIN, Login, asyncssh_module, connect
 from pioneer3.names import printable
 
@@ -67,19 +67,19 @@ class Outcome:
     seconds: float
 
 
-Work = Callable[[Robot], Awaitable[Done]]
-Show = Callable[[Robot, str, bool], None]
+Work = Callable[[FleetRobot], Awaitable[Done]]
+Show = Callable[[FleetRobot, str, bool], None]
 """Takes a robot, a line of output, and whether it is of standard error."""
 
 
-async def on_each(robots: Iterable[Robot], work: Work) -> tuple[Outcome, ...]:
+async def on_each(robots: Iterable[FleetRobot], work: Work) -> tuple[Outcome, ...]:
     """Do `work` for all robots at once; return the outcomes in the order of `robots`."""
     async with asyncio.TaskGroup() as group:
         tasks = [group.create_task(_outcome(robot, work)) for robot in robots]
     return tuple(task.result() for task in tasks)
 
 
-async def _outcome(robot: Robot, work: Work) -> Outcome:
+async def _outcome(robot: FleetRobot, work: Work) -> Outcome:
     clock = asyncio.get_running_loop().time
     began = clock()
     reached, status = True, None
@@ -111,7 +111,7 @@ def exit_code(outcomes: Sequence[Outcome]) -> int:
 
 
 async def run_on(
-    robots: Iterable[Robot],
+    robots: Iterable[FleetRobot],
     command: str,
     show: Show,
     *,
@@ -130,7 +130,7 @@ async def run_on(
         limit: Longest time for the command [s].
     """
 
-    async def work(robot: Robot) -> Done:
+    async def work(robot: FleetRobot) -> Done:
         async with connect(robot, login) as connection:
             return await run_command(
                 connection, command, lambda line, err: show(robot, line, err), limit=limit

@@ -15,11 +15,11 @@ from textual.geometry import Region, Size
 from textual.scroll_view import ScrollView
 from textual.strip import Strip
 
-from pioneer3.fleet.columns import Cell
+from pioneer3.fleet.columns import TableCell
 from pioneer3.fleet.drive import FleetDrive
 from pioneer3.fleet.drive_table import COLUMNS, GAP, Look, cells, headline, why_of, widths
 from pioneer3.tasks import running
-from pioneer3.teleop.screen import Part, PatientDriver, log_told_by, obeyed_by_none, run_app
+from pioneer3.teleop.screen import PatientDriver, ScreenPart, log_told_by, obeyed_by_none, run_app
 from pioneer3.teleop.several import CHOOSING, KEYS
 
 REFRESH: Final = 0.5
@@ -44,7 +44,7 @@ FRESH: Final = 12.0
 """News stay on the screen for so long [s]."""
 
 
-def row_strip(row: Sequence[Cell], across: Sequence[int], style: Style) -> Strip:
+def row_strip(row: Sequence[TableCell], across: Sequence[int], style: Style) -> Strip:
     """Return a row, each cell cut or filled to its width."""
     segments = []
     for cell, width in zip(row, across, strict=True):
@@ -63,7 +63,7 @@ class RobotTable(ScrollView, can_focus=False):
     def __init__(self, clicked: Callable[[str], None]) -> None:
         super().__init__(id="table")
         self._clicked = clicked
-        self._rows: list[tuple[str, tuple[Cell, ...]]] = []
+        self._rows: list[tuple[str, tuple[TableCell, ...]]] = []
 
     def show(self, looks: Sequence[Look]) -> None:
         """Show the robots as they are now; only rows that have changed are drawn."""
@@ -132,10 +132,14 @@ class FleetApp(App[None]):
     def __init__(self, drive: FleetDrive) -> None:
         super().__init__(driver_class=PatientDriver)
         self._drive = drive
-        self._head, self._titles = Part(id="head"), Part(id="titles")
+        self._head, self._titles = ScreenPart(id="head"), ScreenPart(id="titles")
         self._table = RobotTable(self._click)
-        self._why, self._said, self._foot = Part(id="why"), Part(id="said"), Part(id="foot")
-        self._shown: dict[Part, str] = {}
+        self._why, self._said, self._foot = (
+            ScreenPart(id="why"),
+            ScreenPart(id="said"),
+            ScreenPart(id="foot"),
+        )
+        self._shown: dict[ScreenPart, str] = {}
         self._news: deque[tuple[float, str]] = deque(maxlen=2)
 
     def compose(self) -> ComposeResult:
@@ -215,7 +219,7 @@ class FleetApp(App[None]):
             else f"Keys drive {who}{speeds}"
         )
 
-    def _put(self, part: Part, text: str) -> None:
+    def _put(self, part: ScreenPart, text: str) -> None:
         """Show a text in a part of the screen; the same one again costs nothing."""
         if self._shown.get(part) != text:
             self._shown[part] = text

@@ -6,7 +6,7 @@ from typing import Final
 
 from pioneer3.errors import ConfigError
 from pioneer3.fleet.reach import is_own, model_of, reached_at
-from pioneer3.fleet.spec import Fleet, Robot
+from pioneer3.fleet.spec import Fleet, FleetRobot
 from pioneer3.links.urls import ANY
 from pioneer3.sim.worldfile import RobotSpec
 
@@ -51,7 +51,7 @@ def _specs(fleet: Fleet, bind: str, *, network: bool) -> Iterator[RobotSpec]:
         )
 
 
-def _place(fleet: Fleet, robot: Robot) -> tuple[str, int | None]:
+def _place(fleet: Fleet, robot: FleetRobot) -> tuple[str, int | None]:
     """Return the address at which others look for a robot, and its TCP port if it has one."""
     if robot.endpoint is None:
         return robot.address, None

@@ -9,10 +9,10 @@ from typing import Annotated, Any, Final
 from msgspec import Meta
 
 from pioneer3.errors import ConfigError
-from pioneer3.fleet.network import LABEL, Name, Network, network_of
+from pioneer3.fleet.network import LABEL, FleetNetwork, Name, network_of
 from pioneer3.links.urls import split_host, split_url
 from pioneer3.nav.settings import AS_SHIPPED, NavigationSettings
-from pioneer3.tables import Key, nearest
+from pioneer3.tables import FieldForm, nearest
 
 ALL: Final = "all"
 """The name of the group of all robots."""
@@ -49,7 +49,7 @@ Node = Annotated[
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Robot:
+class FleetRobot:
     """A robot and its on-board computer.
 
     Attributes:
@@ -85,7 +85,7 @@ class Robot:
     node: Node = ""
     navigation: NavigationSettings = AS_SHIPPED
     note: str = ""
-    line: Annotated[int, Key()] = field(default=0, compare=False)
+    line: Annotated[int, FieldForm()] = field(default=0, compare=False)
 
     @property
     def is_device(self) -> bool:
@@ -101,7 +101,7 @@ class Robot:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Operator:
+class OperatorComputer:
     """The computer from which the fleet is worked on.
 
     Attributes:
@@ -143,10 +143,10 @@ class Fleet:
     """
 
     path: Path
-    operator: Operator = Operator()
+    operator: OperatorComputer = OperatorComputer()
     defaults: Defaults = Defaults()
-    networks: tuple[Network, ...] = ()
-    robots: tuple[Robot, ...] = ()
+    networks: tuple[FleetNetwork, ...] = ()
+    robots: tuple[FleetRobot, ...] = ()
     groups: Mapping[str, tuple[str, ...]] = field(default_factory=lambda: MappingProxyType({}))
 
     @property
@@ -157,11 +157,11 @@ class Fleet:
             known[self.operator.name.lower()] = self.operator.address
         return MappingProxyType(known)
 
-    def network(self, robot: Robot) -> Network:
+    def network(self, robot: FleetRobot) -> FleetNetwork:
         """Return the network of ROS 2 that a robot is on."""
         return network_of(self.networks, robot.network)
 
-    def select(self, names: Iterable[str]) -> tuple[Robot, ...]:
+    def select(self, names: Iterable[str]) -> tuple[FleetRobot, ...]:
         """Return robots by their names, those of groups, or `all`; each once, in the file's order.
 
         Raises:
@@ -177,7 +177,7 @@ class Fleet:
                 wanted.add(self.robot(name).name)
         return tuple(robot for robot in self.robots if robot.name in wanted)
 
-    def robot(self, name: str) -> Robot:
+    def robot(self, name: str) -> FleetRobot:
         """Return one robot by its name.
 
         Raises:
@@ -194,7 +194,7 @@ class Fleet:
         raise ConfigError(f"{self.path}: no robot {name!r}, {nearest(name, known)}")
 
 
-def usual(robot: Robot, defaults: Defaults) -> Mapping[str, Any]:
+def usual(robot: FleetRobot, defaults: Defaults) -> Mapping[str, Any]:
     """Return the values of keys that a robot with this name, port and ROS need not give.
 
     A node of ROS has the device to itself, and a port of the network needs no bridge.

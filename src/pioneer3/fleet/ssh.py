@@ -14,8 +14,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from pioneer3.errors import HostError, LoginError, how_to_get
-from pioneer3.fleet.spec import Robot
-from pioneer3.fleet.ssh_settings import SSH_PORT, Settings, settings_for
+from pioneer3.fleet.spec import FleetRobot
+from pioneer3.fleet.ssh_settings import SSH_PORT, SshSettings, settings_for
 
 if TYPE_CHECKING:
     import asyncssh
@@ -81,7 +81,7 @@ def asyncssh_module() -> Any:
 
 @asynccontextmanager
 async def connect(
-    robot: Robot, login: Login = LOGIN
+    robot: FleetRobot, login: Login = LOGIN
 ) -> "AsyncIterator[asyncssh.SSHClientConnection]":
     """Log in on the computer of `robot` for the block.
 
@@ -112,7 +112,7 @@ async def connect(
             connection.abort()
 
 
-async def offered_host_key(robot: Robot, login: Login = LOGIN) -> str | None:
+async def offered_host_key(robot: FleetRobot, login: Login = LOGIN) -> str | None:
     """Return the host key that `robot`'s computer shows, if it is not known yet, else `None`.
 
     It is a line in OpenSSH's format, without a host name. Nothing but the key is exchanged.
@@ -137,7 +137,7 @@ async def offered_host_key(robot: Robot, login: Login = LOGIN) -> str | None:
     return None
 
 
-async def accepts_passwords(robot: Robot, login: Login = LOGIN) -> bool:
+async def accepts_passwords(robot: FleetRobot, login: Login = LOGIN) -> bool:
     """Return whether a robot's computer would let people in with a password.
 
     Raises:
@@ -164,12 +164,12 @@ def fingerprint(public_key: str) -> str:
 class _Attempt:
     """One attempt to log in, and the facts for its error."""
 
-    def __init__(self, robot: Robot, login: Login, *, keys: bool = True) -> None:
+    def __init__(self, robot: FleetRobot, login: Login, *, keys: bool = True) -> None:
         self.robot, self.login = robot, login
         self.reached = self.offers_passwords = False
         self._with_keys = keys and login.password is None
         self.offered: asyncssh.SSHKey | None = None
-        self.settings = Settings()
+        self.settings = SshSettings()
         self.known: Sequence[asyncssh.SSHKey] = ()
 
     async def connected(self) -> "asyncssh.SSHClientConnection":
@@ -357,14 +357,14 @@ def _agent_answers() -> bool:
     return answer[4:5] == b"\x0c" and answer[5:9] != b"\0\0\0\0"
 
 
-def _client_keys(settings: Settings) -> tuple[str, ...]:
+def _client_keys(settings: SshSettings) -> tuple[str, ...]:
     """Return the files of keys to try besides the agent's; empty for the usual ones."""
     usual = {ssh_folder() / name for name in KEY_NAMES}
     own = [key for key in settings.keys if key.is_file() and not _is_locked(key)]
     return () if set(own) <= usual else tuple(map(str, own))
 
 
-def _known_keys(robot: Robot, settings: Settings) -> tuple[list[Any], ...]:
+def _known_keys(robot: FleetRobot, settings: SshSettings) -> tuple[list[Any], ...]:
     """Return the host keys to trust, authorities, revoked keys, and lists for X.509, empty.
 
     Raises:

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Final
 
 from pioneer3.fleet.edit import with_block
-from pioneer3.fleet.spec import Fleet, Robot
+from pioneer3.fleet.spec import Fleet, FleetRobot
 
 INCLUDED: Final = "config.d/pioneer3"
 """Below the folder of ssh."""
@@ -63,7 +63,7 @@ def with_aliases(text: str, fleet: Fleet, prefix: str = PREFIX) -> str:
     return with_block(text, list(aliases(fleet, prefix)))
 
 
-def _host(robot: Robot) -> str:
+def _host(robot: FleetRobot) -> str:
     names = " ".join(dict.fromkeys((robot.name, robot.host)))
     return f"\nHost {names}\n    HostName {robot.address}\n    User {robot.user}\n"
 
@@ -74,11 +74,11 @@ def _names(pattern: str, folder: Path) -> bool:
     return (folder / INCLUDED).match(str(path if path.is_absolute() else folder / path))
 
 
-def _last_number(robot: Robot) -> str:
+def _last_number(robot: FleetRobot) -> str:
     address = ip_address(robot.address)
     return robot.address.rpartition(".")[2] if isinstance(address, IPv4Address) else ""
 
 
-def _short(robot: Robot, numbers: "Counter[str]") -> str:
+def _short(robot: FleetRobot, numbers: "Counter[str]") -> str:
     number = _last_number(robot)
     return number if number and numbers[number] == 1 else robot.name.replace("-", "_")

@@ -18,7 +18,7 @@ _NONE: Final = "none"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Settings:
+class SshSettings:
     """How `ssh NAME` reaches a computer.
 
     Attributes:
@@ -41,11 +41,11 @@ class Settings:
         return tuple(names if self.port == SSH_PORT else (f"[{n}]:{self.port}" for n in names))
 
 
-async def settings_for(name: str) -> Settings:
+async def settings_for(name: str) -> SshSettings:
     """Return the settings for a host name; the usual ones without a file or without `ssh`."""
     ssh = shutil.which("ssh")
     if ssh is None or not (Path.home() / ".ssh/config").is_file():
-        return Settings()
+        return SshSettings()
     process = await asyncio.create_subprocess_exec(
         *(ssh, "-G", name),
         stdin=asyncio.subprocess.DEVNULL,
@@ -61,7 +61,7 @@ async def settings_for(name: str) -> Settings:
     return parsed(said.decode(errors="replace"))
 
 
-def parsed(said: str) -> Settings:
+def parsed(said: str) -> SshSettings:
     """Return the settings in the output of `ssh -G`."""
     values: dict[str, list[str]] = {}
     for line in said.splitlines():
@@ -73,7 +73,7 @@ def parsed(said: str) -> Settings:
         return "" if value == _NONE else value
 
     port = one("port")
-    return Settings(
+    return SshSettings(
         port=int(port) if port.isdecimal() else SSH_PORT,
         jump=_BRACKETS.sub(r"\1", one("proxyjump")),
         alias=one("hostkeyalias"),

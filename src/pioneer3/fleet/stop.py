@@ -8,7 +8,7 @@ from math import inf
 
 from pioneer3.errors import LinkError, PioneerError
 from pioneer3.fleet.members import Connect
-from pioneer3.fleet.spec import Robot
+from pioneer3.fleet.spec import FleetRobot
 from pioneer3.robot.pilot import STANDING
 from pioneer3.runtime.driven import Driven
 from pioneer3.state import Snapshot
@@ -44,7 +44,11 @@ class Stopped:
 
 
 async def stop_all(
-    robots: Sequence[Robot], connect: Connect, *, emergency: bool = False, patience: float = 3.0
+    robots: Sequence[FleetRobot],
+    connect: Connect,
+    *,
+    emergency: bool = False,
+    patience: float = 3.0,
 ) -> tuple[Stopped, ...]:
     """Connect to all `robots` side by side and stop them; return their answers in this order.
 
@@ -61,7 +65,9 @@ async def stop_all(
     )
 
 
-async def _stop(robot: Robot, connect: Connect, *, emergency: bool, patience: float) -> Stopped:
+async def _stop(
+    robot: FleetRobot, connect: Connect, *, emergency: bool, patience: float
+) -> Stopped:
     clock = asyncio.get_running_loop().time
     began, reached, seconds, why = clock(), False, None, ""
     taken = False

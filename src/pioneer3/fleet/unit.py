@@ -6,7 +6,7 @@ from typing import Final
 from pioneer3.errors import ConfigError
 from pioneer3.fleet.network import FILES
 from pioneer3.fleet.ros_graph import master_of
-from pioneer3.fleet.spec import Fleet, Robot
+from pioneer3.fleet.spec import Fleet, FleetRobot
 
 STOPPING: Final = 10
 """Time that the program has to stop the robot before it is killed [s]; the robot's own watchdog
@@ -37,7 +37,7 @@ _HARDENING_WITH_ROOT: Final = (
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Unit:
+class SystemdUnit:
     """The unit of one robot.
 
     Attributes:
@@ -47,13 +47,13 @@ class Unit:
         with_root: Whether it belongs to the system, not to the user.
     """
 
-    robot: Robot
+    robot: FleetRobot
     fleet: Fleet
     python: str
     with_root: bool
 
     @staticmethod
-    def check(robot: Robot, fleet: Fleet) -> None:
+    def check(robot: FleetRobot, fleet: Fleet) -> None:
         """Refuse a robot that no unit can drive.
 
         Raises:

@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
 
 from pioneer3.errors import CommandError
-from pioneer3.gym.rendering import METADATA, Image, Renderer, metadata_of
+from pioneer3.gym.rendering import METADATA, EnvironmentRenderer, Image, metadata_of
 from pioneer3.gym.simulation import GoalSimulation, Infos, StepResult, info_of
-from pioneer3.gym.task import EPISODE, Options, Task
+from pioneer3.gym.task import EPISODE, Task, TaskOptions
 
 Float = NDArray[np.float64]
 Float32 = NDArray[np.float32]
@@ -42,11 +42,11 @@ class GoalEnv(gymnasium.Env[Float32, Float32]):
 
     metadata = METADATA
 
-    def __init__(self, *, render_mode: str | None = None, **options: Unpack[Options]) -> None:
+    def __init__(self, *, render_mode: str | None = None, **options: Unpack[TaskOptions]) -> None:
         self._simulation = GoalSimulation(Task(**options))
         self.metadata = metadata_of(self._simulation, render_mode)
         self.render_mode = render_mode
-        self._renderer = Renderer(self._simulation) if render_mode else None
+        self._renderer = EnvironmentRenderer(self._simulation) if render_mode else None
         self.observation_space = self._simulation.observations.observation_space()
         self.action_space = self._simulation.observations.action_space()
 
@@ -102,14 +102,14 @@ class GoalVectorEnv(VectorEnv[Float32, Float32, Any]):
         max_episode_steps: int = EPISODE,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         render_mode: str | None = None,
-        **options: Unpack[Options],
+        **options: Unpack[TaskOptions],
     ) -> None:
         self.num_envs, self._longest = num_envs, max_episode_steps
         self._mode = AutoresetMode(autoreset_mode)
         self._simulation = GoalSimulation(Task(**options), copies=num_envs)
         self.metadata = metadata_of(self._simulation, render_mode) | {"autoreset_mode": self._mode}
         self.render_mode = render_mode
-        self._renderer = Renderer(self._simulation) if render_mode else None
+        self._renderer = EnvironmentRenderer(self._simulation) if render_mode else None
         self.single_observation_space = self._simulation.observations.observation_space()
         self.single_action_space = self._simulation.observations.action_space()
         self.observation_space = batch_space(self.single_observation_space, num_envs)
@@ -201,12 +201,12 @@ class GoalParallelEnv(ParallelEnv[str, Float32, Float32]):
         *,
         max_episode_steps: int = EPISODE,
         render_mode: str | None = None,
-        **options: Unpack[Options],
+        **options: Unpack[TaskOptions],
     ) -> None:
         self._simulation = GoalSimulation(Task(**options), robots=robots)
         self.metadata = metadata_of(self._simulation, render_mode) | {"name": "pioneer3_goal_v0"}
         self.render_mode, self._longest = render_mode, max_episode_steps
-        self._renderer = Renderer(self._simulation) if render_mode else None
+        self._renderer = EnvironmentRenderer(self._simulation) if render_mode else None
         self.possible_agents = [f"robot_{n}" for n in range(robots)]
         self.agents: list[str] = []
         observations, names = self._simulation.observations, self.possible_agents

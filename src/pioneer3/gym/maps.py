@@ -9,7 +9,7 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 
 from pioneer3.errors import ConfigError
-from pioneer3.maps import Bounds, LineMap
+from pioneer3.maps import Extent, LineMap
 from pioneer3.sim.free_space import FreeGrid, Obstructions, places_inside
 from pioneer3.sim.kernels import build_grid
 
@@ -52,7 +52,7 @@ class TiledMap:
 
     def __init__(self, line_map: LineMap, count: int) -> None:
         x0, y0, x1, y1 = line_map.bounds
-        self.bounds = Bounds(x0 - FENCE, y0 - FENCE, x1 + FENCE, y1 + FENCE)
+        self.bounds = Extent(x0 - FENCE, y0 - FENCE, x1 + FENCE, y1 + FENCE)
         self.walls = np.concatenate([line_map.walls, _sides(self.bounds)])
         left, bottom = floor(x0) - FENCE, floor(y0) - FENCE
         pitch = np.array([ceil(x1) + FENCE + GAP - left, ceil(y1) + FENCE + GAP - bottom])
@@ -123,7 +123,7 @@ class FreeSpace:
         )
 
 
-def _sides(bounds: Bounds) -> Float:
+def _sides(bounds: Extent) -> Float:
     x0, y0, x1, y1 = bounds
     return np.array([[x0, y0, x1, y0], [x1, y0, x1, y1], [x1, y1, x0, y1], [x0, y1, x0, y0]])
 

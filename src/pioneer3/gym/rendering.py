@@ -44,7 +44,7 @@ def metadata_of(simulation: GoalSimulation, render_mode: str | None) -> dict[str
     return METADATA | {"render_fps": max(1, round(1 / simulation.task.dt))}
 
 
-class Renderer:
+class EnvironmentRenderer:
     """Draws one copy of the map of a simulation, with its robots and goals.
 
     Args:

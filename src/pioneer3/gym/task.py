@@ -105,7 +105,7 @@ class Task:
             )
 
 
-class Options(TypedDict, total=False):
+class TaskOptions(TypedDict, total=False):
     """The fields of :class:`Task`, as keyword arguments of an environment."""
 
     map: str | Path | LineMap

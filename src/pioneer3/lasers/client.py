@@ -1,7 +1,7 @@
 """The host's side of a laser, as every protocol has it. No I/O.
 
-A :class:`Client` finds the laser in whatever state it is, makes it scan, and returns scans. When it
-says :class:`Lost`, the caller closes the link, and begins anew with a new client.
+A :class:`LaserClient` finds the laser in whatever state it is, makes it scan, and returns scans.
+When it says :class:`ScansLost`, the caller closes the link, and begins anew with a new client.
 """
 
 from dataclasses import dataclass
@@ -64,7 +64,7 @@ class RawScan:
 
 
 @dataclass(frozen=True, slots=True)
-class SpeedWanted:
+class LineSpeedWanted:
     """The link must be set to `baud` at once, before the bytes of `outgoing()` leave."""
 
     baud: int
@@ -92,13 +92,13 @@ class Remarked:
 
 
 @dataclass(frozen=True, slots=True)
-class Lost:
+class ScansLost:
     """No scans come; the reason, and advice, in a sentence without a final stop."""
 
     reason: str
 
 
-Event = SpeedWanted | Identified | Measured | Remarked | Lost
+Event = LineSpeedWanted | Identified | Measured | Remarked | ScansLost
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -144,7 +144,7 @@ class Patience:
     give_up: float = 8.0
 
 
-class Client(Protocol):
+class LaserClient(Protocol):
     """The host's side: call :meth:`receive` and :meth:`tick`, obey the events, send `outgoing`.
 
     Attributes:

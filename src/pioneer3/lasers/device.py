@@ -1,9 +1,9 @@
 """The laser's side, as the simulator drives it, whatever the protocol. No I/O.
 
-A :class:`Device` is one unit: its settings, its mirror, its line. It tells the :class:`Turn` that
-its mirror makes next; who has the physics hands the :class:`Sweep` in when the turn is over. Each
-host has a :class:`Connection`; a unit on a serial line has one for ever, whoever opens the port.
-A host that reaches such a line through a network finds it empty.
+A :class:`LaserDevice` is one unit: its settings, its mirror, its line. It tells the
+:class:`MirrorTurn` that its mirror makes next; who has the physics hands the :class:`Sweep` in when
+the turn is over. Each host has a :class:`DeviceConnection`; a unit on a serial line has one for
+ever, whoever opens the port. A host that reaches such a line through a network finds it empty.
 """
 
 from collections.abc import Sequence
@@ -12,7 +12,7 @@ from typing import Protocol
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Turn:
+class MirrorTurn:
     """One turn of the mirror: the readings that it takes.
 
     Attributes:
@@ -44,14 +44,14 @@ class Sweep:
             where there is never more than one.
     """
 
-    turn: Turn
+    turn: MirrorTurn
     began: float
     ranges: Sequence[float]
     intensities: Sequence[float]
     echoes: Sequence[tuple[float, ...]] = ()
 
 
-class Connection(Protocol):
+class DeviceConnection(Protocol):
     """One host at a device."""
 
     def receive(self, data: bytes, now: float) -> None:
@@ -64,7 +64,7 @@ class Connection(Protocol):
         """Take the end of a network connection; a serial line has none."""
 
 
-class Device(Protocol):
+class LaserDevice(Protocol):
     """One laser.
 
     Attributes:
@@ -78,10 +78,10 @@ class Device(Protocol):
     deadline: float
 
     @property
-    def turn(self) -> Turn | None:
+    def turn(self) -> MirrorTurn | None:
         """The mirror's next turn, or `None` while nobody wants readings."""
 
-    def connect(self, *, network: bool = False) -> Connection:
+    def connect(self, *, network: bool = False) -> DeviceConnection:
         """Return the connection of one more host.
 
         Args:

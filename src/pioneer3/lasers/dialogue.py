@@ -9,7 +9,7 @@ from collections.abc import Generator
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
-from pioneer3.lasers.client import Event, Lost
+from pioneer3.lasers.client import Event, ScansLost
 
 RequestT = TypeVar("RequestT")
 ReplyT = TypeVar("ReplyT")
@@ -58,5 +58,5 @@ class Dialogue(Generic[RequestT, ReplyT, ResultT]):
         except StopIteration as end:
             self.result, self.finished = end.value, True
         except HopelessError as error:
-            events.append(Lost(str(error)))
+            events.append(ScansLost(str(error)))
         return events

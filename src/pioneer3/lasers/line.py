@@ -21,7 +21,7 @@ def duration(count: int, baud: int | None) -> float:
     return count * BITS_PER_BYTE / baud if baud else 0.0
 
 
-class Line:
+class SerialLine:
     """Bytes on their way out.
 
     Attributes:

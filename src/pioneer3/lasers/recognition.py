@@ -3,16 +3,16 @@
 import re
 from typing import Final
 
-from pioneer3.lasers.lms2xx.commands import Command, Unasked
+from pioneer3.lasers.lms2xx.commands import CommandCode, Unasked
 from pioneer3.lasers.lms2xx.scans import COUNT
-from pioneer3.lasers.lms2xx.telegram import PAUSE, UNITS, Telegram, TelegramReader, encode
+from pioneer3.lasers.lms2xx.telegram import PAUSE, UNITS, LmsTelegramReader, Telegram, encode
 from pioneer3.lasers.scip.wire import unseal
 from pioneer3.models.lasers import LaserProtocol
 
 SCIP_QUESTION: Final = b"\nVV\n"
 """Asks a SCIP laser for its version (scip.md 1.4). The first LF ends earlier bytes that the laser
 took for the beginning of a command."""
-LMS_QUESTION: Final = encode(Command.TYPE)
+LMS_QUESTION: Final = encode(CommandCode.TYPE)
 """Asks an LMS-2xx for its type (lms2xx.md 1.5)."""
 COLA_QUESTION: Final = b"\x02sRN DeviceIdent\x03"
 """Asks a CoLa-A laser for its type (cola.md 1.2)."""
@@ -34,7 +34,7 @@ FEWEST: Final = 100
 COLA_ANSWER: Final = re.compile(rb"\x02s(?:(?:RA|AN|WA|EA|SN) \w+|FA)[ -~]*\x03")
 SCIP_NAMES: Final = re.compile(r"(VEND|PROD|SERI):([^;\r\n]+);?.?\r?\n")
 COLA_NAME: Final = re.compile(rb"\x02sRA DeviceIdent ([0-9A-F]{1,2}) ([ -~]*)\x03")
-TYPES: Final = {Command.TYPE + 0x80, Unasked.READY}
+TYPES: Final = {CommandCode.TYPE + 0x80, Unasked.READY}
 """Codes of the telegrams in which an LMS-2xx says its type."""
 
 
@@ -84,6 +84,6 @@ def _begins_scan(heard: bytes) -> bool:
 
 
 def _telegrams(heard: bytes) -> list[Telegram]:
-    reader = TelegramReader(UNITS)
+    reader = LmsTelegramReader(UNITS)
     items = reader.feed(heard, 0.0) + reader.feed(b"", PAUSE)  # a false beginning hides none
     return [item for item in items if isinstance(item, Telegram)]

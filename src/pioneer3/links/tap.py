@@ -39,7 +39,7 @@ class Chunk:
     data: bytes
 
 
-class Recording:
+class WireRecording:
     """Writes bytes and events to an open file, one line each; a full disk ends it, no more.
 
     Args:
@@ -88,7 +88,7 @@ class Recording:
 class TapLink:
     """A host's link that records all bytes; same contract as the link inside."""
 
-    def __init__(self, link: Link, recording: Recording) -> None:
+    def __init__(self, link: Link, recording: WireRecording) -> None:
         self.url = link.url
         self.speeds = link.speeds
         self.round_trip = link.round_trip
@@ -124,7 +124,7 @@ class TapLink:
 class Recorder:
     """Records every link of an opener to one file, line by line."""
 
-    def __init__(self, opener: Opener, recording: Recording) -> None:
+    def __init__(self, opener: Opener, recording: WireRecording) -> None:
         self._open = opener
         self._recording = recording
         self._tap: TapLink | None = None
@@ -140,7 +140,7 @@ class Recorder:
             self._tap.remark(words)
 
 
-def begun(path: Path, clock: Clock) -> Recording:
+def begun(path: Path, clock: Clock) -> WireRecording:
     """Return a recording to a new file, with its heading.
 
     Raises:
@@ -152,7 +152,7 @@ def begun(path: Path, clock: Clock) -> Recording:
         file.write(f"# pioneer3 {__version__}, {when}\n")
     except OSError as error:
         raise ConfigError(f"{path}: cannot record there: {error.strerror}") from None
-    return Recording(file, clock)
+    return WireRecording(file, clock)
 
 
 @contextmanager

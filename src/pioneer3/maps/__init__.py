@@ -17,12 +17,12 @@ materials     the materials of walls and boxes, as lasers see them
 ============  ====================================================================================
 """
 
-from pioneer3.maps.line_map import Bounds, LineMap, MapObject, OccupancyGrid, empty_map
+from pioneer3.maps.line_map import Extent, LineMap, MapObject, OccupancyGrid, empty_map
 from pioneer3.maps.load import read_map, shipped_map, shipped_maps
 from pioneer3.maps.write import write_aria_map, write_map_server
 
 __all__ = [
-    "Bounds",
+    "Extent",
     "LineMap",
     "MapObject",
     "OccupancyGrid",

@@ -14,7 +14,7 @@ from pioneer3.errors import ConfigError
 from pioneer3.maps.aria_objects import object_types, parse_object
 from pioneer3.maps.grid import grid_of, outline
 from pioneer3.maps.line_map import LineMap, MapObject, OccupancyGrid, solid_walls
-from pioneer3.text import LARGEST_MM, Line, lines_of, shown, wrong
+from pioneer3.text import LARGEST_MM, TextLine, lines_of, shown, wrong
 from pioneer3.units import MM
 
 Float = NDArray[np.float64]
@@ -40,10 +40,10 @@ _FIELDS = {"LINES": "x1 y1 x2 y2", "DATA": "x y"}
 
 
 @dataclass(frozen=True, slots=True)
-class Entry:
+class AriaEntry:
     """A `Key: value` line."""
 
-    line: Line
+    line: TextLine
     key: str
     value: str
 
@@ -77,7 +77,7 @@ class Section:
         """The line of the file that each row stands on, shape (N,)."""
         return np.array(self._lines)
 
-    def add(self, line: Line) -> None:
+    def add(self, line: TextLine) -> None:
         """Read one more row."""
         words = line.text.split(None, self.width)
         if len(words) != self.width:
@@ -118,10 +118,10 @@ class Section:
         return self.rows * MM
 
 
-class Place(NamedTuple):
+class AriaPlace(NamedTuple):
     """An object and the line it stands on."""
 
-    line: Line
+    line: TextLine
     item: MapObject
 
 
@@ -130,9 +130,9 @@ class AriaFile:
     """A map file with its line numbers."""
 
     path: Path
-    entries: tuple[Entry, ...]
+    entries: tuple[AriaEntry, ...]
     sections: tuple[Section, ...]
-    places: tuple[Place, ...]
+    places: tuple[AriaPlace, ...]
 
     def line_map(self) -> LineMap:
         """Return the map in SI, named after the file.
@@ -208,19 +208,21 @@ def parse_aria(path: Path, text: str, refuse: Refuse = _raise) -> AriaFile:
         raise header.wrong("header", f"expected one of {names}, not {shown(header.text)}")
     entries, sections = _parse(path, text, header.number, refuse)
     types = object_types(entry.value for entry in entries if entry.key == "MapInfo")
-    places: list[Place] = []
+    places: list[AriaPlace] = []
     for entry in entries:
         if entry.key == "Cairn":
             try:
-                places.append(Place(entry.line, parse_object(entry.line, entry.value, types)))
+                places.append(AriaPlace(entry.line, parse_object(entry.line, entry.value, types)))
             except ConfigError as error:
                 refuse(error)
     return AriaFile(path, tuple(entries), tuple(sections), tuple(places))
 
 
-def _parse(path: Path, text: str, header: int, refuse: Refuse) -> tuple[list[Entry], list[Section]]:
+def _parse(
+    path: Path, text: str, header: int, refuse: Refuse
+) -> tuple[list[AriaEntry], list[Section]]:
     """Return all that stands below the line `header`."""
-    entries: list[Entry] = []
+    entries: list[AriaEntry] = []
     sections: list[Section] = []
     number = 1
     for block in _blocks(text):
@@ -256,13 +258,15 @@ def _blocks(text: str) -> Iterator[str]:
             yield text[until:at]
 
 
-def _read(line: Line, entries: list[Entry], sections: list[Section], refuse: Refuse) -> None:
+def _read(
+    line: TextLine, entries: list[AriaEntry], sections: list[Section], refuse: Refuse
+) -> None:
     """Take one line."""
     try:
         if heading := _SECTION.fullmatch(line.text):
             sections.append(Section(heading[1] or "", heading[2]))
         elif entry := _ENTRY.fullmatch(line.text):
-            entries.append(Entry(line, entry[1], entry[2]))
+            entries.append(AriaEntry(line, entry[1], entry[2]))
         elif sections:
             sections[-1].add(line)
         else:
@@ -272,7 +276,7 @@ def _read(line: Line, entries: list[Entry], sections: list[Section], refuse: Ref
         refuse(error)
 
 
-def _resolution_mm(entry: Entry) -> float:
+def _resolution_mm(entry: AriaEntry) -> float:
     words = entry.value.split()
     if len(words) != 1:
         raise entry.line.wrong(entry.key, f"expected one number, not {shown(entry.value)}")

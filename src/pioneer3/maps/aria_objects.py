@@ -20,7 +20,7 @@ from types import MappingProxyType
 
 from pioneer3.geometry import Pose2, wrap
 from pioneer3.maps.line_map import MapObject
-from pioneer3.text import Line, shown
+from pioneer3.text import TextLine, shown
 from pioneer3.units import MM
 
 STANDARD_LINES = frozenset({"ForbiddenLine", "Reflector", "Sim.Reflector"})
@@ -87,7 +87,7 @@ def _reflects(value: str) -> bool:
     return value.isdecimal() and value not in {"0", "1"}
 
 
-def parse_object(line: Line, value: str, types: ObjectTypes) -> MapObject:
+def parse_object(line: TextLine, value: str, types: ObjectTypes) -> MapObject:
     """Return the object that a `Cairn:` line describes.
 
     Args:

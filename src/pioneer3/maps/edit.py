@@ -13,7 +13,7 @@ from pioneer3.maps.grid import raster_outline
 from pioneer3.maps.line_map import (
     FREE,
     OCCUPIED,
-    Bounds,
+    Extent,
     LineMap,
     MapObject,
     OccupancyGrid,
@@ -28,7 +28,7 @@ SHORTEST = 0.01
 """Walls and forbidden lines are at least so long [m]."""
 
 
-def erased(line_map: LineMap, box: Bounds) -> LineMap:
+def erased(line_map: LineMap, box: Extent) -> LineMap:
     """Return a map without what stands in a box [m]: walls that lie in it whole, and cells.
 
     Solid objects, forbidden lines and places stay.
@@ -187,7 +187,7 @@ def _apart(line_map: LineMap, start: Point, end: Point) -> tuple[float, float, f
     return *start, *end
 
 
-def _without(grid: OccupancyGrid, box: Bounds) -> OccupancyGrid:
+def _without(grid: OccupancyGrid, box: Extent) -> OccupancyGrid:
     height, width = grid.states.shape
     columns = grid.origin.x + (np.arange(width) + 0.5) * grid.resolution
     rows = grid.origin.y + (np.arange(height) + 0.5) * grid.resolution
@@ -208,9 +208,9 @@ def _outline(grid: OccupancyGrid) -> Float:
     return edges
 
 
-def _holds(box: Bounds, x: float, y: float) -> bool:
+def _holds(box: Extent, x: float, y: float) -> bool:
     return box.x_min <= x <= box.x_max and box.y_min <= y <= box.y_max
 
 
-def _words(box: Bounds) -> str:
+def _words(box: Extent) -> str:
     return f"x {box.x_min:g} to {box.x_max:g} m, y {box.y_min:g} to {box.y_max:g} m"

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pioneer3.geometry import Pose2
-from pioneer3.maps.line_map import OCCUPIED, UNKNOWN, Bounds, OccupancyGrid
+from pioneer3.maps.line_map import OCCUPIED, UNKNOWN, Extent, OccupancyGrid
 
 Float = NDArray[np.float64]
 Int = NDArray[np.int64]
@@ -130,7 +130,7 @@ def _row_runs(edges: Bool) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArra
     return line, start, np.nonzero(changes == -1)[1]
 
 
-def touched(walls: Float, bounds: Bounds, cell: float) -> Bool:
+def touched(walls: Float, bounds: Extent, cell: float) -> Bool:
     """Return the cells that walls pass, shape (H, W); row 0 is the lowest.
 
     A cell that a wall cuts by less than half a cell's side may be left out; neighbours along a
@@ -151,7 +151,7 @@ def touched(walls: Float, bounds: Bounds, cell: float) -> Bool:
     return cells
 
 
-def shape_of(bounds: Bounds, cell: float) -> tuple[int, int]:
+def shape_of(bounds: Extent, cell: float) -> tuple[int, int]:
     """Return height and width [cells] of a picture of `bounds`, at least one each."""
     # a size of whole cells, except for rounding, takes no cell more
     width = ceil((bounds.x_max - bounds.x_min) / cell - EDGE)

@@ -36,7 +36,7 @@ _DAMAGED = (
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Image:
+class ShadeImage:
     """Pixels; row 0 is the top.
 
     Attributes:
@@ -48,7 +48,7 @@ class Image:
     alpha: Bytes | None = None
 
 
-def read_image(path: Path) -> Image:
+def read_image(path: Path) -> ShadeImage:
     """Read a PGM picture (P2, P5) or a PNG picture; shades of any depth are scaled to 0 to 255.
 
     Raises:
@@ -57,7 +57,7 @@ def read_image(path: Path) -> Image:
     return parse_image(path, read_bytes(path, LARGEST_IMAGE))
 
 
-def parse_image(path: Path, raw: bytes) -> Image:
+def parse_image(path: Path, raw: bytes) -> ShadeImage:
     """Read the bytes of a picture file; `path` is for messages.
 
     Raises:
@@ -113,7 +113,7 @@ def _check_size(path: Path, picture: "ImageFile") -> None:
         raise wrong(path, f" size: more than {most} pixels in this kind of PGM; {advice}")
 
 
-def _gray(picture: "ImageFile") -> Image:
+def _gray(picture: "ImageFile") -> ShadeImage:
     if picture.mode in ("1", "P", "PA"):
         pixels = np.asarray(picture.convert("L" if picture.mode == "1" else "RGB"))
     else:
@@ -121,12 +121,12 @@ def _gray(picture: "ImageFile") -> Image:
     if pixels.dtype != np.uint8:
         pixels = (pixels >> 8).astype(np.uint8)
     if pixels.ndim == 2:
-        return Image(pixels)
+        return ShadeImage(pixels)
     alpha = pixels[:, :, -1] if pixels.shape[2] in (2, 4) else None
     if pixels.shape[2] == 2:
-        return Image(pixels[:, :, 0], alpha)
+        return ShadeImage(pixels[:, :, 0], alpha)
     total = pixels[:, :, 0].astype(np.uint16) + pixels[:, :, 1] + pixels[:, :, 2]
-    return Image(((total + 1) // 3).astype(np.uint8), alpha)
+    return ShadeImage(((total + 1) // 3).astype(np.uint8), alpha)
 
 
 def to_png(pixels: Bytes) -> bytes:

@@ -25,7 +25,7 @@ FREE = 2
 """State of a cell with nothing in it."""
 
 
-class Bounds(NamedTuple):
+class Extent(NamedTuple):
     """An axis-aligned box [m]."""
 
     x_min: float
@@ -173,12 +173,12 @@ class LineMap:
         return self.homes or tuple(docks[:1])
 
     @property
-    def bounds(self) -> Bounds:
+    def bounds(self) -> Extent:
         """The smallest box around the walls [m]; all zeros where there are none."""
         if not self.walls.size:
-            return Bounds(0.0, 0.0, 0.0, 0.0)
+            return Extent(0.0, 0.0, 0.0, 0.0)
         x, y = self.walls[:, ::2], self.walls[:, 1::2]
-        return Bounds(float(x.min()), float(y.min()), float(x.max()), float(y.max()))
+        return Extent(float(x.min()), float(y.min()), float(x.max()), float(y.max()))
 
 
 def _frozen(segments: Float) -> Float:

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2, wrap
 from pioneer3.maps.grid import MOST_WALLS, raster_outline
-from pioneer3.maps.image import Image, read_image
+from pioneer3.maps.image import ShadeImage, read_image
 from pioneer3.maps.line_map import (
     FREE,
     OCCUPIED,
@@ -29,7 +29,7 @@ from pioneer3.maps.line_map import (
     OccupancyGrid,
     States,
 )
-from pioneer3.text import Line, one_line, shown, wrong
+from pioneer3.text import TextLine, one_line, shown, wrong
 
 if TYPE_CHECKING:
     from yaml import Node
@@ -48,7 +48,7 @@ _TRUE, _FALSE = ("1", "true", "yes", "on"), ("0", "false", "no", "off")
 
 
 @dataclass(frozen=True, slots=True)
-class Field:
+class YamlField:
     """A key of a YAML file, its value as text, and its line.
 
     Attributes:
@@ -58,7 +58,7 @@ class Field:
         items: The scalars of a list; empty for everything else.
     """
 
-    line: Line
+    line: TextLine
     key: str
     text: str = ""
     items: tuple[str, ...] = ()
@@ -133,7 +133,7 @@ class MapServerFile:
     """
 
     path: Path
-    fields: Mapping[str, Field]
+    fields: Mapping[str, YamlField]
     image: Path
     resolution: float
     origin: Pose2
@@ -162,7 +162,7 @@ class MapServerFile:
             lines=np.empty((0, 4)),
         )
 
-    def _states(self, image: Image) -> States:
+    def _states(self, image: ShadeImage) -> States:
         """Return the cells as in :class:`OccupancyGrid`; row 0 is the top."""
         # a table of answers instead of 33 million numbers
         if self.mode == "trinary" and image.alpha is not None:
@@ -218,7 +218,7 @@ def parse_map_server(path: Path, text: str) -> MapServerFile:
     )
 
 
-def _fields(path: Path, text: str) -> dict[str, Field]:
+def _fields(path: Path, text: str) -> dict[str, YamlField]:
     """Return the keys of a YAML file.
 
     The nodes are not turned into objects, so aliases cost nothing.
@@ -239,9 +239,9 @@ def _fields(path: Path, text: str) -> dict[str, Field]:
     except (yaml.YAMLError, ValueError, OverflowError) as error:
         raise wrong(path, f" not valid YAML: {one_line(error)}") from None
     if root is not None and not isinstance(root, yaml.MappingNode):
-        line = Line(path, root.start_mark.line + 1, "")
+        line = TextLine(path, root.start_mark.line + 1, "")
         raise line.wrong("line", "expected 'key: value'")
-    found: dict[str, Field] = {}
+    found: dict[str, YamlField] = {}
     for key, value in root.value if root else ():
         field = _field(path, key, value)
         if field.key in found:
@@ -250,15 +250,15 @@ def _fields(path: Path, text: str) -> dict[str, Field]:
     return found
 
 
-def _field(path: Path, key: "Node", value: "Node") -> Field:
+def _field(path: Path, key: "Node", value: "Node") -> YamlField:
     from yaml import SequenceNode
 
-    line = Line(path, key.start_mark.line + 1, "")
+    line = TextLine(path, key.start_mark.line + 1, "")
     name = key.value if isinstance(key.value, str) else ""
     if isinstance(value.value, str):
-        return Field(line, name, text=value.value)
+        return YamlField(line, name, text=value.value)
     items = [item.value for item in value.value] if isinstance(value, SequenceNode) else []
-    return Field(line, name, items=tuple(i if isinstance(i, str) else "" for i in items))
+    return YamlField(line, name, items=tuple(i if isinstance(i, str) else "" for i in items))
 
 
 def placed(walls: NDArray[np.float64], origin: Pose2) -> NDArray[np.float64]:
@@ -270,11 +270,11 @@ def placed(walls: NDArray[np.float64], origin: Pose2) -> NDArray[np.float64]:
     return turned
 
 
-def _threshold(fields: Mapping[str, Field], key: str, default: float) -> float:
+def _threshold(fields: Mapping[str, YamlField], key: str, default: float) -> float:
     return fields[key].number(0.0, 1.0) if key in fields else default
 
 
-def _mode(field: Field | None) -> str:
+def _mode(field: YamlField | None) -> str:
     if field is None:
         return MODES[0]
     mode = field.string()
@@ -283,7 +283,7 @@ def _mode(field: Field | None) -> str:
     return mode
 
 
-def _image_path(path: Path, field: Field) -> Path:
+def _image_path(path: Path, field: YamlField) -> Path:
     try:
         image = path.parent / field.string()
         if image.is_file():

@@ -14,7 +14,7 @@ from pioneer3.maps.grid import EDGE, MOST_CELLS, shape_of, touched
 from pioneer3.maps.image import to_pgm
 from pioneer3.maps.line_map import FREE as FREE_CELL
 from pioneer3.maps.line_map import OCCUPIED as OCCUPIED_CELL
-from pioneer3.maps.line_map import Bounds, LineMap, MapObject, OccupancyGrid, solid_walls
+from pioneer3.maps.line_map import Extent, LineMap, MapObject, OccupancyGrid, solid_walls
 from pioneer3.text import write_bytes
 from pioneer3.units import MM
 
@@ -217,14 +217,14 @@ def _only_grid(line_map: LineMap, resolution: float) -> OccupancyGrid | None:
     return replace(grid, states=states)
 
 
-def _bounds_of(grid: OccupancyGrid) -> Bounds:
+def _bounds_of(grid: OccupancyGrid) -> Extent:
     height, width = grid.states.shape
     x, y, cell = grid.origin.x, grid.origin.y, grid.resolution
-    return Bounds(x, y, x + width * cell, y + height * cell)
+    return Extent(x, y, x + width * cell, y + height * cell)
 
 
-def framed(bounds: Bounds, cell: float) -> Bounds:
+def framed(bounds: Extent, cell: float) -> Extent:
     """Return `bounds` with a free cell all around, grown to whole cells."""
     low_x, low_y = (np.floor(low / cell + EDGE) - 1 for low in bounds[:2])
     high_x, high_y = (np.floor(high / cell + EDGE) + 2 for high in bounds[2:])
-    return Bounds(*(float(round(edge * cell, 9)) for edge in (low_x, low_y, high_x, high_y)))
+    return Extent(*(float(round(edge * cell, 9)) for edge in (low_x, low_y, high_x, high_y)))

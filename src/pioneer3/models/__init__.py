@@ -27,17 +27,17 @@ from pioneer3.models.catalog import (
 )
 from pioneer3.models.model import Drive, IrMount, LaserMount, RobotModel, SonarMount
 from pioneer3.models.physics import BodyPhysics, physics_of, total_mass
-from pioneer3.models.shape import Shape, shape_of
+from pioneer3.models.shape import BodyShape, shape_of
 
 __all__ = [
     "BodyPhysics",
+    "BodyShape",
     "Drive",
     "Fallback",
     "GivenModel",
     "IrMount",
     "LaserMount",
     "RobotModel",
-    "Shape",
     "SonarMount",
     "find_model",
     "generic_model",

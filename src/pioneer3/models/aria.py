@@ -22,7 +22,7 @@ from pioneer3.models.model import (
     RobotModel,
     SonarMount,
 )
-from pioneer3.models.parameters import Line, Parameters, rounded, split
+from pioneer3.models.parameters import ParameterLine, Parameters, rounded, split
 from pioneer3.units import MM
 
 _HEADING_UNITS = (1024, 4096)
@@ -148,9 +148,9 @@ def _table_irs(given: Parameters) -> tuple[IrMount, ...]:
     return mounts if given.flag("TableSensingIR", default=False) else ()
 
 
-def _laser(source: str, lines: tuple[Line, ...]) -> LaserMount | None:
+def _laser(source: str, lines: tuple[ParameterLine, ...]) -> LaserMount | None:
     """Return the first laser that the file names and says is on the robot."""
-    sections: dict[str, list[Line]] = {}
+    sections: dict[str, list[ParameterLine]] = {}
     for line in lines:
         if line.key.lower().startswith("laser"):
             sections.setdefault(line.section, []).append(line)

@@ -14,7 +14,7 @@ from msgspec import Meta
 
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import wrap
-from pioneer3.tables import Key, degrees_of, in_degrees
+from pioneer3.tables import FieldForm, degrees_of, in_degrees
 from pioneer3.units import DEGREE, HEADING_UNIT, MM
 
 Drive = Literal["skid", "differential"]
@@ -106,20 +106,20 @@ def _heading(angle_deg: float) -> float:
     return wrap(angle_deg * DEGREE)
 
 
-_THETA = Key("theta_deg", _Direction, _heading, degrees_of)
-_MASKED = Key(
+_THETA = FieldForm("theta_deg", _Direction, _heading, degrees_of)
+_MASKED = FieldForm(
     "masked_deg",
     tuple[_Sector, ...],
     lambda sectors: tuple((_heading(first), _heading(last)) for first, last in sectors),
     lambda sectors: tuple((degrees_of(first), degrees_of(last)) for first, last in sectors),
 )
-_HEADING_UNITS = Key(
+_HEADING_UNITS = FieldForm(
     "heading_units",
     Annotated[float, Meta(ge=64, le=1_000_000)],
     lambda units: tau / units,
     lambda factor: tau / factor,
 )
-_TABLE_IRS = Key(
+_TABLE_IRS = FieldForm(
     "table_irs", tuple[_Point, ...], lambda points: tuple(IrMount(*point) for point in points)
 )
 
@@ -255,7 +255,7 @@ class RobotModel:
     settable_acceleration: bool = True
     request_io: bool = False
     request_encoders: bool = False
-    switch_speed: Annotated[int, Key("switch_speed", SwitchSpeed)] = SWITCH_SPEED
+    switch_speed: Annotated[int, FieldForm("switch_speed", SwitchSpeed)] = SWITCH_SPEED
 
     refusal: ClassVar[str | None] = None
     """The reason that nothing may drive it, or `None`."""

@@ -27,7 +27,7 @@ Mount = tuple[float, float, float]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Line:
+class ParameterLine:
     """One line that holds a key; its errors name file, line and key.
 
     Attributes:
@@ -89,16 +89,16 @@ class Line:
         raise ConfigError(f"{self.source}:{self.number}: {self.key}: {problem}")
 
 
-def split(text: str, source: str) -> tuple[Line, ...]:
+def split(text: str, source: str) -> tuple[ParameterLine, ...]:
     """Return the lines of `text` that hold a key, section headings left out."""
-    lines: list[Line] = []
+    lines: list[ParameterLine] = []
     section = ""
     for number, raw in enumerate(_NEWLINE.split(text), start=1):
         key, *values = _words(raw) or [""]
         if key.lower() == "section":
             section = " ".join(values).lower()
         elif key:
-            line = Line(
+            line = ParameterLine(
                 source=source, number=number, section=section, key=key, values=tuple(values)
             )
             lines.append(line)
@@ -113,11 +113,11 @@ def _words(raw: str) -> list[str]:
 class Parameters:
     """The keys of one file or section; a key without a value counts as not given."""
 
-    def __init__(self, source: str, lines: Iterable[Line]) -> None:
+    def __init__(self, source: str, lines: Iterable[ParameterLine]) -> None:
         """Take the last line of a key that repeats."""
         self._source = source
         self._all = tuple(lines)
-        self._lines: Mapping[str, Line] = {line.key.lower(): line for line in self._all}
+        self._lines: Mapping[str, ParameterLine] = {line.key.lower(): line for line in self._all}
 
     def length(self, key: str, bounds: Bounds, default: float | None = None) -> float:
         """Return a value given in mm, or mm per something, in metres.
@@ -182,7 +182,7 @@ class Parameters:
             raise ConfigError(f"{self._source}: {kind}Unit {gap}: missing, number the units from 0")
         return [mounts[number] for number in listed]
 
-    def _find(self, key: str) -> Line | None:
+    def _find(self, key: str) -> ParameterLine | None:
         line = self._lines.get(key.lower())
         return None if line is None or line.is_blank else line
 
@@ -207,7 +207,7 @@ def rounded(metres: float) -> float:
     return round(metres, 12)
 
 
-def _unit(line: Line, first: int, axes: str) -> tuple[int, Mount]:
+def _unit(line: ParameterLine, first: int, axes: str) -> tuple[int, Mount]:
     """Return the number and the pose of a unit given as `number ... x y th` in mm and degrees."""
     if len(line.values) < first + len(axes.split()):
         line.refuse(f"too few values, expected {axes} from value {first + 1} on")

@@ -6,7 +6,7 @@ from types import MappingProxyType
 from typing import Final, NamedTuple
 
 from pioneer3.models.model import RobotModel
-from pioneer3.models.shape import Shape, shape_of
+from pioneer3.models.shape import BodyShape, shape_of
 from pioneer3.units import MM
 
 GUESS: Final = "assumption"
@@ -46,7 +46,7 @@ def _unit(unit: str) -> Mapping[str, str]:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BodyPhysics:
-    """Numbers that complete a :class:`Shape` to a body that moves by forces.
+    """Numbers that complete a :class:`BodyShape` to a body that moves by forces.
 
     The robot's frame is on the floor, in the centre of its rotation. Sensors have no mass of their
     own: the body's includes them.
@@ -97,11 +97,11 @@ class BodyPhysics:
         """Return the body's inertia about its center of mass."""
         return box_inertia(self.base_mass, *self.box)
 
-    def wheel_inertia(self, shape: Shape) -> Inertia:
+    def wheel_inertia(self, shape: BodyShape) -> Inertia:
         """Return the inertia of a driven wheel, which turns about its y axis."""
         return disc_inertia(self.wheel_mass, shape.wheel_radius, shape.wheel_width)
 
-    def caster_inertia(self, shape: Shape) -> Inertia:
+    def caster_inertia(self, shape: BodyShape) -> Inertia:
         """Return the inertia of the caster's wheel, and of its swivel, as of a ball."""
         one = 0.4 * self.caster_mass * shape.caster_radius**2
         return Inertia(one, one, one)

@@ -27,7 +27,7 @@ _CASTER: Final[Mapping[str, str]] = {
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Shape:
+class BodyShape:
     """Sizes that complete a :class:`RobotModel` to a body [m].
 
     None was measured on a robot.
@@ -80,7 +80,7 @@ class Shape:
         return self.track + (self.wheelbase**2 + self.wheel_width**2) / self.track
 
 
-P3AT: Final = Shape(
+P3AT: Final = BodyShape(
     height=277 * MM,
     clearance=80 * MM,
     sonar_height=230 * MM,
@@ -91,7 +91,7 @@ P3AT: Final = Shape(
     axles=(134 * MM, -134 * MM),
     sources=MappingProxyType({**_COMMON, "track": "amr-ros-config", "axles": "amr-ros-config"}),
 )
-P3DX: Final = Shape(
+P3DX: Final = BodyShape(
     height=237 * MM,
     clearance=60 * MM,
     sonar_height=190 * MM,
@@ -113,7 +113,7 @@ P3DX: Final = Shape(
 # ARIA's 182 mm cannot be the track of an AmigoBot: its wheels, 30 mm wide and outside the shell,
 # would reach from 76 to 106 mm, into the shell that has its side sonars at 100 mm. A body of 279 mm
 # allows at most 249 mm.
-AMIGO: Final = Shape(
+AMIGO: Final = BodyShape(
     height=150 * MM,
     clearance=30 * MM,
     sonar_height=110 * MM,
@@ -133,7 +133,7 @@ AMIGO: Final = Shape(
         }
     ),
 )
-PEOPLEBOT: Final = Shape(
+PEOPLEBOT: Final = BodyShape(
     height=1240 * MM,
     clearance=35 * MM,
     sonar_height=190 * MM,
@@ -155,13 +155,13 @@ PEOPLEBOT: Final = Shape(
         }
     ),
 )
-SHAPES: Final[Mapping[str, Shape]] = MappingProxyType(
+SHAPES: Final[Mapping[str, BodyShape]] = MappingProxyType(
     {"p3at": P3AT, "p3dx": P3DX, "amigo": AMIGO, "peoplebot": PEOPLEBOT}
 )
 """By the first word of a model's name."""
 
 
-def shape_of(model: RobotModel) -> Shape:
+def shape_of(model: RobotModel) -> BodyShape:
     """Return the body of `model`; for an unknown one, that of the most similar type."""
     kin = P3AT if model.drive == "skid" else P3DX
     return SHAPES.get(model.name.partition("-")[0], kin)

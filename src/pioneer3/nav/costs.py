@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from pioneer3.geometry import Pose2
 from pioneer3.jit import fast
-from pioneer3.maps import Bounds, LineMap
+from pioneer3.maps import Extent, LineMap
 from pioneer3.maps.line_map import FREE, UNKNOWN, MapObject
 from pioneer3.models import RobotModel
 from pioneer3.nav.kernels import CACHE
@@ -175,7 +175,7 @@ def inside(item: MapObject, raster: Raster) -> Bool:
     return out
 
 
-def _extent(line_map: LineMap) -> Bounds:
+def _extent(line_map: LineMap) -> Extent:
     """Return the box around the walls and the known parts of grids that know what is free."""
     boxes = [line_map.bounds] if len(line_map.walls) else []
     for grid in line_map.grids:
@@ -189,9 +189,9 @@ def _extent(line_map: LineMap) -> Bounds:
                 for y in (low, high)
             ]
             x, y = [corner.x for corner in corners], [corner.y for corner in corners]
-            boxes.append(Bounds(min(x), min(y), max(x), max(y)))
+            boxes.append(Extent(min(x), min(y), max(x), max(y)))
     sides = np.array(boxes or [line_map.bounds])
-    return Bounds(*sides[:, :2].min(axis=0).tolist(), *sides[:, 2:].max(axis=0).tolist())
+    return Extent(*sides[:, :2].min(axis=0).tolist(), *sides[:, 2:].max(axis=0).tolist())
 
 
 def _unknown(line_map: LineMap, raster: Raster) -> Bool:

@@ -45,7 +45,7 @@ BODY_BEAM = np.radians([-15.0, 0.0, 15.0])
 NOWHERE: Float = np.empty((0, 2))
 
 
-class Echo(NamedTuple):
+class SonarEcho(NamedTuple):
     """One echo.
 
     Attributes:
@@ -72,7 +72,7 @@ class Echoes:
         self._raster, self._clearance = costs.raster, costs.clearance
         self._times: Float = np.zeros(costs.raster.shape)
         self._counts = np.zeros(costs.raster.shape, dtype=np.uint8)
-        self._echoes: list[Echo] = []
+        self._echoes: list[SonarEcho] = []
         self._steps = np.arange(0.1, ECHO_RANGE, costs.raster.cell)
 
     def take(
@@ -110,7 +110,7 @@ class Echoes:
                     bodies = places[n, :2] + (ranges[n] + BODY_RADIUS) * there
                 middle = arcs[n, 2]
                 points = arcs[n] if ranges[n] < ARC_RANGE else middle[None]
-                self._echoes.append(Echo(now, middle, points, bodies))
+                self._echoes.append(SonarEcho(now, middle, points, bodies))
 
     def _count(self, row: int, column: int, now: float) -> None:
         around = slice(max(0, row - 1), row + 2), slice(max(0, column - 1), column + 2)

@@ -25,7 +25,7 @@ MOST_TRIED = 8
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Target:
+class FrontierTarget:
     """An edge that the robot drives to.
 
     Attributes:
@@ -59,7 +59,7 @@ class Outlook:
         left: Number of edges that are left.
     """
 
-    target: Target | None
+    target: FrontierTarget | None
     left: int
 
 
@@ -118,7 +118,7 @@ class Exploration:
                 if present is None or not _same(frontier, present):
                     self._grew = now
                 self._target = frontier
-                return Outlook(target=Target(frontier, way), left=len(left) - tried)
+                return Outlook(target=FrontierTarget(frontier, way), left=len(left) - tried)
             self._target = frontier
             self.give_up(_why(way))
             if tried == MOST_TRIED:

@@ -77,7 +77,7 @@ SLOWEST, SLOWEST_TURN = 0.02, radians(3)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Step:
+class WayStep:
     """The next moment of a way.
 
     Attributes:
@@ -134,7 +134,7 @@ class Follower:
         top_speed: float = inf,
         *,
         gently: bool = False,
-    ) -> Step:
+    ) -> WayStep:
         """Return the velocity for the next moment.
 
         Args:
@@ -163,7 +163,7 @@ class Follower:
         top_speed: float,
         *,
         may_stand: bool,
-    ) -> Step:
+    ) -> WayStep:
         top = min(top_speed, self.limits.max_speed)
         commands = self._commands(top)
         hold = self._hold(robot_in_map)
@@ -189,7 +189,7 @@ class Follower:
             possible = moves
         if not possible.any():
             self._turn = 0.0
-            return Step(v=0.0, w=0.0, reason="something is in the way", blocked=True)
+            return WayStep(v=0.0, w=0.0, reason="something is in the way", blocked=True)
         cost = to_go + HEADING * off + ROOM * (NEAR - gap)
         worth = cost.copy()
         change = CHANGE_ASIDE if self.either_way else CHANGE
@@ -205,11 +205,11 @@ class Follower:
         room = gaps_at(robot_in_map, self.model, obstacles).min(initial=inf) - KEEP
         if may_stand and worth[best] > stands + ROOM * (NEAR - min(float(room), NEAR)) - WORTH:
             self._turn = 0.0
-            return Step(v=0.0, w=0.0, reason="something is beside its way", blocked=True)
+            return WayStep(v=0.0, w=0.0, reason="something is beside its way", blocked=True)
         v, w = commands[best].tolist()
         self._turn = w
         stuck = bool(cost[best] >= stands + 2.0)
-        return Step(v=v, w=w, reason=f"{left:.1f} m to go", blocked=stuck)
+        return WayStep(v=v, w=w, reason=f"{left:.1f} m to go", blocked=stuck)
 
     def _hesitates(self, left: float) -> bool:
         """Whether the robot has made no headway for a while; `left` is its way and its turn.
@@ -303,7 +303,9 @@ class Follower:
         dx, dy = (there - begin).tolist()
         return abs(wrap(atan2(dy, dx) - at.theta)) if hypot(dx, dy) > 0.5 else 0.0
 
-    def _arrive(self, at: Pose2, twist: Twist2, distance: float, obstacles: Float) -> Step | None:
+    def _arrive(
+        self, at: Pose2, twist: Twist2, distance: float, obstacles: Float
+    ) -> WayStep | None:
         """Return the last moments: to the point, then to the heading; `None` if it may not."""
         x, y, heading = self.goal
         if distance < THERE:
@@ -314,11 +316,11 @@ class Follower:
             off = 0.0 if heading is None else wrap(heading - at.theta)
             if abs(off) <= ALIGNED:
                 still = abs(twist.v) < STANDING and abs(twist.w) < TURNING
-                return Step(v=0.0, w=0.0, reason="there", arrived=still)
+                return WayStep(v=0.0, w=0.0, reason="there", arrived=still)
             turn = 0.0, self._rate(off)
             if self._touches(at, twist, turn, obstacles):
-                return Step(v=0.0, w=0.0, reason="something is beside it", blocked=True)
-            return Step(v=0.0, w=turn[1], reason="turns to its heading")
+                return WayStep(v=0.0, w=0.0, reason="something is beside it", blocked=True)
+            return WayStep(v=0.0, w=turn[1], reason="turns to its heading")
         bearing = wrap(atan2(y - at.y, x - at.x) - at.theta)
         back = abs(bearing) > pi - FACING and distance < 0.15
         off = wrap(bearing - pi) if back else bearing
@@ -330,7 +332,7 @@ class Follower:
             command = (-v if back else v, 2.0 * off)
         if self._touches(at, twist, command, obstacles):
             return None
-        return Step(v=command[0], w=command[1], reason=f"{distance:.2f} m to go")
+        return WayStep(v=command[0], w=command[1], reason=f"{distance:.2f} m to go")
 
     def _touches(
         self, at: Pose2, twist: Twist2, command: tuple[float, float], obstacles: Float

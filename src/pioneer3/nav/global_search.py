@@ -36,7 +36,7 @@ SLICE = 20_000
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Places:
+class CandidatePoses:
     """The places of a map where a robot may be.
 
     Attributes:
@@ -52,7 +52,7 @@ class Places:
     free: Int32
 
     @classmethod
-    def of(cls, field: DistanceField, room: float) -> "Places":
+    def of(cls, field: DistanceField, room: float) -> "CandidatePoses":
         """Return the places that are farther than `room` [m] from the walls of a fine field."""
         raster = field.raster
         step = round(SEARCH_CELL / raster.cell)
@@ -76,7 +76,7 @@ class Candidates:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Search:
+class GlobalSearch:
     """A search for a robot's place by one scan. It changes nothing, so any thread may run it.
 
     Attributes:
@@ -86,7 +86,7 @@ class Search:
     """
 
     likelihood: ScanLikelihood
-    places: Places
+    places: CandidatePoses
     robot_in_odom: Pose2
 
     def run(self) -> Candidates:

@@ -12,7 +12,7 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 
 from pioneer3.geometry import Pose2
-from pioneer3.nav.likelihood import ScanLikelihood, Verdict
+from pioneer3.nav.likelihood import Agreement, ScanLikelihood
 from pioneer3.nav.particles import MotionErrors, moved, wrapped
 
 Float = NDArray[np.float64]
@@ -55,7 +55,7 @@ class Hypotheses:
         verdict: How the latest scan agreed with each.
     """
 
-    def __init__(self, poses: Float, logs: Float, verdict: Verdict) -> None:
+    def __init__(self, poses: Float, logs: Float, verdict: Agreement) -> None:
         self.poses, self.logs, self.verdict = poses, logs, verdict
 
     @classmethod
@@ -148,7 +148,7 @@ class Hypotheses:
         chosen = np.array(kept, dtype=np.intp)
         self.poses, self.logs = self.poses[chosen], self.logs[chosen]
         v = self.verdict
-        self.verdict = Verdict(
+        self.verdict = Agreement(
             v.agree[chosen], v.short[chosen], v.through[chosen], v.misfit[chosen]
         )
 

@@ -84,7 +84,7 @@ class WallField:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Verdict:
+class Agreement:
     """How beams agree with the map at P poses; all of shape (P,).
 
     Attributes:
@@ -181,7 +181,7 @@ class ScanLikelihood:
         fast(refine_poses, CACHE)(surface, (points, self.origin), best, prior, out)
         return best, out
 
-    def judged(self, poses: Float) -> Verdict:
+    def judged(self, poses: Float) -> Agreement:
         """Return how beams agree with the map at `poses` (P, 3)."""
         out = np.empty((len(poses), 4))
         w = self.walls
@@ -190,7 +190,7 @@ class ScanLikelihood:
         fast(judge_poses, CACHE)(
             surface, beams, poses, (AGREEMENT, AGREEMENT_SHARE, THROUGH_DEPTH), out
         )
-        return Verdict(*out.T)
+        return Agreement(*out.T)
 
 
 def _some(points: Float, count: int) -> Float:

@@ -13,9 +13,9 @@ from pioneer3.maps import LineMap
 from pioneer3.models import RobotModel
 from pioneer3.nav.beams import Beams
 from pioneer3.nav.estimate import Estimate, Stage, deviation_of
-from pioneer3.nav.global_search import Candidates, Places, Search
+from pioneer3.nav.global_search import CandidatePoses, Candidates, GlobalSearch
 from pioneer3.nav.hypotheses import Hypotheses
-from pioneer3.nav.likelihood import LAST_SCALES, ScanLikelihood, Verdict, WallField
+from pioneer3.nav.likelihood import LAST_SCALES, Agreement, ScanLikelihood, WallField
 from pioneer3.nav.likelihood_sonar import EchoMap, Pings
 from pioneer3.nav.particles import MotionErrors, array_of, pose_of
 from pioneer3.nav.settings import AS_SHIPPED, LocalizerSettings
@@ -233,12 +233,12 @@ class Localizer:
         in_vain = now.hypotheses is not None and now.driven > SEARCH_WAY
         return self._beams is not None and (now.stage == "lost" or in_vain)
 
-    def search(self) -> Search | None:
+    def search(self) -> GlobalSearch | None:
         """Return a search by the latest scan, for a thread to run; `None` without a scan."""
         if self._beams is None:
             return None
         likelihood = ScanLikelihood.of(self._walls, self._beams)
-        return Search(likelihood, self._places, self._beams.robot_in_odom)
+        return GlobalSearch(likelihood, self._places, self._beams.robot_in_odom)
 
     def adopt(self, found: Candidates) -> None:
         """Go on with the result of a search; the robot may have driven since its scan."""
@@ -264,8 +264,8 @@ class Localizer:
         return EchoMap.of(self.line_map)
 
     @cached_property
-    def _places(self) -> Places:
-        return Places.of(self._walls.field, self._model.width / 2 - 0.05)
+    def _places(self) -> CandidatePoses:
+        return CandidatePoses.of(self._walls.field, self._model.width / 2 - 0.05)
 
     def _follow(self, odom: Pose2, stamp: float) -> None:
         """Take the robot's pose in odometry's frame; if that was set anew, the robot stands."""
@@ -392,14 +392,14 @@ class Localizer:
         self._odom_in_map = pose_of(fix.pose) @ self._odom.inverse()
 
 
-def _share_through(verdict: Verdict) -> float:
+def _share_through(verdict: Agreement) -> float:
     return float(verdict.through[0]) / max(1.0, _count(verdict))
 
 
-def _tells(verdict: Verdict) -> bool:
+def _tells(verdict: Agreement) -> bool:
     """Whether a scan has seen enough of anything to contradict the map."""
     return _count(verdict) >= FEWEST_BEAMS
 
 
-def _count(verdict: Verdict) -> float:
+def _count(verdict: Agreement) -> float:
     return float((verdict.agree + verdict.short + verdict.through)[0])

@@ -99,7 +99,7 @@ class Improvement:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Snapshot:
+class MapSnapshot:
     """A map at one instant, for a thread of its own.
 
     Attributes:
@@ -123,7 +123,7 @@ class Snapshot:
 class _Search:
     """Looks for loops, one key frame after the other."""
 
-    def __init__(self, snapshot: Snapshot) -> None:
+    def __init__(self, snapshot: MapSnapshot) -> None:
         survey = snapshot.survey
         self._frames, self._poses = survey.frames, survey.poses
         self._edges, self._waiting = [*survey.edges], [*snapshot.waiting]

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from pioneer3.geometry import ORIGIN, Pose2
 from pioneer3.nav.beams import Beams
 from pioneer3.nav.frames import Edge, KeyFrame, Survey
-from pioneer3.nav.loops import RECENT_FRAMES, Improvement, Snapshot, certainty
+from pioneer3.nav.loops import RECENT_FRAMES, Improvement, MapSnapshot, certainty
 from pioneer3.nav.matching import Cloud, Match, Prior, Submap
 from pioneer3.nav.settings import AS_SHIPPED, MapperSettings
 from pioneer3.nav.survey_arrays import arrays_of, survey_of
@@ -181,9 +181,9 @@ class Mapper:
         return self._mounting.angle
 
     @property
-    def snapshot(self) -> Snapshot:
+    def snapshot(self) -> MapSnapshot:
         """The map at this instant, to be improved in a thread."""
-        return Snapshot(survey=self._survey, looked=self._looked, waiting=self._waiting)
+        return MapSnapshot(survey=self._survey, looked=self._looked, waiting=self._waiting)
 
     def move(self, robot_in_odom: Pose2) -> None:
         """Note odometry between scans: a long way there and back is less certain than none."""

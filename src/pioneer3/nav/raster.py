@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from pioneer3.errors import ConfigError
 from pioneer3.jit import fast
-from pioneer3.maps import Bounds
+from pioneer3.maps import Extent
 from pioneer3.nav.kernels import CACHE
 from pioneer3.nav.kernels.fields import interpolate_all, nearest_wall
 
@@ -38,7 +38,7 @@ class Raster:
     width: int
 
     @classmethod
-    def around(cls, bounds: Bounds, cell: float, margin: float = 0.0) -> Self:
+    def around(cls, bounds: Extent, cell: float, margin: float = 0.0) -> Self:
         """Return the cells that cover `bounds` and `margin` [m] around them.
 
         Edges lie on multiples of `cell`, so that rasters of the same cells fit together.
@@ -97,7 +97,7 @@ class DistanceField:
     reach: float
 
     @classmethod
-    def of(cls, walls: Float, bounds: Bounds, cell: float, reach: float) -> Self:
+    def of(cls, walls: Float, bounds: Extent, cell: float, reach: float) -> Self:
         """Return the field of `walls` (N, 4) [m] over `bounds` and `reach` [m] around them."""
         raster = Raster.around(bounds, cell, reach)
         distances = np.full(raster.shape, reach, dtype=np.float32)

@@ -86,7 +86,7 @@ class _Strokes:
         return cls(points, lines, np.concatenate([ends, beams.free]), beams.origin)
 
 
-class Renderer:
+class MapRenderer:
     """Draws a map, and again what has changed in it.
 
     Args:
@@ -191,7 +191,7 @@ class Renderer:
 
 def render(survey: Survey, cell: float = AS_SHIPPED.mapper.cell) -> OccupancyGrid:
     """Return the map of a survey as cells."""
-    renderer = Renderer(cell)
+    renderer = MapRenderer(cell)
     renderer.update(survey)
     return renderer.grid
 

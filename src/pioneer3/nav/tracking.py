@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from pioneer3.geometry import Pose2
 from pioneer3.nav.estimate import deviation_of
-from pioneer3.nav.likelihood import LAST_SCALES, ScanLikelihood, Verdict
+from pioneer3.nav.likelihood import LAST_SCALES, Agreement, ScanLikelihood
 from pioneer3.nav.likelihood_sonar import EchoMap, PingLikelihood, Pings
 from pioneer3.nav.particles import MotionErrors, Particles, array_of
 
@@ -66,7 +66,7 @@ class LaserTrack:
         """Move by what odometry tells."""
         self._particles.move(motion)
 
-    def take(self, likelihood: ScanLikelihood) -> tuple[Fix, Verdict]:
+    def take(self, likelihood: ScanLikelihood) -> tuple[Fix, Agreement]:
         """Weigh the particles by a scan; return the pose, and how the scan agrees with it."""
         particles = self._particles
         particles.weigh(likelihood.cost(particles.poses))

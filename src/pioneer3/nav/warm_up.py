@@ -21,7 +21,7 @@ from pioneer3.nav.kernels import CACHE
 from pioneer3.nav.localizer import Localizer
 from pioneer3.nav.manoeuvre import find_manoeuvre
 from pioneer3.nav.planner import Way, plan
-from pioneer3.nav.rendering import Renderer, trodden
+from pioneer3.nav.rendering import MapRenderer, trodden
 from pioneer3.nav.sightings import Sightings
 
 ROOM_SIDE = 4.0
@@ -65,7 +65,7 @@ def warm_up() -> None:
 
 def _draw() -> None:
     """Draw a map of the room, and look where it ends."""
-    made, renderer = mapper.Mapper(), Renderer()
+    made, renderer = mapper.Mapper(), MapRenderer()
     made.add(_beams(ORIGIN, 0.0))
     renderer.update(made.survey)
     find_frontiers(trodden(renderer.grid, made.survey.poses, 0.4), ORIGIN, 0.3)

@@ -25,7 +25,7 @@ from pioneer3.nav.frames import Survey
 from pioneer3.nav.mapper import Mapper
 from pioneer3.nav.places import home
 from pioneer3.nav.planner import Way
-from pioneer3.nav.rendering import Renderer, drawn, line_map_of, trodden
+from pioneer3.nav.rendering import MapRenderer, drawn, line_map_of, trodden
 from pioneer3.nav.sightings import Sightings
 from pioneer3.navigation.follow_way import FollowWay, follow_way, stand_unsure
 from pioneer3.navigation.localization import Localizable
@@ -37,7 +37,7 @@ from pioneer3.tasks import running
 
 
 @dataclass(slots=True, kw_only=True)
-class Explore(Action):
+class ExploreMap(Action):
     """Drives one way after the other; between them the robot stands.
 
     Attributes:
@@ -121,7 +121,7 @@ class _Trip:
     """An exploration that goes on."""
 
     mode: Stack
-    action: Explore
+    action: ExploreMap
     top_speed: float
     exploration: Exploration
     outlook: Outlook | None = None
@@ -156,7 +156,7 @@ class MapBuilder:
         self._robot, self._in_thread = robot, in_thread
         self._name, self._objects = name, tuple(objects)
         self._named: list[tuple[str, int, Pose2]] = []
-        self._renderer = Renderer(robot.settings.mapper.cell)
+        self._renderer = MapRenderer(robot.settings.mapper.cell)
         self._drawing: _Drawing | None = None
         self._sightings: Sightings | None = None
         self._trip: _Trip | None = None
@@ -188,7 +188,7 @@ class MapBuilder:
 
     def mode(self, speed: float | None = None) -> Stack:
         """Return the mode that explores, at `speed` [m/s] at most."""
-        action = Explore(unsure=lambda: self._robot.laser.lost)
+        action = ExploreMap(unsure=lambda: self._robot.laser.lost)
         top = self._robot.info.limits.max_speed
         mode = follow_way(action, "explore", "drives where the map ends")
         exploration = Exploration(self._robot.settings.mapper)

@@ -36,7 +36,7 @@ from pioneer3.tasks import running
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Navigation:
+class NavigatorState:
     """The state of a navigator.
 
     Attributes:
@@ -83,7 +83,7 @@ class Navigator:
         name: str = "another robot",
     ) -> None:
         self.line_map = localization.line_map
-        self.state: Feed[Navigation] = Feed()
+        self.state: Feed[NavigatorState] = Feed()
         self.costs = costs
         self._robot, self._localization = robot, localization
         self._traffic, self._sightings = traffic or Traffic(), Sightings(costs)
@@ -176,7 +176,7 @@ class Navigator:
             self._sightings.take(without_robots(beams, there, others), there)
         drive = self._drives.present_in(self._robot.arbiter.mode)
         self.state.publish(
-            Navigation(
+            NavigatorState(
                 estimate=estimate,
                 goal=drive.goal if drive else None,
                 way=drive.way if drive else None,

@@ -30,7 +30,7 @@ GRID_SIDE = NEAR_ROBOTS + SLACK
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class SharedPlace:
     """The place of a robot's odometry in a frame that it shares with others.
 
     Attributes:
@@ -62,7 +62,7 @@ class Participant:
 
     name: str
     robot: Driven
-    place: Callable[[Snapshot], Place | str]
+    place: Callable[[Snapshot], SharedPlace | str]
 
 
 class Navigating(Protocol):
@@ -90,7 +90,7 @@ class _News:
         peer: The robot as others know it, in that frame.
     """
 
-    place: Place
+    place: SharedPlace
     peer: Peer
 
 

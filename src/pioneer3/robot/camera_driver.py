@@ -17,15 +17,15 @@ from pioneer3.mjpeg import (
     MOST_PARTS,
     TOO_FAST,
     CameraUrl,
+    Credentials,
     Frame,
-    Login,
     Parser,
     authorization,
     parse_url,
     request,
 )
 from pioneer3.robot.devices.presence import Presence
-from pioneer3.robot.supervisor import Connection, Feed, Status
+from pioneer3.robot.supervisor import Connection, ConnectionStatus, Feed
 from pioneer3.state import Picture
 
 log = logging.getLogger(__name__)
@@ -67,7 +67,7 @@ class CameraDriver:
     def __init__(self, url: str | CameraUrl) -> None:
         self._at = parse_url(url) if isinstance(url, str) else url
         self.url = str(self._at)
-        self.status: Feed[Status] = Feed()
+        self.status: Feed[ConnectionStatus] = Feed()
         self.latest: Picture | None = None
         self.pictures = self.broken = 0
         self._feed: Feed[Picture] = Feed()
@@ -244,7 +244,7 @@ class CameraDriver:
         await asyncio.sleep(pause)
 
     def _publish(self, connection: Connection, message: str) -> None:
-        status = Status(connection, message)
+        status = ConnectionStatus(connection, message)
         if self.status.latest != status and connection is not Connection.CONNECTING:
             log.info("%s: %s: %s", self.url, connection, message)
         self.status.publish(status)
@@ -254,7 +254,7 @@ class CameraDriver:
             self._stamps.popleft()
 
 
-def login_of(host: str) -> Login | None:
+def login_of(host: str) -> Credentials | None:
     """Return the user and password for a camera, from the file NETRC or ~/.netrc.
 
     Raises:
@@ -269,7 +269,7 @@ def login_of(host: str) -> Login | None:
         raise LinkError(f"{_logins()}: {error}") from None
     if found is None:
         return None
-    login = Login(found[0], found[2])
+    login = Credentials(found[0], found[2])
     if not (login.user + login.password).isprintable() or {":", '"'} & {*login.user}:
         raise LinkError(f"{_logins()}: a login for {host} that cannot be sent")
     return login

@@ -118,7 +118,7 @@ UNITS: Final[tuple[tuple[str, str, float], ...]] = (
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
+class ConfigRow:
     """One field of CONFIG, for people.
 
     Attributes:
@@ -136,7 +136,7 @@ class Row:
     meaning: str
 
 
-def explained(config: Config) -> tuple[Row, ...]:
+def explained(config: Config) -> tuple[ConfigRow, ...]:
     """Return every field of `config`, group by group."""
     return tuple(
         _row(group, field, getattr(config, field), meaning)
@@ -145,16 +145,18 @@ def explained(config: Config) -> tuple[Row, ...]:
     )
 
 
-def _row(group: str, field: str, value: str | int | None, meaning: str) -> Row:
+def _row(group: str, field: str, value: str | int | None, meaning: str) -> ConfigRow:
     ending, unit, factor = next((u for u in UNITS if f"_{field}".endswith(u[0])), ("", "", 1))
     name = f"_{field}".removesuffix(ending).removeprefix("_") or field
     if value is None:
-        return Row(group, name, NOT_SENT, "", meaning)
+        return ConfigRow(group, name, NOT_SENT, "", meaning)
     if ending == "_code":
-        return Row(group, name, *_speed(int(value)), meaning)
+        return ConfigRow(group, name, *_speed(int(value)), meaning)
     if isinstance(value, str):
-        return Row(group, name, value or "(empty)", unit, meaning)
-    return Row(group, name, f"{value * factor:g}" if factor != 1 else str(value), unit, meaning)
+        return ConfigRow(group, name, value or "(empty)", unit, meaning)
+    return ConfigRow(
+        group, name, f"{value * factor:g}" if factor != 1 else str(value), unit, meaning
+    )
 
 
 def _speed(code: int) -> tuple[str, str]:

@@ -22,7 +22,7 @@ ROOM = 1000
 """Most reports that wait for a slow reader: ten seconds at 115200 baud."""
 
 
-class Subscription(Generic[R]):
+class ReportSubscription(Generic[R]):
     """The reports of some kinds, in order, from the subscription on; `async for` yields them.
 
     Attributes:
@@ -67,9 +67,9 @@ class Reports:
         self._closed = False
 
     @contextmanager
-    def subscribe(self, *kinds: type[R], room: int = ROOM) -> Iterator[Subscription[R]]:
+    def subscribe(self, *kinds: type[R], room: int = ROOM) -> Iterator[ReportSubscription[R]]:
         """Keep the reports of `kinds` for the block to read, the newest `room` of them."""
-        subscription = Subscription[R](room)
+        subscription = ReportSubscription[R](room)
 
         def put(report: Report, stamp: float) -> None:
             assert isinstance(report, kinds)

@@ -16,9 +16,9 @@ from pioneer3.arcos.host_events import (
     Event,
     Lost,
     Opened,
-    Received,
+    ReportReceived,
+    SessionState,
     SpeedWanted,
-    State,
     Timing,
 )
 from pioneer3.arcos.reports import Config, Report, Sip
@@ -45,7 +45,7 @@ BATCH_SIZE = 8
 """Largest number of waiting commands in one write: a stop never waits for more."""
 
 
-class Listener(Protocol):
+class SessionListener(Protocol):
     """Receives the events of a session."""
 
     def on_connected(self, session: "Session") -> None:
@@ -83,7 +83,7 @@ class Session:
         pilot: Pilot,
         requests: ReportRequests,
         assembler: Assembler,
-        listener: Listener,
+        listener: SessionListener,
         model: GivenModel = None,
         restrict: Callable[[Limits], Limits] = lambda limits: limits,
         timing: Timing | None = None,
@@ -125,7 +125,7 @@ class Session:
         """
         if refusal := self._refusal(command):
             raise CommandError(refusal.text)
-        if self._host.state is not State.OPEN:
+        if self._host.state is not SessionState.OPEN:
             raise CommandError(f"cannot send {type(command).__name__}: no session is open")
         if len(self._waiting) >= MAX_WAITING:
             raise CommandError(f"{self.link.url}: {MAX_WAITING} commands wait for the link")
@@ -247,7 +247,7 @@ class Session:
 
     async def _handle(self, event: Event, now: float) -> None:
         match event:
-            case Received(report):
+            case ReportReceived(report):
                 self._handle_report(report, now)
             case SpeedWanted(baud):
                 self.speed = baud
@@ -315,7 +315,7 @@ class Session:
                 await self._stop_robot()
         finally:
             now = self._clock()
-            if self._configured and self._host.state is State.OPEN:
+            if self._configured and self._host.state is SessionState.OPEN:
                 end_commands = self._requests.end_commands()
                 for command in (commands.Stop(), *end_commands) if end_commands else ():
                     self._host.send(command, now)
@@ -337,7 +337,11 @@ class Session:
             LinkError: the link has failed.
             TimeoutError: it still moves after :data:`~pioneer3.robot.pilot.BRAKING`.
         """
-        if not self._configured or self._host.state is not State.OPEN or not self._pilot.drove:
+        if (
+            not self._configured
+            or self._host.state is not SessionState.OPEN
+            or not self._pilot.drove
+        ):
             return
         async with asyncio.timeout(BRAKING):
             while not self._pilot.stands:
@@ -349,7 +353,7 @@ class Session:
                     return
                 now = self._clock()
                 for event in self._host.receive(data, now):
-                    if isinstance(event, Received) and isinstance(event.report, Sip):
+                    if isinstance(event, ReportReceived) and isinstance(event.report, Sip):
                         self._pilot.observe(self._snapshot(event.report, now), now)
 
 

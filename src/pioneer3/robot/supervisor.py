@@ -89,7 +89,7 @@ class Connection(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Status:
+class ConnectionStatus:
     """A change of :class:`Connection`, with a sentence for a person."""
 
     connection: Connection
@@ -146,7 +146,7 @@ class Supervisor:
         self._requests = ReportRequests()
         self.poses = Poses()
         self.snapshots: Feed[Snapshot] = Feed()
-        self.status: Feed[Status] = Feed()
+        self.status: Feed[ConnectionStatus] = Feed()
         self.info: RobotInfo | None = None
         self.snapshot_taken: Callable[[Snapshot], None] = lambda snapshot: None
         self._open_link = open_link
@@ -363,7 +363,7 @@ class Supervisor:
         latest = self.status.latest
         if latest is None or (latest.connection, latest.message) != (connection, message):
             log.info("%s: %s", connection, message)
-        self.status.publish(Status(connection, message))
+        self.status.publish(ConnectionStatus(connection, message))
 
 
 def _remember_speed(session: Session) -> None:

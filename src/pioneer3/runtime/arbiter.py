@@ -23,7 +23,7 @@ from pioneer3.limits import Accelerations, Limits
 from pioneer3.robot.devices.laser import LaserSource
 from pioneer3.robot.explain import Reason
 from pioneer3.robot.pilot import STOPPED, Pilot, VelocityCommand
-from pioneer3.robot.supervisor import Feed, RobotInfo, Status
+from pioneer3.robot.supervisor import ConnectionStatus, Feed, RobotInfo
 from pioneer3.state import Snapshot
 from pioneer3.stops import Freshness, Stop
 
@@ -54,7 +54,7 @@ class Drivable(Protocol):
 
     pilot: Pilot
     snapshots: Feed[Snapshot]
-    status: Feed[Status]
+    status: Feed[ConnectionStatus]
     info: RobotInfo | None
     snapshot_taken: Callable[[Snapshot], None]
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from pioneer3.geometry import ORIGIN, Pose2, wrap
 from pioneer3.models import RobotModel
-from pioneer3.sim.kernels import Drives, Robots
+from pioneer3.sim.kernels import DriveArrays, RobotArrays
 from pioneer3.sim.kernels.drives import (
     ACCELERATION,
     BASE,
@@ -27,7 +27,7 @@ from pioneer3.sim.kernels.drives import (
     SUPPLY,
     TOP,
 )
-from pioneer3.sim.motion import Drive
+from pioneer3.sim.motion import WheelDrive
 from pioneer3.sim.sensors import in_order
 from pioneer3.units import DEGREE
 
@@ -52,7 +52,7 @@ Speeds = tuple[float, float]
 """Speed [m/s] and turn rate [rad/s]."""
 
 
-class Battery:
+class SimulatedBattery:
     """Energy left, and the voltage that goes with it: a straight line from full to empty.
 
     Attributes:
@@ -103,17 +103,17 @@ class Body:
         self.home = home
         self.firing = in_order(len(model.sonars))
         self._stop_button = False
-        drives = Drives.at_rest(1)
+        drives = DriveArrays.at_rest(1)
         drives.wheels[BASE] = model.wheel_base
         self.bind(drives, outline_of(model), 0)
-        self.battery = Battery(self)
+        self.battery = SimulatedBattery(self)
         self.robot_in_world = home
         self._as_delivered()
 
     def bind(
         self,
-        drives: Drives,
-        outlines: Robots,
+        drives: DriveArrays,
+        outlines: RobotArrays,
         number: int,
         *,
         bumpers: Callable[[], Bumpers] = lambda: (0, 0),
@@ -125,7 +125,7 @@ class Body:
         if not given, those of the drive count.
         """
         self.drives, self.outlines, self.number = drives, outlines, number
-        self.drive = Drive(drives, number)
+        self.drive = WheelDrive(drives, number)
         self._bumpers, self._speeds = bumpers, speeds
 
     @property
@@ -256,9 +256,9 @@ class Body:
         self.drive.held = False
 
 
-def outline_of(*models: RobotModel) -> Robots:
+def outline_of(*models: RobotModel) -> RobotArrays:
     """Return the outlines of robots, all at the origin."""
-    return Robots(
+    return RobotArrays(
         np.array([model.length_front for model in models]),
         np.array([model.length_rear for model in models]),
         np.array([model.width / 2 for model in models]),

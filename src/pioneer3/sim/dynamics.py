@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from pioneer3.maps import LineMap
 from pioneer3.sim.body import Body, Speeds
-from pioneer3.sim.kernels import Drives, Grid, Kernels, Robots
+from pioneer3.sim.kernels import DriveArrays, Grid, Kernels, RobotArrays
 from pioneer3.sim.kernels.drives import ANGULAR, LINEAR, VELOCITY
 from pioneer3.sim.obstacles import Obstacle
 from pioneer3.sim.realism import SonarErrors
@@ -45,8 +45,8 @@ class Dynamics(Protocol):
         self,
         robots: Sequence[Body],
         obstacles: Sequence[Obstacle],
-        drives: Drives,
-        outlines: Robots,
+        drives: DriveArrays,
+        outlines: RobotArrays,
     ) -> None:
         """Replace robots and obstacles; those that stay keep their state.
 
@@ -95,8 +95,8 @@ class PlanarDynamics:
         self,
         robots: Sequence[Body],
         obstacles: Sequence[Obstacle],
-        drives: Drives,
-        outlines: Robots,
+        drives: DriveArrays,
+        outlines: RobotArrays,
     ) -> None:
         self._drives, self._outlines = drives, outlines
         self._before, self._dt = drives.axes[VELOCITY].copy(), 1.0

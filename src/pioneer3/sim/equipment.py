@@ -12,7 +12,7 @@ from pioneer3.errors import ConfigError
 from pioneer3.models import RobotModel
 from pioneer3.models.lasers import LASERS, load_laser
 from pioneer3.models.model import BUMPERS
-from pioneer3.tables import Key, in_degrees
+from pioneer3.tables import FieldForm, in_degrees
 
 Camera = Literal["vcc4", "sony"]
 TableWiring = Literal["old", "new"]
@@ -121,7 +121,7 @@ class EquipmentOptions:
 
     gripper: bool | None = None
     compass: bool | None = None
-    gyro_type: Annotated[int | None, Key("gyro", Annotated[int, Meta(ge=0, le=2)])] = None
+    gyro_type: Annotated[int | None, FieldForm("gyro", Annotated[int, Meta(ge=0, le=2)])] = None
     bumpers: Annotated[int, Meta(ge=0, le=int(BUMPERS.high))] | None = None
     joystick: bool | None = None
     camera: Camera | Literal["none"] | None = None
@@ -130,7 +130,7 @@ class EquipmentOptions:
     picture_width: Annotated[int, _range("picture_width")] | None = None
     picture_height: Annotated[int, _range("picture_height")] | None = None
     picture_rate: Annotated[float, _range("picture_rate")] | None = None
-    laser: Annotated[str | None, Key("laser", Literal.__getitem__((*LASERS, "none")))] = None
+    laser: Annotated[str | None, FieldForm("laser", Literal.__getitem__((*LASERS, "none")))] = None
     laser_port: _Port | None = None
     table_ir: TableWiring | Literal["none"] | None = None
     north: Annotated[float | None, in_degrees("north_deg", -tau, tau)] = None

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pioneer3.geometry import Pose2
-from pioneer3.maps import Bounds, LineMap
+from pioneer3.maps import Extent, LineMap
 from pioneer3.maps.grid import samples
 from pioneer3.maps.line_map import distances
 from pioneer3.models import RobotModel
@@ -36,7 +36,7 @@ class FreeGrid:
     """
 
     def __init__(
-        self, walls: Float, bounds: Bounds, radius: float, solids: Sequence[Float] = ()
+        self, walls: Float, bounds: Extent, radius: float, solids: Sequence[Float] = ()
     ) -> None:
         self._low = np.array([bounds.x_min - MARGIN, bounds.y_min - MARGIN])
         extent = np.array([bounds.x_max + MARGIN, bounds.y_max + MARGIN]) - self._low
@@ -208,7 +208,7 @@ def places_around(
     """
     b = line_map.bounds
     x, y = origin.x, origin.y
-    bounds = Bounds(min(b.x_min, x), min(b.y_min, y), max(b.x_max, x), max(b.y_max, y))
+    bounds = Extent(min(b.x_min, x), min(b.y_min, y), max(b.x_max, x), max(b.y_max, y))
     grid = FreeGrid(obstructions.barriers, bounds, radius, obstructions.solids)
     free = grid.centres(grid.free)
     if not len(free):
@@ -244,6 +244,6 @@ def places_on_plane(
 ) -> FreePlaces:
     """Return the places up to `far` [m] from `origin` on a map without walls."""
     x, y = origin.x, origin.y
-    bounds = Bounds(x - far, y - far, x + far, y + far)
+    bounds = Extent(x - far, y - far, x + far, y + far)
     grid = FreeGrid(obstructions.barriers, bounds, radius, obstructions.solids)
     return FreePlaces(grid, grid.free)

@@ -13,7 +13,7 @@ from numpy.random import default_rng
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
 from pioneer3.maps.aria import AriaFile, Section, parse_aria
-from pioneer3.maps.line_map import Bounds, LineMap, MapObject, distances
+from pioneer3.maps.line_map import Extent, LineMap, MapObject, distances
 from pioneer3.maps.load import read_map_file
 from pioneer3.maps.map_server import KEYS, MapServerFile
 from pioneer3.models import RobotModel, load_model
@@ -46,7 +46,7 @@ class Severity(StrEnum):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Finding:
+class MapProblem:
     """A problem of a map.
 
     Attributes:
@@ -59,20 +59,20 @@ class Finding:
     line: int | None = None
 
 
-def warning(text: str, line: int | None = None) -> Finding:
+def warning(text: str, line: int | None = None) -> MapProblem:
     """Return a warning."""
-    return Finding(level=Severity.WARNING, text=text, line=line)
+    return MapProblem(level=Severity.WARNING, text=text, line=line)
 
 
-def some(findings: Iterable[Finding], kind: str) -> Iterator[Finding]:
+def some(findings: Iterable[MapProblem], kind: str) -> Iterator[MapProblem]:
     """Yield the first :data:`MOST` of `findings`, and the number of others of this `kind`."""
-    found: Sequence[Finding] = tuple(findings)
+    found: Sequence[MapProblem] = tuple(findings)
     yield from found[:MOST]
     if len(found) > MOST:
-        yield Finding(level=found[0].level, text=f"and {len(found) - MOST} more {kind}")
+        yield MapProblem(level=found[0].level, text=f"and {len(found) - MOST} more {kind}")
 
 
-def check_world(name_or_path: str | Path, model: RobotModel) -> tuple[Finding, ...]:
+def check_world(name_or_path: str | Path, model: RobotModel) -> tuple[MapProblem, ...]:
     """Return all problems of a map or world, errors first, then by line.
 
     Args:
@@ -83,7 +83,7 @@ def check_world(name_or_path: str | Path, model: RobotModel) -> tuple[Finding, .
     return tuple(sorted(found, key=lambda r: (r.level is not Severity.ERROR, r.line or 0)))
 
 
-def _findings(name_or_path: str | Path, model: RobotModel) -> Iterator[Finding]:
+def _findings(name_or_path: str | Path, model: RobotModel) -> Iterator[MapProblem]:
     path = Path(name_or_path)
     try:
         world = load_world(name_or_path)
@@ -95,7 +95,7 @@ def _findings(name_or_path: str | Path, model: RobotModel) -> Iterator[Finding]:
         yield as_finding(path, error)
 
 
-def _plan(path: Path, model: RobotModel) -> Iterator[Finding]:
+def _plan(path: Path, model: RobotModel) -> Iterator[MapProblem]:
     """Yield the problems of a file that holds only a map."""
     try:
         file: AriaFile | MapServerFile = read_map_file(path)
@@ -116,7 +116,7 @@ def _is_aria(path: Path) -> bool:
     return read_bytes(path)[:1000].lstrip(b"\xef\xbb\xbf \r\n\t").startswith(b"2D-Map")
 
 
-def _unknown_keys(file: MapServerFile) -> Iterator[Finding]:
+def _unknown_keys(file: MapServerFile) -> Iterator[MapProblem]:
     for key, field in file.fields.items():
         if key not in KEYS:
             close = get_close_matches(key, KEYS, n=1)
@@ -125,7 +125,7 @@ def _unknown_keys(file: MapServerFile) -> Iterator[Finding]:
             yield warning(f"{name}: unknown key, skipped{hint}", field.line.number)
 
 
-def _world(world: WorldFile, model: RobotModel) -> Iterator[Finding]:
+def _world(world: WorldFile, model: RobotModel) -> Iterator[MapProblem]:
     line_map = world.line_map()
     yield from check_places(line_map, model)
     yield from _steep(world)
@@ -135,7 +135,7 @@ def _world(world: WorldFile, model: RobotModel) -> Iterator[Finding]:
         try:
             load_model(robot.model)
         except ConfigError as error:
-            yield Finding(level=Severity.ERROR, text=f"robot[{index}].model: {error}")
+            yield MapProblem(level=Severity.ERROR, text=f"robot[{index}].model: {error}")
             continue
         sound[index] = robot
         if robot.start == "home" and not line_map.starts:
@@ -144,13 +144,13 @@ def _world(world: WorldFile, model: RobotModel) -> Iterator[Finding]:
         cleared = replace(world, robots=tuple(sound.values()))
         spawned = spawn_robots(cleared, line_map, default_rng(world.seed))
     except ConfigError as error:
-        yield Finding(level=Severity.ERROR, text=str(error))
+        yield MapProblem(level=Severity.ERROR, text=str(error))
         return
     for (index, robot), each in zip(sound.items(), spawned, strict=True):
         yield from _robot(f"robot[{index}]", robot, each, line_map)
 
 
-def _steep(world: WorldFile) -> Iterator[Finding]:
+def _steep(world: WorldFile) -> Iterator[MapProblem]:
     """Yield the ramps that no robot climbs."""
     ramps = [solid for solid in world.solids if isinstance(solid, Ramp)]
     for index, ramp in enumerate(ramps):
@@ -163,7 +163,7 @@ def _steep(world: WorldFile) -> Iterator[Finding]:
             )
 
 
-def _hulls(world: WorldFile, line_map: LineMap) -> Iterator[Finding]:
+def _hulls(world: WorldFile, line_map: LineMap) -> Iterator[MapProblem]:
     """Yield the meshes that physics refuse, where MuJoCo is installed."""
     for name, solid in world.relief(line_map).solids.items():
         if isinstance(solid, Mesh):
@@ -178,7 +178,7 @@ def _hulls(world: WorldFile, line_map: LineMap) -> Iterator[Finding]:
 
 def _robot(
     place: str, robot: RobotSpec, each: SpawnedRobot, line_map: LineMap
-) -> Iterator[Finding]:
+) -> Iterator[MapProblem]:
     """Yield the problems of a robot and its start."""
     asked = robot.start
     if isinstance(asked, Pose2):
@@ -193,7 +193,7 @@ def _robot(
         yield warning(f"{place}.equipment.table_ir: {each.model.name} has no table sensors")
 
 
-def check_aria(path: Path, text: str) -> Iterator[Finding]:
+def check_aria(path: Path, text: str) -> Iterator[MapProblem]:
     """Yield the problems in the text of an ARIA map, line by line."""
     errors: list[ConfigError] = []
 
@@ -214,15 +214,15 @@ def check_aria(path: Path, text: str) -> Iterator[Finding]:
             yield from some(_doubles(section), "doubled lines")
 
 
-def as_finding(path: Path, error: ConfigError) -> Finding:
+def as_finding(path: Path, error: ConfigError) -> MapProblem:
     """Return an error about the file at `path` as a finding, with its line as a number."""
     text = str(error).removeprefix(f"{path}:").strip()
     number, _, rest = text.partition(":")
     line = int(number) if number.isdecimal() else None
-    return Finding(level=Severity.ERROR, text=rest.strip() if line else text, line=line)
+    return MapProblem(level=Severity.ERROR, text=rest.strip() if line else text, line=line)
 
 
-def _header(file: AriaFile) -> Iterator[Finding]:
+def _header(file: AriaFile) -> Iterator[MapProblem]:
     """Yield the counts and boxes of the header that disagree with the rest of the file."""
     for entry in file.entries:
         for section in file.sections:
@@ -263,13 +263,13 @@ def _rows(section: Section) -> Iterator[tuple[tuple[float, ...], int]]:
     yield from zip(map(tuple, section.rows.tolist()), section.at.tolist(), strict=True)
 
 
-def _without_length(section: Section) -> Iterator[Finding]:
+def _without_length(section: Section) -> Iterator[MapProblem]:
     for row, line in _rows(section):
         if row[:2] == row[2:]:
             yield warning(f"a line without length at {row[0]:g} {row[1]:g}", line)
 
 
-def _doubles(section: Section) -> Iterator[Finding]:
+def _doubles(section: Section) -> Iterator[MapProblem]:
     seen: dict[tuple[float, ...], int] = {}
     for row, line in _rows(section):
         key = min(row, row[2:] + row[:2])
@@ -280,7 +280,7 @@ def _doubles(section: Section) -> Iterator[Finding]:
 
 def check_places(
     line_map: LineMap, model: RobotModel, lines: dict[int, int] | None = None
-) -> Iterator[Finding]:
+) -> Iterator[MapProblem]:
     """Yield the homes where the robot does not fit, and the goals that it cannot reach.
 
     `lines` has the line of the file of each object, by its index in the map, as far as known.
@@ -323,7 +323,7 @@ def shown(item: MapObject) -> str:
 
 def _unreachable(
     line_map: LineMap, model: RobotModel, goals: list[tuple[MapObject, int | None]]
-) -> Iterator[Finding]:
+) -> Iterator[MapProblem]:
     """Yield the goals that cannot be reached without touching walls or forbidden lines."""
     starts = [(home.x, home.y) for home in line_map.homes]
     origin = "any home"
@@ -349,12 +349,12 @@ def _around(
     line_map: LineMap,
     starts: list[tuple[float, float]],
     goals: list[tuple[MapObject, int | None]],
-) -> Bounds:
+) -> Extent:
     """Return a box around walls and places [m]."""
     bounds = line_map.bounds
     xs = [x for x, _ in starts] + [item.pose.x for item, _ in goals]
     ys = [y for _, y in starts] + [item.pose.y for item, _ in goals]
-    return Bounds(
+    return Extent(
         min(bounds.x_min, *xs),
         min(bounds.y_min, *ys),
         max(bounds.x_max, *xs),

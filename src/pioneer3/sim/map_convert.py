@@ -11,9 +11,9 @@ from pioneer3.errors import ConfigError
 from pioneer3.maps import LineMap, write_aria_map, write_map_server
 from pioneer3.models import load_model
 from pioneer3.names import printable
-from pioneer3.sim.map_check import Finding, Severity, check_world
+from pioneer3.sim.map_check import MapProblem, Severity, check_world
 from pioneer3.sim.worldfile import WorldFile, load_world, write_world
-from pioneer3.sim.worldfile.drawing import Drawing, draw, to_picture, to_svg
+from pioneer3.sim.worldfile.drawing import WorldDrawing, draw, to_picture, to_svg
 from pioneer3.sim.worldfile.flattened import solids_in_words
 from pioneer3.text import write_bytes
 
@@ -31,7 +31,7 @@ class MapInfo:
     """
 
     name: str
-    drawing: Drawing
+    drawing: WorldDrawing
     size: tuple[float, float]
     walls: int
     wall_length: float
@@ -74,7 +74,7 @@ def _counts(world: WorldFile, line_map: LineMap) -> dict[str, int]:
     return dict(counts) | {kind: count for kind, count in found.items() if count}
 
 
-def check(name_or_path: str, robot: str) -> tuple[tuple[Finding, ...], int]:
+def check(name_or_path: str, robot: str) -> tuple[tuple[MapProblem, ...], int]:
     """Return the problems of a map, and the exit code: 0 none, 1 warnings, 2 errors.
 
     Raises:

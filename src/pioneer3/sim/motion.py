@@ -17,7 +17,7 @@ from pioneer3.sim.kernels.drives import (
     TARGET,
     TOP,
     VELOCITY,
-    Drives,
+    DriveArrays,
 )
 
 
@@ -46,7 +46,7 @@ class Axis:
     top = _Row(TOP)
     """Highest speed [1/s]."""
 
-    def __init__(self, drives: Drives, axis: int, number: int) -> None:
+    def __init__(self, drives: DriveArrays, axis: int, number: int) -> None:
         self._axes, self._axis, self._number = drives.axes, axis, number
 
     @property
@@ -79,10 +79,10 @@ class Axis:
         self._axes[row, self._axis, self._number] = value
 
 
-class Drive:
+class WheelDrive:
     """Two axes and the motors' power: a view of one robot's numbers."""
 
-    def __init__(self, drives: Drives, number: int) -> None:
+    def __init__(self, drives: DriveArrays, number: int) -> None:
         self.linear, self.angular = Axis(drives, LINEAR, number), Axis(drives, ANGULAR, number)
         self._flags, self._number = drives.flags, number
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pioneer3.geometry import Pose2, wrap
-from pioneer3.sim.kernels import Kernels, Robots
+from pioneer3.sim.kernels import Kernels, RobotArrays
 from pioneer3.sim.worldfile import Box, Person
 
 Float = NDArray[np.float64]
@@ -118,7 +118,9 @@ class Obstacle:
             self._onward, self._waited = -self._onward, 0.0
 
 
-def at_laser_height(outlines: Robots, obstacles: Sequence[Obstacle], kernels: Kernels) -> Robots:
+def at_laser_height(
+    outlines: RobotArrays, obstacles: Sequence[Obstacle], kernels: Kernels
+) -> RobotArrays:
     """Return the outlines that a laser meets: of people their legs, of all others the same.
 
     `outlines` are those of robots, then of `obstacles`, all placed.
@@ -135,7 +137,7 @@ def at_laser_height(outlines: Robots, obstacles: Sequence[Obstacle], kernels: Ke
     for right, (left, person) in enumerate(people, len(outlines)):
         for number, leg in zip((left, right), person.legs, strict=True):
             state[:, number] = leg.x, leg.y, leg.theta, *person.leg_sizes, 0.0
-    seen = Robots(*state[3:7])
+    seen = RobotArrays(*state[3:7])
     seen.state[:] = state
     kernels.place(seen)
     return seen

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from pioneer3.errors import ConfigError
 from pioneer3.models import RobotModel
-from pioneer3.sim.kernels import Echoes, Grid, find_edges
+from pioneer3.sim.kernels import Grid, Reflectors, find_edges
 
 Float = NDArray[np.float64]
 Int = NDArray[np.int64]
@@ -140,9 +140,9 @@ class SonarErrors:
         _within("sonar cycle", self.cycle, 0.0, 1.0)
         _within("sonar drop_out and cross_talk together", self.drop_out + self.cross_talk, 0.0, 1.0)
 
-    def echoes(self, grid: Grid) -> Echoes:
+    def echoes(self, grid: Grid) -> Reflectors:
         """Return the walls and edges of a map that are heard."""
-        return Echoes(
+        return Reflectors(
             steep=float(np.cos(self.critical)) if self.critical < pi / 2 else 0.0,
             edges=find_edges(grid) if self.edge_range else None,
             edge_range=self.edge_range,

@@ -13,7 +13,7 @@ from pioneer3.maps import LineMap
 from pioneer3.maps.materials import GLASS, GLASS_ANGLE, PLAIN, Codes, Material, codes_of
 from pioneer3.sim.body import Body, Bumpers
 from pioneer3.sim.collision import REACH, pressed_segments
-from pioneer3.sim.kernels import Echoes, Fan, Grid, Kernels, Mounts, Robots, build_grid
+from pioneer3.sim.kernels import Fan, Grid, Kernels, Mounts, Reflectors, RobotArrays, build_grid
 from pioneer3.sim.kernels.drives import TOUCHED
 from pioneer3.sim.obstacles import Obstacle, at_laser_height
 from pioneer3.sim.raycast import ranges_reference
@@ -121,7 +121,7 @@ class SensedWalls:
     grid: Grid
     opaque: Grid
     surfaces: Surfaces
-    echoes: Echoes
+    echoes: Reflectors
 
     @classmethod
     def of(cls, walls: Float, codes: Codes, grid: Grid, sonar: SonarErrors) -> "SensedWalls":
@@ -143,7 +143,7 @@ class Sensing(Protocol):
         """Replace what stands still; `grid` is of all walls."""
 
     def change_bodies(
-        self, robots: Sequence[Body], obstacles: Sequence[Obstacle], outlines: Robots
+        self, robots: Sequence[Body], obstacles: Sequence[Obstacle], outlines: RobotArrays
     ) -> None:
         """Replace robots and obstacles; `outlines` are of these, in this order."""
 
@@ -177,14 +177,14 @@ class PlanarSensing:
     def __init__(self, sonar: SonarErrors) -> None:
         self._errors = sonar
         self._pressed: dict[int, Bumpers] = {}
-        self._met: Robots | None = None
+        self._met: RobotArrays | None = None
 
     def change_map(self, line_map: LineMap, grid: Grid, relief: Relief) -> None:
         self._walls = SensedWalls.of(line_map.walls, line_map.materials, grid, self._errors)
         self.forget()
 
     def change_bodies(
-        self, robots: Sequence[Body], obstacles: Sequence[Obstacle], outlines: Robots
+        self, robots: Sequence[Body], obstacles: Sequence[Obstacle], outlines: RobotArrays
     ) -> None:
         self._robots, self._obstacles, self._outlines = robots, obstacles, outlines
         self.forget()
@@ -248,7 +248,7 @@ class PlanarSensing:
         at, angles = beams_of(self._robots[number], fan)
         return surfaces.seen(np.array([at.x, at.y]), angles, ranges)
 
-    def _met_by_lasers(self, kernels: Kernels) -> Robots:
+    def _met_by_lasers(self, kernels: Kernels) -> RobotArrays:
         """Return the outlines of all that moves, at the height of lasers."""
         if self._met is None:
             self._met = at_laser_height(self._outlines, self._obstacles, kernels)

@@ -19,11 +19,11 @@ from pioneer3.maps.materials import Codes
 from pioneer3.sim.body import Body, Bumpers, outline_of
 from pioneer3.sim.dynamics import Dynamics, PlanarDynamics
 from pioneer3.sim.kernels import (
-    Drives,
+    DriveArrays,
     Fan,
     Kernels,
     Mounts,
-    Robots,
+    RobotArrays,
     build_grid,
     laser_fan,
 )
@@ -362,8 +362,8 @@ class World:
         before = [body.number if body in self._own else -1 for body in robots]
         sizes = [(m.length_front, m.length_rear, m.width / 2, 0.0) for m in models]
         sizes += [obstacle.sizes for obstacle in obstacles]
-        self.outlines = Robots(*np.array(sizes).reshape(-1, 4).T)
-        drives = Drives.at_rest(0)
+        self.outlines = RobotArrays(*np.array(sizes).reshape(-1, 4).T)
+        drives = DriveArrays.at_rest(0)
         for number, body in enumerate(robots):
             drives = drives.joined(body.drives.only(slice(body.number, body.number + 1)))
             self.outlines.state[:, number] = body.outlines.state[:, body.number]

@@ -98,7 +98,7 @@ READ = 2
 
 
 @dataclass(frozen=True, slots=True)
-class Device:
+class GamepadDevice:
     """An open gamepad.
 
     Attributes:
@@ -117,7 +117,7 @@ class Device:
 
 
 @contextmanager
-def open_gamepad(wanted: str = "") -> Iterator[Device | None]:
+def open_gamepad(wanted: str = "") -> Iterator[GamepadDevice | None]:
     """Open the gamepad that is `wanted`: by path, by a part of its name, or the first.
 
     Yields:
@@ -137,7 +137,7 @@ def open_gamepad(wanted: str = "") -> Iterator[Device | None]:
             os.close(device.descriptor)
 
 
-async def read(device: Device) -> AsyncIterator[bytes]:
+async def read(device: GamepadDevice) -> AsyncIterator[bytes]:
     """Yield the bytes of the gamepad as they come; ends when it is unplugged."""
     loop = asyncio.get_running_loop()
     chunks: asyncio.Queue[bytes] = asyncio.Queue()
@@ -161,7 +161,7 @@ async def read(device: Device) -> AsyncIterator[bytes]:
         loop.remove_reader(device.descriptor)
 
 
-def _find(wanted: str) -> Device | None:
+def _find(wanted: str) -> GamepadDevice | None:
     if wanted.startswith("/"):
         return _open(Path(wanted), must=True)
     for path in sorted(DEVICES.glob("event*"), key=lambda path: (len(path.name), path.name)):
@@ -191,7 +191,7 @@ def _may_be_gamepad(path: Path) -> bool:
         return True
 
 
-def _open(path: Path, *, must: bool = False) -> Device | None:
+def _open(path: Path, *, must: bool = False) -> GamepadDevice | None:
     """Open `path` if it is a gamepad's; `None` if it is not, or not there.
 
     Raises:
@@ -217,7 +217,7 @@ def _open(path: Path, *, must: bool = False) -> Device | None:
     return None
 
 
-def _describe(path: Path, descriptor: int) -> Device | None:
+def _describe(path: Path, descriptor: int) -> GamepadDevice | None:
     """Return the open gamepad, `None` if it is none.
 
     Raises:
@@ -228,7 +228,7 @@ def _describe(path: Path, descriptor: int) -> Device | None:
         return None
     name = _get(descriptor, 0x06, LONGEST).split(b"\0")[0].decode("utf-8", "replace")
     info = {axis: ABSINFO.unpack(_get(descriptor, 0x40 + axis, ABSINFO.size)) for axis in AXES}
-    return Device(
+    return GamepadDevice(
         path,
         name,
         descriptor,

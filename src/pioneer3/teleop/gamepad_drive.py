@@ -7,7 +7,7 @@ from contextlib import AbstractContextManager
 from pioneer3.behaviors.actions import Hold
 from pioneer3.runtime.arbiter import GAMEPAD
 from pioneer3.runtime.robot import Robot
-from pioneer3.teleop.evdev import Decoder, Device
+from pioneer3.teleop.evdev import Decoder, GamepadDevice
 from pioneer3.teleop.gamepad import SCHEME, Gamepad, Scheme
 
 RENEW = 0.05
@@ -17,8 +17,8 @@ COMMAND_TIMEOUT = 0.3
 SEARCH = 1.0
 """Pause between two looks for a gamepad [s]."""
 
-Open = Callable[[], AbstractContextManager[Device | None]]
-Read = Callable[[Device], AsyncIterator[bytes]]
+Open = Callable[[], AbstractContextManager[GamepadDevice | None]]
+Read = Callable[[GamepadDevice], AsyncIterator[bytes]]
 
 
 class GamepadDriver:
@@ -68,7 +68,7 @@ class GamepadDriver:
             arbiter.remove(self._hold)
             self._robot.stop()
 
-    async def _drive(self, device: Device) -> None:
+    async def _drive(self, device: GamepadDevice) -> None:
         """Drive with one gamepad until it is unplugged."""
         gamepad = Gamepad(self._scheme)
         decoder = Decoder(gamepad, device.ranges)

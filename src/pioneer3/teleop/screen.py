@@ -59,7 +59,7 @@ class PatientDriver(TerminalDriver):
         writer.join(PATIENCE)
 
 
-class Part(Static):
+class ScreenPart(Static):
     """A part of a screen; the terminal obeys nothing in its text."""
 
     def render_line(self, y: int) -> Strip:

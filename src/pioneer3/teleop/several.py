@@ -12,7 +12,7 @@ from pioneer3.teleop.keyboard import Key, Keyboard
 from pioneer3.teleop.keyboard_drive import KeyboardDriver
 
 
-class Choice(Enum):
+class RobotChooser(Enum):
     """Keys that choose robots."""
 
     NEXT = auto()
@@ -34,7 +34,7 @@ class KeyRow:
 
     name: str
     words: str
-    acts: dict[str, Key | Choice]
+    acts: dict[str, Key | RobotChooser]
 
 
 ARROWS: Final = {"A": Key.FORWARD, "B": Key.BACK, "C": Key.RIGHT, "D": Key.LEFT}
@@ -47,14 +47,14 @@ TABLE: Final = (
     KeyRow("space", "stop all", {" ": Key.STOP}),
     KeyRow("k", "emergency stop of all", {"k": Key.EMERGENCY}),
     KeyRow("Ctrl-R", "release it", {"\x12": Key.RESET}),
-    KeyRow("q", "next robot", {"q": Choice.NEXT, "\t": Choice.NEXT}),
-    KeyRow("0-9", "this robot", dict.fromkeys(digits, Choice.NUMBER)),
-    KeyRow("a", "all", {"a": Choice.ALL}),
-    KeyRow("s", "several", {"s": Choice.SEVERAL}),
+    KeyRow("q", "next robot", {"q": RobotChooser.NEXT, "\t": RobotChooser.NEXT}),
+    KeyRow("0-9", "this robot", dict.fromkeys(digits, RobotChooser.NUMBER)),
+    KeyRow("a", "all", {"a": RobotChooser.ALL}),
+    KeyRow("s", "several", {"s": RobotChooser.SEVERAL}),
     KeyRow("+ -", "speed", {"+": Key.FASTER, "=": Key.FASTER, "-": Key.SLOWER}),
     KeyRow("m", "motors", {"m": Key.MOTORS}),
     KeyRow("Ctrl-D", "quit", {"\x04": Key.QUIT}),
-    KeyRow("", "choose those marked", dict.fromkeys("y\r\n", Choice.CONFIRM)),
+    KeyRow("", "choose those marked", dict.fromkeys("y\r\n", RobotChooser.CONFIRM)),
     KeyRow("", "keep those chosen, else quit", {"\x1b": Key.QUIT}),
 )
 """All keys; where there is one robot, letters drive, and here they choose."""
@@ -70,7 +70,7 @@ LAB_NUMBER: Final = re.compile(r".*p3[a-z]+[_-](\d+)(?:_|$)")
 """The lab numbers its robots, as in p3at_1_113 and p3at-1."""
 
 
-def act_of(token: str) -> Key | Choice | None:
+def act_of(token: str) -> Key | RobotChooser | None:
     """Return the meaning of a key; capitals, as with Caps Lock, mean the same."""
     return ACTS.get(token if len(token) > 1 else token.lower())
 
@@ -118,23 +118,23 @@ class Selection:
         """Return the number of a robot as it is typed."""
         return f"{self.numbers[name]:0{self.width}}"
 
-    def press(self, choice: Choice, token: str = "") -> None:
+    def press(self, choice: RobotChooser, token: str = "") -> None:
         """Obey a key that chooses; `token` is the digit of a number."""
-        if choice is Choice.NUMBER:
+        if choice is RobotChooser.NUMBER:
             self._type(token)
             return
         self.typed = ""
         match choice:
-            case Choice.NEXT:
+            case RobotChooser.NEXT:
                 order = self.order
                 self._point_at(order[(order.index(self._last) + 1) % len(order)])
-            case Choice.ALL if self.marked is None:
+            case RobotChooser.ALL if self.marked is None:
                 self._choose(frozenset(self.numbers))
-            case Choice.ALL:
+            case RobotChooser.ALL:
                 self.marked = frozenset(self.numbers)
-            case Choice.SEVERAL:
+            case RobotChooser.SEVERAL:
                 self.marked = frozenset()
-            case Choice.CONFIRM:
+            case RobotChooser.CONFIRM:
                 self._choose(self.marked or frozenset())
                 self.marked = None
 
@@ -245,7 +245,7 @@ class KeyRouter:
         act, before = act_of(token), self.selection.chosen
         if act is Key.QUIT:
             return token == ESCAPE and self.selection.cancel()
-        if isinstance(act, Choice):
+        if isinstance(act, RobotChooser):
             self.selection.press(act, token)
             self._stop_left(before)
         elif act in FOR_ALL:

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from pioneer3.web import messages
-from pioneer3.web.access.sessions import Role, Session
+from pioneer3.web.access.sessions import LoginSession, Role
 from pioneer3.web.broadcast import Channel, FrameChannel, RetainedChannel, ScanChannel, Subscriber
 
 SMALL_PERIOD = 0.18
@@ -90,7 +90,9 @@ class Audiences:
         """Let clients belong to `audience`."""
         self._all.append(audience)
 
-    def find(self, session: Session, *, robot: int | None = None, small: bool = False) -> Audience:
+    def find(
+        self, session: LoginSession, *, robot: int | None = None, small: bool = False
+    ) -> Audience:
         """Return the audience of a client that asks for one robot, or for small snapshots.
 
         A student's is always that of the own robot.

@@ -10,7 +10,7 @@ from pioneer3.robot.devices.laser import LaserSource
 from pioneer3.state import Scan
 from pioneer3.tasks import running
 from pioneer3.units import MM
-from pioneer3.web.messages import ClassRobots, Robots, Scans, Sweep, encode
+from pioneer3.web.messages import ClassRobots, LaserSweep, Robots, Scans, encode
 
 PERIOD = 0.04
 """Least time between two frames [s]."""
@@ -166,10 +166,10 @@ class ScanChannel(FrameChannel):
                 self.put(robot, encode(part), number)
 
 
-def sweep(robot: int, scan: Scan, sensor: Pose2, laser: int = 0) -> Sweep:
+def sweep(robot: int, scan: Scan, sensor: Pose2, laser: int = 0) -> LaserSweep:
     """Return the message part for a sweep of a robot's laser, which is at `sensor` of the map."""
     angles, several = scan.angles, len(scan.angles) > 1
-    return Sweep(
+    return LaserSweep(
         robot,
         laser,
         (round(sensor.x / MM), round(sensor.y / MM), round(sensor.theta * 1000)),

@@ -19,7 +19,7 @@ from pioneer3.geometry import Twist2
 from pioneer3.navigation.goals import GoalStatus
 from pioneer3.robot.limits import checked
 from pioneer3.web import group, requests
-from pioneer3.web.access.sessions import Role, Session
+from pioneer3.web.access.sessions import LoginSession, Role
 from pioneer3.web.audience import Audience
 from pioneer3.web.broadcast import Channel
 from pioneer3.web.messages import EditRefused, Message, Pong, Refused, Told, encode
@@ -108,7 +108,7 @@ class SendQueue:
 class Client:
     """Serves one WebSocket of `page` that belongs to `session`."""
 
-    def __init__(self, page: Page, socket: WebSocket, session: Session) -> None:
+    def __init__(self, page: Page, socket: WebSocket, session: LoginSession) -> None:
         self._page = page
         self._socket = socket
         self.session = session
@@ -245,7 +245,7 @@ class Client:
     async def _carry_out(self, request: requests.AnyRequest) -> Message | None:
         """Carry out a request; return the answer, if there is one."""
         page = self._page
-        if isinstance(request, requests.Ping):
+        if isinstance(request, requests.PingRequest):
             return Pong(request.t)
         if isinstance(request, requests.EmergencyStop) and request.robot is None:
             page.emergency_stop()
@@ -273,10 +273,10 @@ class Client:
         """Carry out a request to drive or to control a robot."""
         control, refused = view.control, None
         match request:
-            case requests.Drive(v, w, source, also):
+            case requests.VelocityRequest(v, w, source, also):
                 views = [view, *self._page.known(also)]
                 refused = self._drive_all(views, checked(v, w), source)
-            case requests.Stop():
+            case requests.StopRequest():
                 control.stop(self)
             case requests.EmergencyStop():
                 view.robot.emergency_stop()

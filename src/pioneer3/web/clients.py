@@ -5,7 +5,7 @@ from itertools import count
 from typing import Protocol
 
 from pioneer3.web import messages
-from pioneer3.web.access.sessions import Role, Session
+from pioneer3.web.access.sessions import LoginSession, Role
 from pioneer3.web.broadcast import Subscriber
 from pioneer3.web.control import Operator
 from pioneer3.web.robot_view import RobotView
@@ -19,7 +19,7 @@ class PageClient(Operator, Subscriber, Protocol):
         """The permissions of the client."""
 
     @property
-    def session(self) -> Session:
+    def session(self) -> LoginSession:
         """The session that the client belongs to."""
 
     def tell(self, news: str) -> None:
@@ -43,7 +43,7 @@ class Clients:
         self._robots = robots
         self._count = count(1)
         self._holders: tuple[messages.Holder, ...] = ()
-        self._clients: tuple[messages.Client, ...] = ()
+        self._clients: tuple[messages.ClientInfo, ...] = ()
 
     def add(self, client: PageClient) -> int:
         """Add `client`; return its number."""
@@ -58,7 +58,7 @@ class Clients:
     def update(self) -> bool:
         """Compare the clients with the last update; return whether anything has changed."""
         clients = tuple(
-            messages.Client(number, client.name, client.role)
+            messages.ClientInfo(number, client.name, client.role)
             for number, client in self.connected.items()
         )
         holders = tuple(
@@ -124,7 +124,7 @@ class Clients:
         holders, clients = self._holders, self._clients
         if you.role is Role.STUDENT:
             holders = tuple(each for each in holders if each.robot == you.session.robot)
-            clients = (messages.Client(number, you.name, you.role),)
+            clients = (messages.ClientInfo(number, you.name, you.role),)
         return messages.encode(messages.People(number, you.name, you.role, holders, clients))
 
     def of_session(self, session: str) -> int:

@@ -76,7 +76,7 @@ class TenfoldFilter(logging.Filter):
         return number.rstrip("0") == "1"
 
 
-class Phase(IntEnum):
+class ConnectionPhase(IntEnum):
     """Progress of a connection; the lowest is closed first."""
 
     NEW = 0
@@ -84,7 +84,7 @@ class Phase(IntEnum):
     ACTIVE = 2
 
 
-class Connection:
+class HttpConnection:
     """A connection that is no WebSocket.
 
     Attributes:
@@ -96,7 +96,7 @@ class Connection:
 
     def __init__(self, address: str, due: float, close: Callable[[], object]) -> None:
         self.address = address
-        self.phase = Phase.NEW
+        self.phase = ConnectionPhase.NEW
         self.due = due
         self.close = close
 
@@ -106,20 +106,20 @@ class ConnectionPool:
 
     def __init__(self, most: int) -> None:
         self._most = most
-        self._by_address: dict[str, dict[Connection, None]] = {}
+        self._by_address: dict[str, dict[HttpConnection, None]] = {}
         self._count = 0
 
     def __len__(self) -> int:
         return self._count
 
-    def add(self, connection: Connection) -> None:
+    def add(self, connection: HttpConnection) -> None:
         """Add `connection`; another is closed if there are too many."""
         if self._count >= self._most:
             self.close_one()
         self._by_address.setdefault(connection.address, {})[connection] = None
         self._count += 1
 
-    def remove(self, connection: Connection) -> None:
+    def remove(self, connection: HttpConnection) -> None:
         """Remove `connection`, if it is there."""
         there = self._by_address.get(connection.address, {})
         if connection in there:
@@ -140,13 +140,13 @@ class ConnectionPool:
 
     def close_silent(self) -> None:
         """Close the connections without a request."""
-        self._close_all(lambda connection: connection.phase is Phase.NEW)
+        self._close_all(lambda connection: connection.phase is ConnectionPhase.NEW)
 
-    def _close_all(self, which: Callable[[Connection], bool]) -> None:
+    def _close_all(self, which: Callable[[HttpConnection], bool]) -> None:
         for connection in [c for group in self._by_address.values() for c in group if which(c)]:
             self._close(connection)
 
-    def _close(self, connection: Connection) -> None:
+    def _close(self, connection: HttpConnection) -> None:
         self.remove(connection)
         connection.close()
 
@@ -187,7 +187,7 @@ class HttpProtocol(H11Protocol):
     """HTTP on one connection, with time limits for each request."""
 
     def __init__(
-        self, config: uvicorn.Config, limits: ConnectionLimits, connection: Connection
+        self, config: uvicorn.Config, limits: ConnectionLimits, connection: HttpConnection
     ) -> None:
         super().__init__(config, limits.state, {})
         self._limits = limits
@@ -210,7 +210,7 @@ class HttpProtocol(H11Protocol):
     def on_response_complete(self) -> None:
         """Wait for the next request."""
         self._begun = False
-        self._connection.phase = Phase.ANSWERED
+        self._connection.phase = ConnectionPhase.ANSWERED
         self._connection.due = self.loop.time() + SILENCE
         super().on_response_complete()
         self._note_whole_request()
@@ -234,9 +234,9 @@ class HttpProtocol(H11Protocol):
         if cycle is not None and not cycle.more_body and not cycle.response_complete:
             scope: Any = cycle.scope
             scope.setdefault("extensions", {})[STREAMING] = self._go_on
-            if self._connection.phase is not Phase.ACTIVE:
+            if self._connection.phase is not ConnectionPhase.ACTIVE:
                 self._connection.due = self.loop.time() + ANSWER_TIME
-            self._connection.phase = Phase.ACTIVE
+            self._connection.phase = ConnectionPhase.ACTIVE
 
     def _go_on(self) -> None:
         """Let an answer without end last for as long as its pieces are taken."""
@@ -262,7 +262,7 @@ class Acceptor:
         self,
         listener: socket.socket,
         limits: ConnectionLimits,
-        make: Callable[[Connection], asyncio.BaseProtocol],
+        make: Callable[[HttpConnection], asyncio.BaseProtocol],
         context: ssl.SSLContext | None,
     ) -> None:
         self._listener = listener
@@ -317,11 +317,11 @@ class Acceptor:
                 self._pool.remove(connection)
                 sock.close()
 
-        connection = Connection(address, self._loop.time() + SILENCE, close)
+        connection = HttpConnection(address, self._loop.time() + SILENCE, close)
         self._pool.add(connection)
         self._loop.add_reader(sock, serve)
 
-    async def _serve(self, sock: socket.socket, connection: Connection) -> bool:
+    async def _serve(self, sock: socket.socket, connection: HttpConnection) -> bool:
         """Do the TLS handshake, where there is TLS, and start the protocol; return the success."""
 
         def make() -> asyncio.BaseProtocol:
@@ -334,7 +334,7 @@ class Acceptor:
         return True
 
 
-class Server(uvicorn.Server):
+class WebServer(uvicorn.Server):
     """uvicorn's, with an :class:`Acceptor` for each of its sockets."""
 
     def __init__(self, config: uvicorn.Config, limits: ConnectionLimits) -> None:
@@ -346,7 +346,7 @@ class Server(uvicorn.Server):
         """Accept connections."""
         await self.lifespan.startup()
 
-        def make(connection: Connection) -> HttpProtocol:
+        def make(connection: HttpConnection) -> HttpProtocol:
             return HttpProtocol(self.config, self._limits, connection)
 
         self.servers = [

@@ -31,7 +31,7 @@ from pioneer3.runtime.arbiter import GAMEPAD, KEYBOARD, WEB, Arbiter
 from pioneer3.runtime.robot import Robot
 from pioneer3.web import requests
 from pioneer3.web.requests import Input
-from pioneer3.web.scene import Scene
+from pioneer3.web.scene import RobotScene
 
 T = TypeVar("T")
 
@@ -67,7 +67,7 @@ class Operator(Protocol):
         """Shown to all."""
 
 
-class Rule(Protocol):
+class ControlRule(Protocol):
     """Decides whether an operator may drive a robot now, besides control."""
 
     def __call__(self, operator: Operator, *, take_over: bool) -> Refusal | None:
@@ -109,7 +109,7 @@ class Lease(Generic[T]):
             self._holder, self._until = None, float("-inf")
 
 
-class Inputs:
+class OperatorInputs:
     """The inputs of one operator, each a hold at the arbiter of the robot."""
 
     def __init__(self, arbiter: Arbiter) -> None:
@@ -174,15 +174,15 @@ class Control:
     def __init__(
         self,
         robot: Robot,
-        scene: Scene,
+        scene: RobotScene,
         tell: Callable[[Operator, str], None],
-        rule: Rule = no_rule,
+        rule: ControlRule = no_rule,
     ) -> None:
         self._robot = robot
         self._scene = scene
         self._tell = tell
         self._rule = rule
-        self._inputs = Inputs(robot.arbiter)
+        self._inputs = OperatorInputs(robot.arbiter)
         self._lease: Lease[Operator] = Lease()
         self._keeper: Operator | None = None
         self._mode: tuple[Operator, Stack] | None = None

@@ -20,7 +20,7 @@ from pioneer3.runtime.robot import Robot
 from pioneer3.state import Inputs
 from pioneer3.web import messages
 from pioneer3.web.broadcast import RetainedChannel, Subscriber
-from pioneer3.web.scene import Scene
+from pioneer3.web.scene import RobotScene
 
 PERIOD = 0.5
 """Between two messages [s]."""
@@ -32,7 +32,7 @@ CONFIG_PERIOD = 5.0
 """The robot is asked for CONFIG no more often than this [s]."""
 
 
-class Details:
+class RobotDetails:
     """Describes one robot, once for all subscribers.
 
     Args:
@@ -44,7 +44,7 @@ class Details:
         channel: The newest details and CONFIG.
     """
 
-    def __init__(self, number: int, robot: Robot, scene: Scene) -> None:
+    def __init__(self, number: int, robot: Robot, scene: RobotScene) -> None:
         self.channel = RetainedChannel()
         self._number, self._robot, self._scene = number, robot, scene
         self._line = LineWatch(robot.supervisor)
@@ -94,7 +94,7 @@ class Details:
                     error = str(failure)
             info = self._robot.supervisor.info
             rows = explained(info.config) if info and info.config else ()
-            self._publish("config", messages.Config(self._number, rows, error))
+            self._publish("config", messages.ConfigMessage(self._number, rows, error))
 
     def _publish(self, key: str, message: messages.Message) -> None:
         self.channel.forget(key)  # an answer is sent even if it is the same as before
@@ -145,11 +145,11 @@ class Details:
                 return [Finding(check="reports", level=Level.OK, found=found)]
         return list(self._line.findings(now))
 
-    def _describe_lines(self, inputs: Inputs, now: float) -> messages.Lines:
+    def _describe_lines(self, inputs: Inputs, now: float) -> messages.LineValues:
         read = self._lines
         if read is not None and now - read.stamp > LINES_AGE:
             read = None
-        return messages.Lines(
+        return messages.LineValues(
             read.digital_in if read else _bits(inputs.digital_in),
             read.digital_out if read else _bits(inputs.digital_out),
             read.analog if read else None,

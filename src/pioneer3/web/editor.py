@@ -27,7 +27,7 @@ MOST_ROBOTS = 50
 STROLL = 0.8
 """Speed of people who are added [m/s]."""
 
-Placing = requests.AddBox | requests.AddRobot | requests.Move
+Placing = requests.AddBox | requests.AddRobot | requests.MoveRequest
 
 
 class Editor:
@@ -63,7 +63,7 @@ class Editor:
                 case requests.AddBox() | requests.AddPerson() | requests.AddRobot():
                     added = await self._add(edit)
                     return Added(self._view.items.get(added))
-                case requests.Pause() | requests.Step() | requests.SetSpeed():
+                case requests.PauseRequest() | requests.StepRequest() | requests.SetSpeed():
                     self._set_pace(client, edit)
                 case _:
                     await self._change(client, edit)
@@ -101,7 +101,7 @@ class Editor:
     async def _change(
         self,
         client: object,
-        edit: requests.Move
+        edit: requests.MoveRequest
         | requests.Remove
         | requests.PressStopButton
         | requests.PlugCable
@@ -111,7 +111,7 @@ class Editor:
         if not (isinstance(edit, requests.PressStopButton) and edit.pressed):
             self._take(client, edit.id, item)
         match edit, item:
-            case requests.Move(), _:
+            case requests.MoveRequest(), _:
                 if (own := self._own(item)) is not None:
                     self._stop(own)  # a robot that is lifted stops
                 self._simulation.move(item, _pose(edit))
@@ -131,15 +131,15 @@ class Editor:
                 raise CommandError("only robots have a stop button, a cable and a battery")
 
     def _set_pace(
-        self, client: object, edit: requests.Pause | requests.Step | requests.SetSpeed
+        self, client: object, edit: requests.PauseRequest | requests.StepRequest | requests.SetSpeed
     ) -> None:
         if not self._take_control(client, None):
             raise CommandError("somebody else drives")
         pace = self._simulation.pace
         match edit:
-            case requests.Pause(paused):
+            case requests.PauseRequest(paused):
                 pace.paused = paused
-            case requests.Step(seconds):
+            case requests.StepRequest(seconds):
                 pace.step(seconds)
             case requests.SetSpeed(speed):
                 pace.speed = speed

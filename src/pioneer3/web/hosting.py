@@ -20,7 +20,7 @@ from pioneer3.robot.supervisor import Connection, kind
 from pioneer3.runtime.robot import Robot
 from pioneer3.tasks import running
 from pioneer3.web.page import Page
-from pioneer3.web.scene import RemoteWorld, Scene
+from pioneer3.web.scene import RemoteWorld, RobotScene
 
 log = logging.getLogger(__name__)
 
@@ -30,7 +30,7 @@ RETRY_PERIOD = 5.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Target:
+class ConnectTarget:
     """A robot to connect to.
 
     Attributes:
@@ -49,7 +49,7 @@ class Target:
     """
 
     url: str
-    scene: Scene
+    scene: RobotScene
     open: Opener | None = None
     name: str = ""
     baud: int | None = None
@@ -64,7 +64,7 @@ class Target:
 
 @asynccontextmanager
 async def hosted(
-    page: Page, targets: Sequence[Target], tell: Callable[[str], None]
+    page: Page, targets: Sequence[ConnectTarget], tell: Callable[[str], None]
 ) -> AsyncIterator[None]:
     """Show every robot of `targets` at `page` while the block lasts, after one attempt for each.
 
@@ -100,7 +100,13 @@ class RobotConnection:
     """
 
     def __init__(
-        self, page: Page, number: int, target: Target, tell: Callable[[str], None], *, single: bool
+        self,
+        page: Page,
+        number: int,
+        target: ConnectTarget,
+        tell: Callable[[str], None],
+        *,
+        single: bool,
     ) -> None:
         self.tried = asyncio.Event()
         self.failure: Exception | None = None
@@ -164,7 +170,7 @@ class RobotConnection:
                 self._tell(f"{which}{laser.title} {status.connection.value}: {status.message}")
 
     @asynccontextmanager
-    async def _in_scene(self, robot: Robot) -> AsyncIterator[Scene]:
+    async def _in_scene(self, robot: Robot) -> AsyncIterator[RobotScene]:
         """Yield the surroundings of `robot`; a simulator in another program is asked for them."""
         scene = self._target.scene
         if scene.simulated:

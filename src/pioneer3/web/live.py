@@ -23,9 +23,9 @@ from pioneer3.sim.worldfile.arguments import NO_OVERRIDES, WorldOverrides
 from pioneer3.web.access.certificate import certificate_for, digest
 from pioneer3.web.access.hosts import is_loopback
 from pioneer3.web.access.invitations import invitation_lines
-from pioneer3.web.hosting import Target, hosted
+from pioneer3.web.hosting import ConnectTarget, hosted
 from pioneer3.web.page import Page
-from pioneer3.web.scene import Scene
+from pioneer3.web.scene import RobotScene
 from pioneer3.web.server import Served, serve
 
 
@@ -39,7 +39,7 @@ PATIENT = Timing(silence=inf)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Options:
+class RunOptions:
     """Options of `pioneer3 run`.
 
     Attributes:
@@ -92,7 +92,7 @@ class Options:
     announced: Callable[[Served], AbstractAsyncContextManager[None]] | None = None
 
 
-async def live(options: Options, tell: Callable[[str], None]) -> int:
+async def live(options: RunOptions, tell: Callable[[str], None]) -> int:
     """Run until cancelled; `tell` is called with each line of output.
 
     Raises:
@@ -130,7 +130,7 @@ async def live(options: Options, tell: Callable[[str], None]) -> int:
     return 0
 
 
-def _real(options: Options) -> list[Target]:
+def _real(options: RunOptions) -> list[ConnectTarget]:
     known = load_world(options.map_name).line_map() if options.map_name else None
     specs = options.robots
     cameras = options.cameras or (None,) * len(options.ports)
@@ -138,9 +138,9 @@ def _real(options: Options) -> list[Target]:
     if len(specs) <= 1:
         specs = (specs or (RobotSpec(model=""),)) * len(options.ports)
     return [
-        Target(
+        ConnectTarget(
             url=url,
-            scene=Scene(known),
+            scene=RobotScene(known),
             name=spec.name,
             model=spec.model or given,
             camera=camera,
@@ -150,7 +150,7 @@ def _real(options: Options) -> list[Target]:
 
 
 async def _simulation(
-    options: Options, stack: AsyncExitStack, tell: Callable[[str], None]
+    options: RunOptions, stack: AsyncExitStack, tell: Callable[[str], None]
 ) -> RunningSimulation:
     overrides = replace(options.overrides, robots=options.robots or options.overrides.robots)
     simulation = simulator(
@@ -170,12 +170,12 @@ async def _simulation(
     return running
 
 
-def _simulated(running: RunningSimulation) -> list[Target]:
+def _simulated(running: RunningSimulation) -> list[ConnectTarget]:
     several = len(running.robots) > 1
     return [
-        Target(
+        ConnectTarget(
             url=robot.url,
-            scene=Scene.of(running, robot),
+            scene=RobotScene.of(running, robot),
             name=robot.name if several else "",
             model=robot.model,
             timing=PATIENT,
@@ -193,8 +193,8 @@ def _laser_of(laser: SimulatedLaser) -> LaserSpec:
 
 
 def _with_options(
-    targets: Sequence[Target], options: Options, lasers: Sequence[LaserSpec]
-) -> list[Target]:
+    targets: Sequence[ConnectTarget], options: RunOptions, lasers: Sequence[LaserSpec]
+) -> list[ConnectTarget]:
     """Return `targets` with the options that are the same for all, each with its own file.
 
     Raises:
@@ -223,7 +223,7 @@ def _with_options(
     ]
 
 
-def own_files(path: Path, targets: Sequence[Target]) -> list[Path | None]:
+def own_files(path: Path, targets: Sequence[ConnectTarget]) -> list[Path | None]:
     """Return `walk-bob.txt` for `walk.txt` and bob; a robot without a name has its address."""
     labels: list[str] = []
     for target in targets:
@@ -232,7 +232,7 @@ def own_files(path: Path, targets: Sequence[Target]) -> list[Path | None]:
     return [path.with_stem(f"{path.stem}-{label}") for label in labels]
 
 
-def _pairing_lines(page: Page, options: Options) -> Iterator[str]:
+def _pairing_lines(page: Page, options: RunOptions) -> Iterator[str]:
     """Yield instructions for other devices, or the reason why they cannot connect."""
     if is_loopback(options.host):
         return

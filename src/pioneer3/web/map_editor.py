@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from pioneer3.errors import CommandError, PioneerError
-from pioneer3.maps import Bounds, LineMap, edit
+from pioneer3.maps import Extent, LineMap, edit
 from pioneer3.sim.relief import Relief
 from pioneer3.web import messages, requests
 from pioneer3.web.page_map import PageMap
@@ -173,7 +173,7 @@ def changed(line_map: LineMap, request: requests.MapChange) -> LineMap:
     """
     match request:
         case requests.EraseWalls(x0, y0, x1, y1):
-            box = Bounds(min(x0, x1), min(y0, y1), max(x0, x1), max(y0, y1))
+            box = Extent(min(x0, x1), min(y0, y1), max(x0, x1), max(y0, y1))
             return edit.erased(line_map, box)
         case requests.DrawWall(x0, y0, x1, y1):
             return edit.with_wall(line_map, (x0, y0), (x1, y1))

@@ -15,7 +15,7 @@ from pioneer3.tasks import running
 from pioneer3.web import messages, navigation, requests
 from pioneer3.web.control import Control, Operator
 from pioneer3.web.navigation import points_of
-from pioneer3.web.scene import Scene
+from pioneer3.web.scene import RobotScene
 from pioneer3.web.world import map_message
 
 if TYPE_CHECKING:
@@ -51,7 +51,7 @@ class RobotMapping:
         self,
         number: int,
         robot: Robot,
-        scene: Scene,
+        scene: RobotScene,
         control: Control,
         *,
         tell: Callable[[Operator, str], None],

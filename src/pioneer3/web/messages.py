@@ -13,7 +13,7 @@ from pioneer3.doctor.facts import Finding
 from pioneer3.geometry import Pose2, Twist2
 from pioneer3.maps.line_map import Role as ObjectRole
 from pioneer3.models.model import SonarMount
-from pioneer3.robot.config_table import Row
+from pioneer3.robot.config_table import ConfigRow
 from pioneer3.robot.explain import ReasonKind
 from pioneer3.robot.supervisor import Connection
 from pioneer3.teleop.gamepad import Scheme
@@ -64,7 +64,7 @@ class SpeedLimits(Part, frozen=True):
     default_turn_rate: float
 
 
-class Robot(Part, frozen=True):
+class ListedRobot(Part, frozen=True):
     """A robot. `shape` and `limits` are null until it has been connected to.
 
     It `plans` ways where it has a map, a laser or sonars, and what navigation needs; `forbids` says
@@ -106,7 +106,7 @@ class Hello(Message, tag="hello", frozen=True):
     """
 
     version: str
-    robots: tuple[Robot, ...]
+    robots: tuple[ListedRobot, ...]
     models: tuple[Model, ...] | None
     gamepad: Scheme
     class_: ClassMember | None = msgspec.field(name="class")
@@ -123,14 +123,14 @@ class Status(Message, tag="status", frozen=True):
 # -- snapshots
 
 
-class Sonar(Part, frozen=True):
+class SonarRanges(Part, frozen=True):
     """Ranges from the front left on [m]; null where nothing echoed."""
 
     ranges: tuple[float | None, ...]
     enabled: bool
 
 
-class Motors(Part, frozen=True):
+class DriveState(Part, frozen=True):
     """The drive."""
 
     enabled: bool
@@ -171,7 +171,7 @@ class Target(Part, frozen=True):
     person: bool
 
 
-class Snapshot(Part, frozen=True):
+class SnapshotMessage(Part, frozen=True):
     """A snapshot of a robot, ten times a second.
 
     `why` is the reason for the robot to stand still, and `standing` the kind of that reason.
@@ -183,10 +183,10 @@ class Snapshot(Part, frozen=True):
     robot_in_map: Pose2
     robot_in_odom: Pose2
     twist: Twist2
-    sonar: Sonar
+    sonar: SonarRanges
     bumpers: state.Bumpers
     battery: state.Battery
-    motors: Motors
+    motors: DriveState
     link: state.LinkQuality
     faults: tuple[str, ...]
     why: str | None
@@ -200,7 +200,7 @@ class Snapshot(Part, frozen=True):
     target: Target | None
 
 
-class Way(Message, tag="way", frozen=True):
+class PlannedWay(Message, tag="way", frozen=True):
     """The way to the place x, y, for the client that asked for it; or the reason why there is none.
 
     `points` are in the map; `length` is in metres, `seconds` a guess of the time it takes. `closed`
@@ -271,10 +271,10 @@ class Mapping(Message, tag="mapping", frozen=True):
 class Robots(Message, tag="robots", frozen=True):
     """New snapshots, of one or several robots."""
 
-    snapshots: tuple[Snapshot, ...]
+    snapshots: tuple[SnapshotMessage, ...]
 
 
-class Sweep(Part, frozen=True):
+class LaserSweep(Part, frozen=True):
     """A sweep of a laser.
 
     `laser` is its number on the robot, from 0; its pose is in whole millimetres and milliradians;
@@ -293,7 +293,7 @@ class Sweep(Part, frozen=True):
 class Scans(Message, tag="scans", frozen=True):
     """New sweeps, of one or several lasers, for clients that subscribed to them."""
 
-    scans: tuple[Sweep, ...]
+    scans: tuple[LaserSweep, ...]
 
 
 # -- the world
@@ -307,7 +307,7 @@ class MapCells(Part, frozen=True):
     corner: Placed
 
 
-class MapObject(Part, frozen=True):
+class DrawnObject(Part, frozen=True):
     """A named place, line or area; `heads` if its heading `theta` means anything."""
 
     role: ObjectRole
@@ -357,7 +357,7 @@ class Drawing(Part, frozen=True):
     name: str
     walls: tuple[tuple[float, float, float, float], ...]
     cells: tuple[MapCells, ...]
-    objects: tuple[MapObject, ...]
+    objects: tuple[DrawnObject, ...]
     wall_height: float
     heights: tuple[float, ...]
     solids: tuple[MapSolid, ...]
@@ -391,21 +391,21 @@ class Thing(msgspec.Struct, tag_field="kind", kw_only=True, frozen=True):
     thing_in_map: Placed
 
 
-class Box(Thing, tag="box", frozen=True):
+class BoxThing(Thing, tag="box", frozen=True):
     """A box of some height [m]."""
 
     walks: bool
     height: float
 
 
-class Person(Thing, tag="person", frozen=True):
+class PersonThing(Thing, tag="person", frozen=True):
     """A person of some height [m]."""
 
     walks: bool
     height: float
 
 
-class SimulatedRobot(Thing, tag="robot", kw_only=True, frozen=True):
+class RobotThing(Thing, tag="robot", kw_only=True, frozen=True):
     """A simulated robot; `own` is the number of a robot that the page drives, null of others."""
 
     model: str
@@ -418,7 +418,7 @@ class SimulatedRobot(Thing, tag="robot", kw_only=True, frozen=True):
     charge: float
 
 
-class Clock(Part, frozen=True):
+class SimulatedTime(Part, frozen=True):
     """The simulated time [s], null while it runs, and how fast it runs."""
 
     paused: bool
@@ -427,7 +427,7 @@ class Clock(Part, frozen=True):
     time: float | None
 
 
-class World(Message, tag="world", frozen=True):
+class WorldChanges(Message, tag="world", frozen=True):
     """Changes of the simulated world.
 
     `things` are new or have changed, `moved` are only somewhere else (id, x, y, theta), `gone` are
@@ -435,16 +435,16 @@ class World(Message, tag="world", frozen=True):
     """
 
     all: bool
-    things: tuple[Box | Person | SimulatedRobot, ...]
+    things: tuple[BoxThing | PersonThing | RobotThing, ...]
     moved: tuple[tuple[int, float, float, float], ...]
     gone: tuple[int, ...]
-    clock: Clock | None
+    clock: SimulatedTime | None
 
 
 # -- the clients
 
 
-class Client(Part, frozen=True):
+class ClientInfo(Part, frozen=True):
     """A client of the page."""
 
     id: int
@@ -467,7 +467,7 @@ class People(Message, tag="people", frozen=True):
     name: str
     role: Role
     control: tuple[Holder, ...]
-    clients: tuple[Client, ...]
+    clients: tuple[ClientInfo, ...]
 
 
 class Told(Message, tag="told", frozen=True):
@@ -524,7 +524,7 @@ class AnalogPort(Part, frozen=True):
     voltage: float
 
 
-class Lines(Part, frozen=True):
+class LineValues(Part, frozen=True):
     """Digital and analog lines; `analog` [V] is null where the robot does not tell them all."""
 
     digital_in: tuple[bool, ...]
@@ -570,15 +570,15 @@ class Details(Message, tag="details", kw_only=True, frozen=True):
     faults: tuple[str, ...] | None
     charger_power: bool
     baud: int | None
-    lines: Lines
+    lines: LineValues
     sensors: tuple[SensorDetails, ...]
 
 
-class Config(Message, tag="config", frozen=True):
+class ConfigMessage(Message, tag="config", frozen=True):
     """The robot's CONFIG, and the reason for not asking it anew, or null."""
 
     robot: int
-    rows: tuple[Row, ...]
+    rows: tuple[ConfigRow, ...]
     error: str | None
 
 
@@ -668,9 +668,9 @@ class ClassRobots(Message, tag="class_robots", frozen=True):
 
 
 EVERY = (
-    *(Hello, Status, Robots, Scans, Map, MapDraft, World, People, Class, ClassRobots),
+    *(Hello, Status, Robots, Scans, Map, MapDraft, WorldChanges, People, Class, ClassRobots),
     *(
-        Way,
+        PlannedWay,
         Navigation,
         GoalProgress,
         Mapping,
@@ -681,7 +681,7 @@ EVERY = (
         Pong,
         Details,
         NoDetails,
-        Config,
+        ConfigMessage,
     ),
 )
 """All messages."""

@@ -4,7 +4,7 @@ import msgspec
 
 from pioneer3.behaviors.modes import MODES
 from pioneer3.behaviors.modes.group import GROUP_MODES
-from pioneer3.behaviors.modes.mode import Choice, Described, Parameter
+from pioneer3.behaviors.modes.mode import Choice, Described, ModeParameter
 
 
 class FormField(msgspec.Struct, kw_only=True):
@@ -61,7 +61,7 @@ def _form(mode: type[Described], *, goes_to_place: bool, led: bool) -> ModeForm:
     )
 
 
-def _field(parameter: Parameter) -> FormField:
+def _field(parameter: ModeParameter) -> FormField:
     quantity = parameter.quantity
     scale = quantity.units[quantity.bare] if quantity else 1.0
 

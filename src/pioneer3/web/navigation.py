@@ -23,13 +23,13 @@ from pioneer3.runtime.robot import Robot
 from pioneer3.tasks import running
 from pioneer3.web import messages, requests
 from pioneer3.web.control import GOTO_TIME, SILENCE, Control, Operator
-from pioneer3.web.scene import Scene
+from pioneer3.web.scene import RobotScene
 
 if TYPE_CHECKING:
     from pioneer3.nav.estimate import Estimate
     from pioneer3.nav.planner import NoWay, Way
-    from pioneer3.navigation.navigator import Navigation as State
     from pioneer3.navigation.navigator import Navigator
+    from pioneer3.navigation.navigator import NavigatorState as State
     from pioneer3.navigation.traffic import Traffic
 
 log = logging.getLogger(__name__)
@@ -77,7 +77,7 @@ class RobotNavigation:
         self,
         number: int,
         robot: Robot,
-        scene: Scene,
+        scene: RobotScene,
         control: Control,
         *,
         show: Show,
@@ -157,7 +157,7 @@ class RobotNavigation:
             ),
         )
 
-    async def plan(self, place: Destination, speed: float) -> messages.Way:
+    async def plan(self, place: Destination, speed: float) -> messages.PlannedWay:
         """Return the way to a place from where the robot is.
 
         Raises:
@@ -167,7 +167,9 @@ class RobotNavigation:
         await navigator.find()  # planning gives the reason if it is not sure
         return self._shown(place, await navigator.plan(place), speed)
 
-    async def drive(self, operator: Operator, place: Destination, speed: float) -> messages.Way:
+    async def drive(
+        self, operator: Operator, place: Destination, speed: float
+    ) -> messages.PlannedWay:
         """Have the robot set out to a place for a script; return the way.
 
         Raises:
@@ -241,7 +243,7 @@ class RobotNavigation:
 
     def _refused(self, question: Question, why: str) -> messages.Message:
         if isinstance(question, requests.PlanWay):
-            return messages.Way(self._number, question.x, question.y, refusal=why)
+            return messages.PlannedWay(self._number, question.x, question.y, refusal=why)
         return messages.Told(f"{why[0].upper()}{why[1:]}.")
 
     def _destination(self, place: Place) -> Destination:
@@ -251,16 +253,16 @@ class RobotNavigation:
         name = place.name if place.name in names else ""
         return Destination(x=place.x, y=place.y, heading=place.heading, name=name)
 
-    def _shown(self, goal: "Destination", way: "Way | NoWay", speed: float) -> messages.Way:
+    def _shown(self, goal: "Destination", way: "Way | NoWay", speed: float) -> messages.PlannedWay:
         """Return the answer to a request that only asks for a way."""
         from pioneer3.nav.planner import NoWay
         from pioneer3.navigation.ways import to_drive
 
         why = way.why if isinstance(way, NoWay) else ""
         if isinstance(way, NoWay) and way.free is None:
-            return messages.Way(self._number, goal.x, goal.y, refusal=why)
+            return messages.PlannedWay(self._number, goal.x, goal.y, refusal=why)
         driven = to_drive(way)
-        return messages.Way(
+        return messages.PlannedWay(
             self._number,
             goal.x,
             goal.y,

@@ -15,7 +15,7 @@ from pioneer3.tasks import running
 from pioneer3.teleop.gamepad import SCHEME
 from pioneer3.web import messages, requests
 from pioneer3.web.access.access import Access
-from pioneer3.web.access.sessions import Session
+from pioneer3.web.access.sessions import LoginSession
 from pioneer3.web.audience import Audience, Audiences
 from pioneer3.web.classroom.classroom import Classroom
 from pioneer3.web.clients import Clients, PageClient
@@ -26,7 +26,7 @@ from pioneer3.web.mapping import RobotMapping
 from pioneer3.web.navigation import RobotNavigation
 from pioneer3.web.page_map import PageMap
 from pioneer3.web.robot_view import RobotView
-from pioneer3.web.scene import Scene
+from pioneer3.web.scene import RobotScene
 from pioneer3.web.world import WorldView
 
 UPDATE_PERIOD = 0.1
@@ -67,7 +67,7 @@ class Page:
 
     @asynccontextmanager
     async def hosting(
-        self, robot: Robot, scene: Scene, name: str = "", number: int = 0
+        self, robot: Robot, scene: RobotScene, name: str = "", number: int = 0
     ) -> AsyncIterator[RobotView]:
         """Show `robot` to all clients, and let them drive it, while the block lasts.
 
@@ -194,7 +194,7 @@ class Page:
         self.update()  # clients know a thing before the answer names it
         return answer
 
-    def _view(self, number: int, name: str, robot: Robot, scene: Scene) -> RobotView:
+    def _view(self, number: int, name: str, robot: Robot, scene: RobotScene) -> RobotView:
         tell = partial(self.clients.tell, number)
         control = Control(robot, scene, tell, partial(self._refusal, number))
         navigation = RobotNavigation(
@@ -231,12 +231,12 @@ class Page:
             return None
         return self.classroom.refusal(number, operator, take_over=take_over)
 
-    def _session_ended(self, session: Session) -> None:
+    def _session_ended(self, session: LoginSession) -> None:
         self.clients.release_control(session)
         if self.classroom is not None:
             self.classroom.session_ended(session)
 
-    def _add(self, view: RobotView, scene: Scene) -> None:
+    def _add(self, view: RobotView, scene: RobotScene) -> None:
         """Add a robot, with its world if it is the first."""
         others = dict(self.robots)
         self.robots.clear()
@@ -269,7 +269,9 @@ class Page:
             if news is not None:
                 audience.put("map", news)
 
-    def _hello(self, robots: tuple[messages.Robot, ...], audience: Audience) -> messages.Hello:
+    def _hello(
+        self, robots: tuple[messages.ListedRobot, ...], audience: Audience
+    ) -> messages.Hello:
         member = None
         if self.classroom is not None:
             own = audience.robot if audience.student else None

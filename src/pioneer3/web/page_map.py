@@ -7,10 +7,10 @@ from pioneer3.runtime.robot import Robot
 from pioneer3.sim.relief import FLAT, Relief
 from pioneer3.web import messages
 from pioneer3.web.robot_view import RobotView
-from pioneer3.web.scene import Scene
+from pioneer3.web.scene import RobotScene
 from pioneer3.web.world import map_message
 
-NOWHERE = Scene()
+NOWHERE = RobotScene()
 
 
 class PageMap:
@@ -26,7 +26,7 @@ class PageMap:
     """
 
     def __init__(self, robots: Mapping[int, RobotView], changed: Callable[[], None]) -> None:
-        self.simulated: Scene | None = None
+        self.simulated: RobotScene | None = None
         self._robots, self._changed = robots, changed
         self._shown: LineMap | None = None
 
@@ -77,7 +77,7 @@ class PageMap:
         return drawing or self._scene.map_now or self._shown
 
     @property
-    def _scene(self) -> Scene:
+    def _scene(self) -> RobotScene:
         """The scene whose map is known: the simulated one, or a robot's."""
         known = (view.scene for view in self._robots.values() if view.scene.map_now is not None)
         return self.simulated or next(known, NOWHERE)

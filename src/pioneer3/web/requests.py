@@ -39,7 +39,7 @@ class RobotRequest(Request, kw_only=True):
     robot: int | None = None
 
 
-class Drive(RobotRequest, tag="drive"):
+class VelocityRequest(RobotRequest, tag="drive"):
     """Hold this velocity [m/s, rad/s] with `input` until it expires; 0, 0 lets go.
 
     The robots `also` hold the same.
@@ -51,7 +51,7 @@ class Drive(RobotRequest, tag="drive"):
     also: Annotated[tuple[int, ...], Meta(max_length=100)] = ()
 
 
-class Stop(RobotRequest, tag="stop"):
+class StopRequest(RobotRequest, tag="stop"):
     """Stop the robot, whoever drives."""
 
 
@@ -184,7 +184,7 @@ class WatchLasers(Request, tag="watch_lasers"):
     on: bool
 
 
-class Ping(Request, tag="ping"):
+class PingRequest(Request, tag="ping"):
     """Ask for a pong with the same `t`."""
 
     t: float
@@ -215,7 +215,7 @@ class AddRobot(Request, tag="add_robot"):
     theta: Radian
 
 
-class Move(Request, tag="move"):
+class MoveRequest(Request, tag="move"):
     """Put a thing somewhere else."""
 
     id: int
@@ -251,13 +251,13 @@ class SetCharge(Request, tag="charge"):
     charge: Share
 
 
-class Pause(Request, tag="pause"):
+class PauseRequest(Request, tag="pause"):
     """Stop simulated time, or let it pass again."""
 
     paused: bool
 
 
-class Step(Request, tag="step"):
+class StepRequest(Request, tag="step"):
     """Let some simulated time pass [s], then stand still."""
 
     seconds: Annotated[float, Meta(ge=0.02, le=1.0)]
@@ -382,7 +382,7 @@ class RecordRun(Request, tag="record_run"):
     robot: int | None = None
 
 
-DriveRequest = Drive | Stop | EmergencyStop | ResetEmergencyStop | SwitchMotors
+DriveRequest = VelocityRequest | StopRequest | EmergencyStop | ResetEmergencyStop | SwitchMotors
 """Drives or stops one robot."""
 ControlRequest = TakeControl | TakeOver | HandOver | ReleaseControl
 """Changes who has control of a robot."""
@@ -392,19 +392,19 @@ MapRequest = Patrol | LookAround | PlaceRobot
 """Needs a map on which the robot can be found."""
 ViewRequest = WatchDetails | AskConfig | WatchLasers | PlanWay
 """Concerns this client alone."""
-FOR_ALL = (Stop, EmergencyStop, Ping, WatchDetails, AskConfig, WatchLasers)
+FOR_ALL = (StopRequest, EmergencyStop, PingRequest, WatchDetails, AskConfig, WatchLasers)
 """Requests that viewers may make; the others are for drivers."""
 Edit = (
     AddBox
     | AddPerson
     | AddRobot
-    | Move
+    | MoveRequest
     | Remove
     | PressStopButton
     | PlugCable
     | SetCharge
-    | Pause
-    | Step
+    | PauseRequest
+    | StepRequest
     | SetSpeed
 )
 """Changes the simulated world."""
@@ -415,12 +415,14 @@ MapEdit = MapChange | UndoMapEdit | DiscardMapEdits | SaveMap
 ClassRequest = PauseRobots | PutBack | FreeSeat | LockJoining | ShareAddresses | RecordRun
 """Concerns a class."""
 RobotAction = DriveRequest | ControlRequest | ModeRequest | MapRequest
-AnyRequest = RobotAction | StartGroupMode | ViewRequest | Ping | Edit | MapEdit | ClassRequest
+AnyRequest = (
+    RobotAction | StartGroupMode | ViewRequest | PingRequest | Edit | MapEdit | ClassRequest
+)
 FOR_STUDENTS = (
-    *(Drive, Stop, EmergencyStop, ResetEmergencyStop, SwitchMotors),
+    *(VelocityRequest, StopRequest, EmergencyStop, ResetEmergencyStop, SwitchMotors),
     *(TakeControl, TakeOver, ReleaseControl),
     *(StartMode, GotoPlace, EndMode, Patrol, LookAround, PlaceRobot, PlanWay),
-    *(WatchDetails, AskConfig, WatchLasers, Ping, RecordRun),
+    *(WatchDetails, AskConfig, WatchLasers, PingRequest, RecordRun),
 )
 """Requests that the students of a class may make, about their own robots."""
 ONLY_DRIVERS = "you are a viewer: you may look, and stop the robot"
@@ -428,7 +430,9 @@ ONLY_TEACHERS = "only your teacher may do this"
 NOT_YOURS = "this is not your robot"
 TOO_DEEP = "nested too deeply"
 _decoder: msgspec.json.Decoder[AnyRequest] = msgspec.json.Decoder(AnyRequest)
-_stops: msgspec.json.Decoder[Stop | EmergencyStop] = msgspec.json.Decoder(Stop | EmergencyStop)
+_stops: msgspec.json.Decoder[StopRequest | EmergencyStop] = msgspec.json.Decoder(
+    StopRequest | EmergencyStop
+)
 
 
 def decode(text: str) -> AnyRequest:
@@ -447,9 +451,9 @@ def refusal_for_student(request: AnyRequest, robot: int | None) -> Refusal | Non
     """Return the refusal of this request of the student of `robot`, or `None`."""
     if not isinstance(request, FOR_STUDENTS):
         return Refusal(ONLY_TEACHERS)
-    if isinstance(request, WatchLasers | Ping):
+    if isinstance(request, WatchLasers | PingRequest):
         return None
-    alone = not isinstance(request, Drive) or not request.also
+    alone = not isinstance(request, VelocityRequest) or not request.also
     return None if request.robot == robot is not None and alone else Refusal(NOT_YOURS)
 
 

@@ -14,10 +14,10 @@ from pioneer3.state import Scan, Snapshot
 from pioneer3.web import messages
 from pioneer3.web.audience import Audience
 from pioneer3.web.control import Control, Operator
-from pioneer3.web.details import Details
+from pioneer3.web.details import RobotDetails
 from pioneer3.web.mapping import RobotMapping
 from pioneer3.web.navigation import RobotNavigation
-from pioneer3.web.scene import Scene
+from pioneer3.web.scene import RobotScene
 
 SONAR_MAX = 5.0
 DEFAULT_SPEED, DEFAULT_TURN_RATE = 0.3, 0.6
@@ -52,7 +52,7 @@ class RobotView:
         name: str,
         robot: Robot,
         *,
-        scene: Scene,
+        scene: RobotScene,
         control: Control,
         navigation: RobotNavigation,
         mapping: RobotMapping,
@@ -64,13 +64,13 @@ class RobotView:
         self.navigation = navigation
         self.mapping = mapping
         self.scene = scene
-        self.details = Details(number, robot, scene)
+        self.details = RobotDetails(number, robot, scene)
 
     def sensor_in_map(self, scan: Scan) -> Pose2:
         """Return the pose of the laser in the map at the time of a sweep [m, rad]."""
         return self.scene.robot_in_map(scan.robot_in_odom) @ scan.sensor_in_robot
 
-    def describe(self) -> messages.Robot:
+    def describe(self) -> messages.ListedRobot:
         """Return the part of the hello for this robot."""
         laser = self.robot.laser
         return robot_part(
@@ -111,7 +111,7 @@ class RobotView:
             messages.ModeEnd(ended.mode.name, ended.done, ended.why) if ended else None,
         )
 
-    def snapshot(self, snapshot: Snapshot, clients: ConnectedClients) -> messages.Snapshot:
+    def snapshot(self, snapshot: Snapshot, clients: ConnectedClients) -> messages.SnapshotMessage:
         """Return the message part for a snapshot."""
         arbiter, odom = self.robot.arbiter, snapshot.odometry.robot_in_odom
         return snapshot_part(
@@ -148,9 +148,9 @@ def robot_part(
     plans: bool = False,
     forbids: str = "",
     camera: bool = False,
-) -> messages.Robot:
+) -> messages.ListedRobot:
     """Return the part of the hello for a robot; `info` is `None` before the first connection."""
-    return messages.Robot(
+    return messages.ListedRobot(
         id=number,
         name=name,
         kind=kind(info) if info else "ROBOT",
@@ -176,19 +176,21 @@ def snapshot_part(
     mode: messages.ModeState = NO_MODE,
     commanded: Twist2 | None = None,
     target: messages.Target | None = None,
-) -> messages.Snapshot:
+) -> messages.SnapshotMessage:
     """Return the message part for a snapshot of a robot."""
     motors = now.motors
-    return messages.Snapshot(
+    return messages.SnapshotMessage(
         robot=number,
         sequence=now.sequence,
         robot_in_map=robot_in_map,
         robot_in_odom=now.odometry.robot_in_odom,
         twist=now.odometry.twist,
-        sonar=messages.Sonar(now.sonar.ranges, now.sonar.enabled),
+        sonar=messages.SonarRanges(now.sonar.ranges, now.sonar.enabled),
         bumpers=now.bumpers,
         battery=now.battery,
-        motors=messages.Motors(motors.enabled, motors.stalled, motors.moving, motors.stop_button),
+        motors=messages.DriveState(
+            motors.enabled, motors.stalled, motors.moving, motors.stop_button
+        ),
         link=now.link,
         faults=now.faults,
         why=why and why.text,

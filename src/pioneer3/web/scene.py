@@ -17,7 +17,7 @@ from pioneer3.errors import CommandError, ConfigError
 from pioneer3.geometry import ORIGIN, Pose2
 from pioneer3.maps import LineMap
 from pioneer3.navigation.simulator import TruePose, known_map
-from pioneer3.navigation.traffic import Place, frame_of
+from pioneer3.navigation.traffic import SharedPlace, frame_of
 from pioneer3.robot.supervisor import is_simulator
 from pioneer3.runtime.robot import Robot
 from pioneer3.sim.relief import FLAT, Relief
@@ -114,7 +114,7 @@ class Located:
 
 
 @dataclass(frozen=True, slots=True)
-class Scene:
+class RobotScene:
     """The surroundings of a robot.
 
     Attributes:
@@ -155,7 +155,7 @@ class Scene:
         true = reported or (self.truth() if self.truth else None)
         return true or (self.located.odom_in_map() or self.odom_in_map) @ robot_in_odom
 
-    def place(self, snapshot: Snapshot) -> Place | str:
+    def place(self, snapshot: Snapshot) -> SharedPlace | str:
         """Return the place of odometry in a frame that is shared by robots of the same world.
 
         Returns:
@@ -169,7 +169,9 @@ class Scene:
             frame = self.remote.frame
         elif self.truth is None and (unsure := self.located.unsure()):
             return unsure
-        return Place(frame, self.odom_in_map_now(snapshot.odometry.robot_in_odom), true=remote)
+        return SharedPlace(
+            frame, self.odom_in_map_now(snapshot.odometry.robot_in_odom), true=remote
+        )
 
     @property
     def map_now(self) -> LineMap | None:

@@ -15,7 +15,7 @@ from pioneer3.tasks import running
 from pioneer3.web.access.certificate import Certificate
 from pioneer3.web.access.hosts import is_loopback, others_urls, own_names
 from pioneer3.web.app import make_app
-from pioneer3.web.connections import BACKLOG, ConnectionLimits, Server, TenfoldFilter
+from pioneer3.web.connections import BACKLOG, ConnectionLimits, TenfoldFilter, WebServer
 from pioneer3.web.page import Page
 from pioneer3.web.websocket import BoundedWebSocket
 
@@ -104,7 +104,7 @@ async def _running(
         ssl_keyfile=certificate.key if certificate else None,
         timeout_graceful_shutdown=GOODBYE,
     )
-    server = Server(config, limits)
+    server = WebServer(config, limits)
     # its own serve() would take over the signals, which stop the robot
     serving = asyncio.ensure_future(server._serve(listeners))
     try:

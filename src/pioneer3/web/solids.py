@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from pioneer3.maps import LineMap
 from pioneer3.sim.relief import Relief, Solid
 from pioneer3.sim.relief.relief import sides_in
-from pioneer3.sim.relief.shapes import Block, Column, Hull, Shape, Terrain, Wedge, outer
+from pioneer3.sim.relief.shapes import Block, Hull, Shape, Terrain, UprightCylinder, Wedge, outer
 from pioneer3.web.messages import MapShape, MapSolid
 
 Float = NDArray[np.float64]
@@ -50,7 +50,7 @@ def _shape(shape: Shape) -> MapShape:
             return MapShape("block", at, size)
         case Wedge(size=size):
             return MapShape("wedge", at, size)
-        case Column(radius=radius, height=height):
+        case UprightCylinder(radius=radius, height=height):
             return MapShape("column", at, (2 * radius, 2 * radius, height))
         case Terrain(size=size):
             kept = np.ix_(*map(_spread, shape.heights.shape))

@@ -21,17 +21,17 @@ from pioneer3.sim.server.running import SimulatedRobot as RobotItem
 from pioneer3.sim.worldfile import Box as BoxItem
 from pioneer3.web.audience import Audience
 from pioneer3.web.messages import (
-    Box,
-    Clock,
+    BoxThing,
     Drawing,
+    DrawnObject,
     Map,
     MapCells,
-    MapObject,
     Model,
-    Person,
+    PersonThing,
     Placed,
-    SimulatedRobot,
-    World,
+    RobotThing,
+    SimulatedTime,
+    WorldChanges,
     encode,
 )
 from pioneer3.web.solids import heights_of_lines, solids_of
@@ -103,21 +103,21 @@ class WorldView:
                 return item
         raise CommandError("this is not there any more")
 
-    def clock(self) -> Clock:
+    def clock(self) -> SimulatedTime:
         """Return how fast time runs, and while it stands still the time [s]."""
         pace = self.simulation.pace
-        return Clock(
+        return SimulatedTime(
             paused=pace.paused,
             speed=pace.speed,
             factor=round(pace.real_time_factor, 1),
             time=round(self.simulation.world.time, 2) if pace.paused else None,
         )
 
-    def describe(self, item: Item, number: int) -> Box | Person | SimulatedRobot:
+    def describe(self, item: Item, number: int) -> BoxThing | PersonThing | RobotThing:
         """Return the message part for an item."""
         if isinstance(item, Obstacle):
             front, rear, side, _ = item.sizes
-            kind = Box if isinstance(item.kind, BoxItem) else Person
+            kind = BoxThing if isinstance(item.kind, BoxItem) else PersonThing
             return kind(
                 id=number,
                 name=item.name,
@@ -129,7 +129,7 @@ class WorldView:
                 height=item.height,
             )
         model, port = item.model, item.port
-        return SimulatedRobot(
+        return RobotThing(
             id=number,
             name=item.name,
             front=model.length_front,
@@ -155,7 +155,7 @@ def _placed(pose: Pose2) -> Placed:
 class _Known:
     """A thing as last sent, with the versions of its description and of its place."""
 
-    thing: Box | Person | SimulatedRobot
+    thing: BoxThing | PersonThing | RobotThing
     described: int
     moved: int
 
@@ -169,7 +169,7 @@ class WorldChannel:
         self._known: dict[int, _Known] = {}
         self._gone: dict[int, int] = {}
         self._complete_since = 0
-        self._clock: Clock | None = None
+        self._clock: SimulatedTime | None = None
         self._texts: dict[int, list[str]] = {}
 
     def update(self) -> bool:
@@ -198,11 +198,11 @@ class WorldChannel:
             self._texts[seen] = [encode(self._message(seen))]
         return self._texts[seen]
 
-    def _message(self, seen: int) -> World:
+    def _message(self, seen: int) -> WorldChanges:
         complete = seen == 0 or seen < self._complete_since
         known = self._known.values()
         moved = [k.thing for k in known if k.described <= seen < k.moved and not complete]
-        return World(
+        return WorldChanges(
             all=complete,
             things=tuple(k.thing for k in known if complete or k.described > seen),
             moved=tuple((thing.id, *thing.thing_in_map) for thing in moved),
@@ -210,7 +210,7 @@ class WorldChannel:
             clock=self._clock,
         )
 
-    def _note(self, thing: Box | Person | SimulatedRobot, version: int) -> bool:
+    def _note(self, thing: BoxThing | PersonThing | RobotThing, version: int) -> bool:
         known = self._known.get(thing.id)
         if known is None or replace(known.thing, thing_in_map=thing.thing_in_map) != thing:
             self._known[thing.id] = _Known(thing, version, version)
@@ -256,8 +256,8 @@ def _cells(grid: OccupancyGrid) -> MapCells:
     return MapCells(png, small.resolution, (origin.x, origin.y, origin.theta))
 
 
-def _object(item: NamedPlace) -> MapObject:
-    return MapObject(
+def _object(item: NamedPlace) -> DrawnObject:
+    return DrawnObject(
         role=item.role,
         kind=item.kind,
         name=item.name,

@@ -7,9 +7,9 @@ from pioneer3.arcos.device import (
     Commanded,
     Device,
     Event,
-    Phase,
     SessionClosed,
     SessionOpened,
+    SessionPhase,
     WatchdogExpired,
     WatchdogFed,
 )
@@ -39,7 +39,7 @@ def test_each_sync_is_answered() -> None:
     for sync, answer in ((SYNC0, SYNC0), (SYNC1, SYNC1), (SYNC2, IDENTITY)):
         assert robot.receive(sync, 0.0) == []
         assert robot.outgoing() == answer
-    assert robot.phase is Phase.READY
+    assert robot.phase is SessionPhase.READY
     assert not robot.is_open
     assert robot.receive(OPEN, 0.0) == [SessionOpened()]
     assert robot.is_open

@@ -10,9 +10,9 @@ from pioneer3.arcos.host_events import (
     Event,
     Lost,
     Opened,
-    Received,
+    ReportReceived,
+    SessionState,
     SpeedWanted,
-    State,
     Timing,
 )
 from pioneer3.arcos.packet import encode
@@ -63,7 +63,7 @@ def configured(now: float = 0.0) -> Host:
 
 
 def closed(host: Host) -> bool:
-    return host.state is State.CLOSED
+    return host.state is SessionState.CLOSED
 
 
 def later(host: Host, until: float) -> list[Event]:
@@ -88,7 +88,7 @@ def test_a_handshake_is_three_questions_to_a_robot_that_was_silent() -> None:
     host.receive(SYNC[1], 0.0)
     assert host.outgoing() == SYNC[2]
     assert host.receive(WHO, 0.1) == [Opened(IDENTITY)]
-    assert host.state is State.OPEN
+    assert host.state is SessionState.OPEN
     assert host.identity == IDENTITY
 
 
@@ -117,7 +117,7 @@ def test_silence_in_the_handshake_begins_it_anew(answers: int) -> None:
     assert host.outgoing() == b""
     host.tick(0.4)
     assert host.outgoing() == SYNC[0]
-    assert host.state is State.SYNC0
+    assert host.state is SessionState.SYNC0
 
 
 @pytest.mark.parametrize("stray", [SYNC[1], SYNC[2], WHO, encode(b"\xff"), encode(b"\x90\1\2")])
@@ -125,7 +125,7 @@ def test_late_mail_is_ignored_in_the_handshake(stray: bytes) -> None:
     host = listened()
     host.outgoing()
     assert host.receive(stray, 0.0) == []
-    assert host.state is State.SYNC0
+    assert host.state is SessionState.SYNC0
     assert host.outgoing() == b""
 
 
@@ -155,7 +155,7 @@ def test_giving_up_says_what_was_heard(speeds: tuple[int, ...], noise: bytes, re
     host = Host(0.0, speeds=speeds)
     host.receive(noise, 0.0)
     assert later(host, 20.0)[-1] == Lost(reason)
-    assert host.state is State.CLOSED
+    assert host.state is SessionState.CLOSED
     assert host.tick(30.0) == []
 
 
@@ -265,7 +265,7 @@ def test_config_is_announced_once_and_kept() -> None:
     assert host.receive(wire(CONFIG), 0.1) == [Configured(CONFIG)]
     assert host.config is CONFIG or host.config == CONFIG
     assert host.config_settled
-    assert host.receive(wire(CONFIG), 0.2) == [Received(CONFIG)]
+    assert host.receive(wire(CONFIG), 0.2) == [ReportReceived(CONFIG)]
 
 
 def test_config_is_asked_for_again_and_then_done_without() -> None:
@@ -325,7 +325,10 @@ def test_a_sound_config_after_a_spoilt_one_is_trusted() -> None:
 
 def test_reports_are_handed_on() -> None:
     io = reports.from_payload(b"\x90" + bytes(8))
-    assert configured().receive(wire(SIP) + wire(io), 0.1) == [Received(SIP), Received(io)]
+    assert configured().receive(wire(SIP) + wire(io), 0.1) == [
+        ReportReceived(SIP),
+        ReportReceived(io),
+    ]
 
 
 def test_a_quiet_host_pulses_twice_a_second() -> None:

@@ -5,7 +5,7 @@ from math import cos, inf, pi, sin
 
 from pioneer3.behaviors.action import Combined, Desire, Situation, Weighted, as_weighted
 from pioneer3.behaviors.engine import Proposal, combine
-from pioneer3.behaviors.surroundings import Field, Surroundings
+from pioneer3.behaviors.surroundings import FieldOfView, Surroundings
 from pioneer3.geometry import ORIGIN, STILL, Pose2, Twist2
 from pioneer3.limits import Limits
 from pioneer3.models import RobotModel, load_model
@@ -66,7 +66,7 @@ def looking_ahead(*polar: tuple[float, float], sonar: bool = False) -> Situation
     """Return the situation of a robot that senses half a turn ahead, and has seen these points."""
     place = around(*polar)
     half = Surroundings(
-        ORIGIN, [(p.x, p.y) for p in place.points()], fields=[Field(-pi / 2, pi / 2)]
+        ORIGIN, [(p.x, p.y) for p in place.points()], fields=[FieldOfView(-pi / 2, pi / 2)]
     )
     situation = seen(around=half)
     return replace(situation, snapshot=replace(situation.snapshot, sonar=Sonar(enabled=sonar)))

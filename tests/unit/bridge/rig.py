@@ -8,9 +8,9 @@ from pioneer3.arcos.device import Commanded, Device, SessionClosed
 from pioneer3.arcos.host_events import Timing
 from pioneer3.arcos.packet import PacketReader, encode
 from pioneer3.arcos.reports import Sip
-from pioneer3.bridge.client import Client
+from pioneer3.bridge.client import BridgeClient
 from pioneer3.bridge.relay import Relay
-from pioneer3.bridge.robot_side import State
+from pioneer3.bridge.robot_side import RobotSideState
 from pioneer3.state import Identity
 from tests.support import frame
 
@@ -63,14 +63,14 @@ class Rig:
         self.motors = False
         self.reporting = self.brakes = True
 
-    def host(self, name: str, *, gives_way: bool = False) -> tuple[FakePort, Client]:
+    def host(self, name: str, *, gives_way: bool = False) -> tuple[FakePort, BridgeClient]:
         """Return a host that has connected."""
         port = FakePort(name, gives_way=gives_way)
         client = self.relay.join(port, self.now)
         assert client is not None
         return port, client
 
-    def open_host(self, name: str, *, gives_way: bool = False) -> tuple[FakePort, Client]:
+    def open_host(self, name: str, *, gives_way: bool = False) -> tuple[FakePort, BridgeClient]:
         """Return a host with an open session."""
         port, client = self.host(name, gives_way=gives_way)
         for number in (0, 1, 2):
@@ -79,12 +79,12 @@ class Rig:
         self.send(client, frame(commands.Open()))
         return port, client
 
-    def send(self, client: Client, data: bytes) -> None:
+    def send(self, client: BridgeClient, data: bytes) -> None:
         """Let a host send bytes."""
         self.relay.receive(client, data, self.now)
         self.exchange()
 
-    def say(self, client: Client, *said: Command) -> None:
+    def say(self, client: BridgeClient, *said: Command) -> None:
         """Let a host send commands."""
         self.send(client, b"".join(map(frame, said)))
 
@@ -116,7 +116,7 @@ class Rig:
                         self.commands.append(commands.Close())
             if answer := self.device.outgoing():
                 relay.robot_sent(answer, self.now)
-            elif relay.robot.state is State.CLOSED:
+            elif relay.robot.state is RobotSideState.CLOSED:
                 relay.link_closed()
             elif not data and not relay.wanted:
                 return

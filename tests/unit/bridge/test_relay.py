@@ -4,8 +4,8 @@ import pytest
 
 from pioneer3.arcos import commands, reports
 from pioneer3.arcos.packet import encode
-from pioneer3.bridge.client import Client
-from pioneer3.bridge.guard import Hold
+from pioneer3.bridge.client import BridgeClient
+from pioneer3.bridge.guard import HeldBack
 from tests.support import frame
 from tests.unit.bridge.rig import IDENTITY, FakePort, Rig, payloads
 
@@ -13,7 +13,7 @@ GO = commands.Vel(speed=0.3)
 ON = commands.Enable(on=True)
 
 
-def driving(rig: Rig) -> tuple[FakePort, Client]:
+def driving(rig: Rig) -> tuple[FakePort, BridgeClient]:
     port, client = rig.open_host("first")
     rig.say(client, ON, GO)
     rig.wait(0.2)
@@ -182,7 +182,7 @@ def test_a_holder_that_acknowledges_nothing_is_cut_off() -> None:
         rig.exchange()
         assert rig.now < began + 0.6
     assert rig.now - began >= 0.5
-    assert rig.relay.holds == {Hold.CUT_OFF}
+    assert rig.relay.holds == {HeldBack.CUT_OFF}
     rig.say(holder, GO)
     rig.wait(0.2)
     rig.say(holder, GO)

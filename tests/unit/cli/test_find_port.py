@@ -8,7 +8,7 @@ from pioneer3.cli.diagnosis import find_port
 from pioneer3.cli.tables import advice
 from pioneer3.doctor import ports, probe
 from pioneer3.doctor.ports import SerialPort
-from pioneer3.doctor.probe import Probed, Verdict
+from pioneer3.doctor.probe import Probed, ProbeVerdict
 
 ADAPTER = SerialPort(
     path="/dev/serial/by-id/usb-FTDI_A1", device="/dev/ttyUSB0", manufacturer="FTDI", product="R"
@@ -55,26 +55,32 @@ def test_without_a_robot_the_exit_code_is_3(
 
 
 def test_the_option_to_use_is_spelt_out() -> None:
-    found = [Probed("tcp://localhost:8101", Verdict.SIMULATOR), Probed(ADAPTER.path, Verdict.ROBOT)]
+    found = [
+        Probed("tcp://localhost:8101", ProbeVerdict.SIMULATOR),
+        Probed(ADAPTER.path, ProbeVerdict.ROBOT),
+    ]
     text = advice(found).plain
     assert f"Use: --port {ADAPTER.path}" in text
     assert "a SIMULATOR runs too" in text
 
 
 def test_a_simulator_is_never_passed_off_as_a_robot() -> None:
-    text = advice([Probed("tcp://localhost:8101", Verdict.SIMULATOR)]).plain
+    text = advice([Probed("tcp://localhost:8101", ProbeVerdict.SIMULATOR)]).plain
     assert "a SIMULATOR; no real robot answers" in text
 
 
 def test_the_option_for_each_laser_is_spelt_out_beside_that_of_the_robot() -> None:
-    laser = Probed("/dev/ttyACM0", Verdict.LASER, "Hokuyo")
-    both = advice([Probed("/dev/ttyUSB0", Verdict.ROBOT), laser]).plain
+    laser = Probed("/dev/ttyACM0", ProbeVerdict.LASER, "Hokuyo")
+    both = advice([Probed("/dev/ttyUSB0", ProbeVerdict.ROBOT), laser]).plain
     assert "Use: --port /dev/ttyUSB0\nThe laser: --laser /dev/ttyACM0" in both
     assert "--laser /dev/ttyACM0" in advice([laser]).plain
 
 
 def test_without_a_robot_the_most_promising_port_goes_to_the_doctor() -> None:
-    found = [Probed("/dev/ttyS0", Verdict.SILENT), Probed("/dev/ttyUSB0", Verdict.NO_PERMISSION)]
+    found = [
+        Probed("/dev/ttyS0", ProbeVerdict.SILENT),
+        Probed("/dev/ttyUSB0", ProbeVerdict.NO_PERMISSION),
+    ]
     assert "Why not: p3 doctor -p /dev/ttyUSB0\n" in advice(found).plain
-    nobody = [Probed("tcp://localhost:8101", Verdict.NOBODY)]
+    nobody = [Probed("tcp://localhost:8101", ProbeVerdict.NOBODY)]
     assert "Why not: p3 find-port --wait\nWithout a robot: p3 sim" in advice(nobody).plain

@@ -8,7 +8,7 @@ import pytest
 from rich.console import Console
 
 from pioneer3.cli.map import _print_map, check, convert, map_app, show
-from pioneer3.cli.map_drawing import Canvas
+from pioneer3.cli.map_drawing import CharacterCanvas
 from pioneer3.errors import ConfigError
 from pioneer3.maps import shipped_map
 from pioneer3.sim.map_convert import look
@@ -42,7 +42,7 @@ def test_the_drawing_names_places_and_has_a_scale() -> None:
 def test_a_wall_is_drawn_where_it_stands(tmp_path: Path) -> None:
     path = tmp_path / "l.map"
     path.write_text("2D-Map\nLINES\n0 0 10000 0\n0 0 0 10000\n")
-    rows = Canvas(look(str(path)).drawing, 40, 10).text().plain.splitlines()
+    rows = CharacterCanvas(look(str(path)).drawing, 40, 10).text().plain.splitlines()
     # an L: a stroke down the left, and one along the bottom
     assert [row[0] for row in rows[:-1]] == ["⡇"] * (len(rows) - 1)
     assert set(rows[-1][1:-1]) == {"⣀"}

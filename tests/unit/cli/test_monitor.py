@@ -12,7 +12,7 @@ from pioneer3.geometry import Pose2, Twist2
 from pioneer3.models import load_model
 from pioneer3.robot.explain import Reason, ReasonKind
 from pioneer3.robot.limits import limits_for
-from pioneer3.robot.supervisor import Connection, RobotInfo, Status
+from pioneer3.robot.supervisor import Connection, ConnectionStatus, RobotInfo
 from pioneer3.state import (
     Battery,
     Bumpers,
@@ -52,10 +52,12 @@ WORST = Snapshot(
     faults=("gyro fault",),
 )
 BECAUSE = Reason(ReasonKind.FAULT, "Because.")
-CONNECTED = Status(Connection.CONNECTED, "Bender")
+CONNECTED = ConnectionStatus(Connection.CONNECTED, "Bender")
 
 
-def shown(snapshot: Snapshot | None, status: Status = CONNECTED, width: int = 80) -> list[str]:
+def shown(
+    snapshot: Snapshot | None, status: ConnectionStatus = CONNECTED, width: int = 80
+) -> list[str]:
     """Return the lines of the screen."""
     console = Console(file=StringIO(), width=width, height=24, highlight=False)
     console.print(screen(ROBOT, snapshot, BECAUSE, status, width=width))
@@ -95,7 +97,7 @@ def test_front_and_rear_ring_stand_side_by_side() -> None:
 
 
 def test_a_lost_link_is_said_loudly_and_why() -> None:
-    text = "\n".join(shown(None, Status(Connection.LOST, "cable pulled")))
+    text = "\n".join(shown(None, ConnectionStatus(Connection.LOST, "cable pulled")))
     assert "no readings: the link is lost" in text
     assert "lost: cable pulled" in text
 

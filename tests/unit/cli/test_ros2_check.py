@@ -3,12 +3,12 @@
 from rich.console import Console
 
 from pioneer3.cli.ros2_check_table import absent_line, summary, table
-from pioneer3.ros.checks.facts import Fault, Part, Report, Row, fail, warn
+from pioneer3.ros.checks.facts import CheckFault, CheckReport, CheckRow, ReportPart, fail, warn
 
 
-def row(name: str, *faults: Fault, absent: str = "", rate: float | None = 10.0) -> Row:
-    return Row(
-        part=Part.PUBLISHED,
+def row(name: str, *faults: CheckFault, absent: str = "", rate: float | None = 10.0) -> CheckRow:
+    return CheckRow(
+        part=ReportPart.PUBLISHED,
         name=name,
         expected="sensor_msgs/msg/Range, 3 Hz",
         found="10.0 Hz",
@@ -18,8 +18,8 @@ def row(name: str, *faults: Fault, absent: str = "", rate: float | None = 10.0) 
     )
 
 
-def shown(*rows: Row, width: int = 80) -> str:
-    report = Report(node="/robot1/pioneer3", seconds=5.0, rows=rows)
+def shown(*rows: CheckRow, width: int = 80) -> str:
+    report = CheckReport(node="/robot1/pioneer3", seconds=5.0, rows=rows)
     console = Console(width=width, color_system=None, force_terminal=False)
     with console.capture() as capture:
         console.print(table(report, width))

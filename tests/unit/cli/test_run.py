@@ -21,11 +21,11 @@ from pioneer3.sim.worldfile import RobotSpec
 from pioneer3.sim.worldfile.arguments import WorldOverrides
 from pioneer3.web import live as live_module
 from pioneer3.web.access import hosts
-from pioneer3.web.access.sessions import Kind, Role, Session
-from pioneer3.web.hosting import Target, hosted
-from pioneer3.web.live import Options, live
+from pioneer3.web.access.sessions import LoginSession, Role, SessionKind
+from pioneer3.web.hosting import ConnectTarget, hosted
+from pioneer3.web.live import RunOptions, live
 from pioneer3.web.page import Page
-from pioneer3.web.scene import Scene
+from pioneer3.web.scene import RobotScene
 from pioneer3.web.server import serve
 from tests.support import until
 
@@ -36,15 +36,15 @@ R2D2 = (RobotSpec(model="r2d2"),)
 
 def given(
     line: str, monkeypatch: pytest.MonkeyPatch, environment: dict[str, str] | None = None
-) -> Options:
+) -> RunOptions:
     """Return the options that a command line amounts to."""
     monkeypatch.delenv("PIONEER3_PORT", raising=False)
     monkeypatch.delenv("PIONEER3_BAUD", raising=False)
     for name, value in (environment or {}).items():
         monkeypatch.setenv(name, value)
-    seen: list[Options] = []
+    seen: list[RunOptions] = []
 
-    async def note(options: Options, tell: object) -> int:
+    async def note(options: RunOptions, tell: object) -> int:
         seen.append(options)
         return 0
 
@@ -124,13 +124,13 @@ def test_the_port_may_come_from_the_environment(monkeypatch: pytest.MonkeyPatch)
 
 def test_the_function_has_the_defaults_of_the_options() -> None:
     defaults = run.__kwdefaults__ or {}
-    options = Options()
+    options = RunOptions()
     for name in ("baud", "sim_port", "web_port", "host", "max_speed"):
         assert defaults[name] == getattr(options, name)
     assert (defaults["port"], defaults["robot"]) == (options.ports, options.robots)
 
 
-async def told_by(options: Options, count: int, words: str = "") -> list[str]:
+async def told_by(options: RunOptions, count: int, words: str = "") -> list[str]:
     """Run until `count` lines with `words` have been told; return all."""
     lines: list[str] = []
     enough = asyncio.Event()
@@ -152,7 +152,7 @@ async def told_by(options: Options, count: int, words: str = "") -> list[str]:
 
 @pytest.mark.realtime
 async def test_on_loopback_there_is_nothing_to_warn_of() -> None:
-    lines = await told_by(Options(sim_port=0, web_port=0), 2)
+    lines = await told_by(RunOptions(sim_port=0, web_port=0), 2)
     assert lines[0].startswith("Connected to a SIMULATOR: MobileSim, Pioneer 3-AT (p3at-sh), on ")
     assert lines[1].startswith("Drive it at http://127.0.0.1:")
     assert not any("WARNING" in line for line in lines)
@@ -160,7 +160,7 @@ async def test_on_loopback_there_is_nothing_to_warn_of() -> None:
 
 @pytest.mark.realtime
 async def test_every_robot_of_a_world_is_connected() -> None:
-    lines = await told_by(Options(map_name="lab", sim_port=0, web_port=0), 3)
+    lines = await told_by(RunOptions(map_name="lab", sim_port=0, web_port=0), 3)
     who = [re.findall(r"^Connected to a SIMULATOR: (.*), on tcp://127", line) for line in lines[:2]]
     assert sorted(who) == [["alice, Pioneer 3-DX (p3dx-sh)"], ["bob, Pioneer 3-AT (p3at-sh)"]]
     assert lines[2].startswith("Drive them at http://127.0.0.1:")
@@ -168,14 +168,16 @@ async def test_every_robot_of_a_world_is_connected() -> None:
 
 @pytest.mark.realtime
 async def test_a_robot_that_begins_in_a_wall_is_pointed_out() -> None:
-    options = Options(overrides=WorldOverrides(starts=(Pose2(0.0, 0.0),)), sim_port=0, web_port=0)
+    options = RunOptions(
+        overrides=WorldOverrides(starts=(Pose2(0.0, 0.0),)), sim_port=0, web_port=0
+    )
     lines = await told_by(options, 3)
     assert lines[0].startswith("WARNING: p3at-sh begins in a wall")
 
 
 @pytest.mark.realtime
 async def test_beyond_loopback_others_are_told_to_pair() -> None:
-    lines = await told_by(Options(sim_port=0, web_port=0, host="0.0.0.0"), 5)
+    lines = await told_by(RunOptions(sim_port=0, web_port=0, host="0.0.0.0"), 5)
     assert lines[2].startswith("For other devices, after pairing: http://")
     assert "https://" in lines[2]
     assert "SHA-256 " in lines[3]
@@ -185,7 +187,7 @@ async def test_beyond_loopback_others_are_told_to_pair() -> None:
 
 @pytest.mark.realtime
 async def test_a_person_at_a_terminal_is_shown_a_code_and_two_tokens() -> None:
-    options = Options(sim_port=0, web_port=0, host="0.0.0.0", show_tokens=True)
+    options = RunOptions(sim_port=0, web_port=0, host="0.0.0.0", show_tokens=True)
     lines = await told_by(options, 2, "/pair#")
     tokens = re.findall(r"/pair#([\w-]+)", "\n".join(lines))
     assert len(tokens) == len(set(tokens)) == 2
@@ -198,7 +200,7 @@ async def test_who_wants_others_in_but_has_no_network_is_told(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(hosts, "lan_addresses", lambda host: [])
-    lines = await told_by(Options(sim_port=0, web_port=0, host="0.0.0.0"), 1, "No other device")
+    lines = await told_by(RunOptions(sim_port=0, web_port=0, host="0.0.0.0"), 1, "No other device")
     assert "this computer has no address in a network" in lines[-1]
 
 
@@ -207,9 +209,9 @@ async def test_a_busy_port_is_refused_with_the_option_that_changes_it() -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
         with pytest.raises(PortBusyError, match=f"127.0.0.1:{port}: in use.* with --sim-port"):
-            await live(Options(sim_port=port, web_port=0), print)
+            await live(RunOptions(sim_port=port, web_port=0), print)
         with pytest.raises(PortBusyError, match=f"127.0.0.1:{port}: in use.* with --web-port"):
-            await live(Options(sim_port=0, web_port=port), print)
+            await live(RunOptions(sim_port=0, web_port=port), print)
 
 
 @pytest.mark.realtime
@@ -223,7 +225,7 @@ async def test_https_does_not_take_the_port_of_a_simulated_robot(
         return serve(page, **options)
 
     monkeypatch.setattr(live_module, "serve", note)
-    lines = await told_by(Options(robots=TWO, sim_port=0, web_port=0), 2, "Connected")
+    lines = await told_by(RunOptions(robots=TWO, sim_port=0, web_port=0), 2, "Connected")
     told = {int(line.rsplit(":", 1)[1]) for line in lines if "Connected" in line}
     assert sorted(seen["taken"]) == sorted(told)
 
@@ -232,7 +234,7 @@ async def test_https_does_not_take_the_port_of_a_simulated_robot(
 async def test_the_map_of_a_simulator_in_another_program_is_shown_and_the_robot_in_it() -> None:
     page, told = Page(), list[str]()
     async with simulator(map_name="lab", port=0) as there:
-        target = Target(url=there.url, scene=Scene())
+        target = ConnectTarget(url=there.url, scene=RobotScene())
         async with hosted(page, [target], told.append):
             scene = page.robots[1].scene
             await until(lambda: scene.map_now and scene.remote and scene.remote.pose)
@@ -251,8 +253,10 @@ async def test_the_map_of_a_simulator_in_another_program_is_shown_and_the_robot_
 class Onlooker:
     name: str = "ann"
     role: Role = Role.VIEWER
-    session: Session = field(
-        default_factory=lambda: Session(id="1", name="ann", role=Role.VIEWER, kind=Kind.BROWSER)
+    session: LoginSession = field(
+        default_factory=lambda: LoginSession(
+            id="1", name="ann", role=Role.VIEWER, kind=SessionKind.BROWSER
+        )
     )
 
     def tell(self, news: str) -> None: ...
@@ -266,16 +270,19 @@ class Onlooker:
 @pytest.mark.parametrize(
     ("options", "error"),
     [
-        (Options(ports=("tcp://127.0.0.1:1",), web_port=0), PortNotFoundError),
-        (Options(ports=("tcp://127.0.0.1:1",), map_name="nowhere", web_port=0), ConfigError),
-        (Options(ports=("tcp://127.0.0.1:1",), robots=R2D2, web_port=0), ConfigError),
-        (Options(ports=("tcp://127.0.0.1:1", "tcp://127.0.0.1:2"), web_port=0), PortNotFoundError),
-        (Options(robots=R2D2 * 2, sim_port=0, web_port=0), ConfigError),
-        (Options(sim_port=0, web_port=0, max_speed=-1.0), ConfigError),
+        (RunOptions(ports=("tcp://127.0.0.1:1",), web_port=0), PortNotFoundError),
+        (RunOptions(ports=("tcp://127.0.0.1:1",), map_name="nowhere", web_port=0), ConfigError),
+        (RunOptions(ports=("tcp://127.0.0.1:1",), robots=R2D2, web_port=0), ConfigError),
+        (
+            RunOptions(ports=("tcp://127.0.0.1:1", "tcp://127.0.0.1:2"), web_port=0),
+            PortNotFoundError,
+        ),
+        (RunOptions(robots=R2D2 * 2, sim_port=0, web_port=0), ConfigError),
+        (RunOptions(sim_port=0, web_port=0, max_speed=-1.0), ConfigError),
     ],
 )
 async def test_what_cannot_be_started_is_raised_and_leaves_no_task(
-    options: Options, error: type[Exception], tmp_path: Path
+    options: RunOptions, error: type[Exception], tmp_path: Path
 ) -> None:
     lines: list[str] = []
     with pytest.raises(error):
@@ -364,12 +371,12 @@ def test_a_camera_is_of_one_robot_and_one_in_the_environment_is_not_for_several(
         assert [target.camera for target in targets] == cameras
 
 
-async def hosted_by(options: Options, monkeypatch: pytest.MonkeyPatch) -> list[Target]:
+async def hosted_by(options: RunOptions, monkeypatch: pytest.MonkeyPatch) -> list[ConnectTarget]:
     """Return the robots that are connected to, but connect to none."""
-    seen: list[Target] = []
+    seen: list[ConnectTarget] = []
 
     @contextlib.asynccontextmanager
-    async def note(page: Page, targets: list[Target], tell: object) -> AsyncIterator[None]:
+    async def note(page: Page, targets: list[ConnectTarget], tell: object) -> AsyncIterator[None]:
         seen.extend(targets)
         yield
 

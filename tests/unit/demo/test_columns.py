@@ -6,7 +6,7 @@ from math import inf, nan, radians
 import pytest
 
 from pioneer3.arcos.commands import GyroMode
-from pioneer3.demo.columns import Cell, Row, bits, degrees_tenths, hundredths, tenths
+from pioneer3.demo.columns import ColumnCell, ColumnRow, bits, degrees_tenths, hundredths, tenths
 from pioneer3.demo.modes.devices import gripper_row, io_row, tcm2_row
 from pioneer3.demo.modes.driving import driving_row, motion
 from pioneer3.demo.modes.position import position_row
@@ -14,7 +14,7 @@ from pioneer3.demo.modes.reports import flag_lines, status_row
 from pioneer3.demo.modes.sensors import GROUPS, buffer_line, bumps_row, raw_line, sonar_row
 from pioneer3.geometry import ORIGIN, Pose2, Twist2
 from pioneer3.robot.devices.compass import CompassReading
-from pioneer3.robot.devices.gripper import GripperReading, Paddles
+from pioneer3.robot.devices.gripper import GripperReading, PaddlePosition
 from pioneer3.robot.devices.gyro import GyroReading
 from pioneer3.robot.devices.lines import LinesReading
 from pioneer3.state import (
@@ -49,21 +49,23 @@ SNAPSHOT = Snapshot(
 )
 
 
-def widths(row: Row) -> list[int]:
+def widths(row: ColumnRow) -> list[int]:
     return [cell.width for cell in row.cells]
 
 
 class TestRows:
     def test_header_and_line_stand_under_each_other(self) -> None:
-        row = Row((Cell("a", 4, "1"), Cell("bb", 5, "22")), tail=" [X]")
+        row = ColumnRow((ColumnCell("a", 4, "1"), ColumnCell("bb", 5, "22")), tail=" [X]")
         assert row.header == "   a   bb"
         assert row.line == "   1   22 [X]"
 
     def test_what_is_too_long_is_not_cut(self) -> None:
-        assert Row((Cell("a", 2, "12345"),)).line == "12345"
+        assert ColumnRow((ColumnCell("a", 2, "12345"),)).line == "12345"
 
     def test_a_row_folds_between_columns(self) -> None:
-        row = Row(tuple(Cell(str(n), 6, str(n * 100)) for n in range(4)), tail=" [STALL]")
+        row = ColumnRow(
+            tuple(ColumnCell(str(n), 6, str(n * 100)) for n in range(4)), tail=" [STALL]"
+        )
         assert row.folded(12) == [
             "     0     1",
             "     0   100",
@@ -75,7 +77,7 @@ class TestRows:
         assert all(len(line) <= 13 for line in row.folded(13))
 
     def test_a_line_without_columns_folds_anywhere(self) -> None:
-        assert Row(tail="abcdef").folded(4) == ["abcd", "ef"]
+        assert ColumnRow(tail="abcdef").folded(4) == ["abcd", "ef"]
 
     @pytest.mark.parametrize(
         ("text", "shown"),
@@ -113,11 +115,11 @@ class TestDriving:
         self, motors: Motors, emergency: bool, flags: str
     ) -> None:
         snapshot = replace(SNAPSHOT, motors=motors)
-        plain = Row(motion(snapshot, POSE)).line
+        plain = ColumnRow(motion(snapshot, POSE)).line
         assert driving_row(snapshot, POSE, emergency=emergency).line == plain + flags
 
     def test_wander_has_the_same_columns_without_charge(self) -> None:
-        assert widths(Row(motion(SNAPSHOT, POSE))) == [10] * 6
+        assert widths(ColumnRow(motion(SNAPSHOT, POSE))) == [10] * 6
 
 
 class TestSensors:
@@ -162,7 +164,7 @@ class TestSensors:
     def test_the_gripper_is_thirteen_wide(self) -> None:
         reading = GripperReading(
             stamp=0.0,
-            paddles=Paddles.BETWEEN,
+            paddles=PaddlePosition.BETWEEN,
             lift_at_limit=True,
             left_touches=True,
             right_touches=False,

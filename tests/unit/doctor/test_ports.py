@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from pioneer3.doctor.ports import (
-    Holder,
+    PortHolder,
     SerialPort,
     find_port,
     holders_of,
@@ -31,7 +31,7 @@ def test_who_has_the_port_open_is_named(tmp_path: Path) -> None:
     process(tmp_path, 12, "ModemManager", "/dev/null", "/dev/ttyUSB0")
     process(tmp_path, 13, "bash", "/dev/pts/0")
     (tmp_path / "self").mkdir()
-    assert list(holders_of("/dev/ttyUSB0", tmp_path)) == [Holder(12, "ModemManager")]
+    assert list(holders_of("/dev/ttyUSB0", tmp_path)) == [PortHolder(12, "ModemManager")]
 
 
 def test_we_are_no_rival_of_ourselves(tmp_path: Path) -> None:
@@ -42,7 +42,7 @@ def test_we_are_no_rival_of_ourselves(tmp_path: Path) -> None:
 def test_who_holds_the_far_end_of_a_pseudo_terminal_is_no_rival(tmp_path: Path) -> None:
     process(tmp_path, 12, "pioneer3", "/dev/pts/7", master=7)
     process(tmp_path, 13, "screen", "/dev/pts/7", master=8)
-    assert list(holders_of("/dev/pts/7", tmp_path)) == [Holder(13, "screen")]
+    assert list(holders_of("/dev/pts/7", tmp_path)) == [PortHolder(13, "screen")]
 
 
 def test_without_proc_nobody_is_named(tmp_path: Path) -> None:

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 import pytest
 
 from pioneer3.doctor import probe
-from pioneer3.doctor.ports import Holder, SerialPort
+from pioneer3.doctor.ports import PortHolder, SerialPort
 from pioneer3.doctor.probe import (
     Probed,
-    Verdict,
+    ProbeVerdict,
     came_back,
     choose,
     found_code,
@@ -26,9 +26,9 @@ from pioneer3.links.serial import SPEEDS
 USB0 = SerialPort(path="/dev/serial/by-id/usb-A", device="/dev/ttyUSB0")
 USB1 = SerialPort(path="/dev/serial/by-id/usb-B", device="/dev/ttyUSB1")
 USB0_AS_1 = SerialPort(path="/dev/serial/by-id/usb-A", device="/dev/ttyUSB1")
-ROBOT = Probed("/dev/ttyUSB0", Verdict.ROBOT)
-SIMULATOR = Probed("tcp://localhost:8101", Verdict.SIMULATOR)
-SILENT = Probed("/dev/ttyS0", Verdict.SILENT)
+ROBOT = Probed("/dev/ttyUSB0", ProbeVerdict.ROBOT)
+SIMULATOR = Probed("tcp://localhost:8101", ProbeVerdict.SIMULATOR)
+SILENT = Probed("/dev/ttyS0", ProbeVerdict.SILENT)
 
 
 def test_a_real_robot_is_preferred_to_a_forgotten_simulator() -> None:
@@ -38,19 +38,19 @@ def test_a_real_robot_is_preferred_to_a_forgotten_simulator() -> None:
 
 
 def test_the_first_of_two_robots_is_chosen() -> None:
-    assert choose([ROBOT, Probed("/dev/ttyUSB1", Verdict.ROBOT)]) is ROBOT
+    assert choose([ROBOT, Probed("/dev/ttyUSB1", ProbeVerdict.ROBOT)]) is ROBOT
 
 
 @pytest.mark.parametrize(
     ("port", "verdict"),
     [
-        (SerialPort(path="p", device="p", holders=(Holder(7, "screen"),)), Verdict.BUSY),
-        (SerialPort(path="p", device="p", console=True), Verdict.CONSOLE),
-        (SerialPort(path="p", device="p", vendor_id=0x15D1, product_id=0), Verdict.LASER),
+        (SerialPort(path="p", device="p", holders=(PortHolder(7, "screen"),)), ProbeVerdict.BUSY),
+        (SerialPort(path="p", device="p", console=True), ProbeVerdict.CONSOLE),
+        (SerialPort(path="p", device="p", vendor_id=0x15D1, product_id=0), ProbeVerdict.LASER),
     ],
 )
 def test_ports_in_use_consoles_and_lasers_by_name_are_not_spoken_to(
-    port: SerialPort, verdict: Verdict
+    port: SerialPort, verdict: ProbeVerdict
 ) -> None:
     judged = skipped(port)
     assert judged is not None
@@ -114,19 +114,19 @@ async def test_many_silent_ports_take_no_longer_than_one() -> None:
     began = clock()
     found = await probe_all([SerialPort(path=f"/dev/ttyS{n}", device="") for n in range(8)])
     assert clock() - began == pytest.approx(alone, abs=0.1)
-    assert {each.verdict for each in found} == {Verdict.SILENT}
+    assert {each.verdict for each in found} == {ProbeVerdict.SILENT}
 
 
 @pytest.mark.usefixtures("silent_ports")
 async def test_results_keep_the_order_of_the_ports_and_progress_says_who_is_left() -> None:
-    held = SerialPort(path="/dev/ttyS0", device="/dev/ttyS0", holders=(Holder(7, "screen"),))
+    held = SerialPort(path="/dev/ttyS0", device="/dev/ttyS0", holders=(PortHolder(7, "screen"),))
     left: list[Sequence[str]] = []
     found = await probe_all([USB0, held, USB1], ["tcp://localhost:8101"], left.append)
     assert [(each.url, each.verdict) for each in found] == [
-        (USB0.path, Verdict.SILENT),
-        (held.path, Verdict.BUSY),
-        (USB1.path, Verdict.SILENT),
-        ("tcp://localhost:8101", Verdict.NOBODY),
+        (USB0.path, ProbeVerdict.SILENT),
+        (held.path, ProbeVerdict.BUSY),
+        (USB1.path, ProbeVerdict.SILENT),
+        ("tcp://localhost:8101", ProbeVerdict.NOBODY),
     ]
     assert left[0] == (USB0.path, held.path, USB1.path, "tcp://localhost:8101")
     assert left[1] == (USB0.path, USB1.path, "tcp://localhost:8101")

@@ -6,7 +6,7 @@ import pytest
 
 from pioneer3.arcos.reports import Config
 from pioneer3.doctor.diagnose import diagnose, exit_code
-from pioneer3.doctor.facts import Facts, Finding, Heard, Level
+from pioneer3.doctor.facts import Finding, Heard, Level, LinkFacts
 from pioneer3.doctor.ports import SerialPort
 from pioneer3.geometry import ORIGIN, STILL
 from pioneer3.models import load_model
@@ -47,15 +47,15 @@ HEARD = Heard(
     sonars=frozenset(range(16)),
     snapshot=SNAPSHOT,
 )
-FACTS = Facts(url=URL, port=SerialPort(path=URL, device=URL), info=INFO, heard=HEARD)
+FACTS = LinkFacts(url=URL, port=SerialPort(path=URL, device=URL), info=INFO, heard=HEARD)
 
 
-def the(check: str, facts: Facts) -> Finding:
+def the(check: str, facts: LinkFacts) -> Finding:
     """Return the finding of `check`."""
     return next(finding for finding in diagnose(facts) if finding.check == check)
 
 
-def with_snapshot(**changes: object) -> Facts:
+def with_snapshot(**changes: object) -> LinkFacts:
     """Return facts of a robot whose last reading is different."""
     return replace(FACTS, heard=replace(HEARD, snapshot=replace(SNAPSHOT, **changes)))  # type: ignore[arg-type]
 

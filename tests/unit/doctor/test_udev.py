@@ -7,7 +7,7 @@ import pytest
 from pioneer3.cli.setup import udev
 from pioneer3.doctor import lasers, ports
 from pioneer3.doctor.lasers import FoundLaser, find_laser, find_lasers
-from pioneer3.doctor.ports import Holder, SerialPort
+from pioneer3.doctor.ports import PortHolder, SerialPort
 from pioneer3.doctor.udev import rules, written
 from pioneer3.errors import ConfigError, PortNotFoundError
 from pioneer3.models.lasers import LaserProtocol
@@ -106,7 +106,7 @@ def test_without_any_usb_port_it_says_so(
 
 
 def busy(port: SerialPort) -> SerialPort:
-    return SerialPort(path=port.path, device=port.device, holders=(Holder(7, "ModemManager"),))
+    return SerialPort(path=port.path, device=port.device, holders=(PortHolder(7, "ModemManager"),))
 
 
 @pytest.fixture

@@ -7,12 +7,12 @@ import pytest
 
 from pioneer3.errors import RemoteError
 from pioneer3.fleet import copy
-from pioneer3.fleet.copy import Found
+from pioneer3.fleet.copy import RemoteFile
 
 
-async def told(*sizes: float) -> AsyncIterator[Found]:
+async def told(*sizes: float) -> AsyncIterator[RemoteFile]:
     for number, size in enumerate(sizes):
-        yield Found(f"/home/{number}", (str(number),), int(size))
+        yield RemoteFile(f"/home/{number}", (str(number),), int(size))
 
 
 @pytest.mark.parametrize("name", ["..", ".", "", "/etc", "a/b", "../a", "a\0b"], ids=repr)

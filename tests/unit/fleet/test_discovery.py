@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from pioneer3.errors import ConfigError
 from pioneer3.fleet.discovery import (
     BRIDGE_QUERY,
+    FindingKind,
     Found,
-    Kind,
     addresses_in,
     bridge_answer,
     discover,
@@ -43,7 +43,7 @@ def test_a_bridge_is_known_by_its_answer() -> None:
     answer = b"\0\0\0\xf7" + bytes(26)
     robot = b"\0\0\0\xf7" + bytes(4) + b"\xfa\xfb" + bytes(20)
     assert bridge_answer(answer, "10.0.0.7") == Found(
-        kind=Kind.BRIDGE, address="10.0.0.7", detail="its device is not told"
+        kind=FindingKind.BRIDGE, address="10.0.0.7", detail="its device is not told"
     )
     assert "a robot is behind it" in getattr(bridge_answer(robot, "10.0.0.7"), "detail", "")
     assert bridge_answer(BRIDGE_QUERY, "10.0.0.7") is None
@@ -57,12 +57,16 @@ def test_other_bytes_are_no_bridge(data: bytes) -> None:
 
 def test_what_is_offered_is_a_fleet_file_with_new_robots_alone() -> None:
     found = [
-        Found(kind=Kind.COMPUTER, address="10.0.0.1", name="p3at-1", detail="OpenSSH_9.2"),
-        Found(kind=Kind.COMPUTER, address="10.0.0.2", name="P3AT_1", detail="OpenSSH_9.2"),
-        Found(kind=Kind.SIMULATOR, address="10.0.0.2", port=8101, detail="P3-DX", model="p3dx"),
-        Found(kind=Kind.SIMULATOR, address="10.0.0.2", port=8102, detail="P3-AT", model="p3at"),
-        Found(kind=Kind.BRIDGE, address="10.0.0.3", detail="a robot\nname = 1"),
-        Found(kind=Kind.COMPUTER, address="fd00::9", detail="OpenSSH"),
+        Found(kind=FindingKind.COMPUTER, address="10.0.0.1", name="p3at-1", detail="OpenSSH_9.2"),
+        Found(kind=FindingKind.COMPUTER, address="10.0.0.2", name="P3AT_1", detail="OpenSSH_9.2"),
+        Found(
+            kind=FindingKind.SIMULATOR, address="10.0.0.2", port=8101, detail="P3-DX", model="p3dx"
+        ),
+        Found(
+            kind=FindingKind.SIMULATOR, address="10.0.0.2", port=8102, detail="P3-AT", model="p3at"
+        ),
+        Found(kind=FindingKind.BRIDGE, address="10.0.0.3", detail="a robot\nname = 1"),
+        Found(kind=FindingKind.COMPUTER, address="fd00::9", detail="OpenSSH"),
     ]
     text = "\n".join(offers(found, LAB)) + "\n"
     robots = parse_fleet(Path("new.toml"), text).robots
@@ -79,7 +83,9 @@ TEXTS = st.text(max_size=30)
 
 @pytest.mark.parametrize("told", ["p3at-sh-/../secret.toml", "p3at-sh-.p", 'p3at-sh-"'])
 def test_a_model_that_the_network_tells_is_a_name_and_no_path(told: str) -> None:
-    found = Found(kind=Kind.ROBOT, address="10.0.0.9", port=8101, name="a", detail="", model=told)
+    found = Found(
+        kind=FindingKind.ROBOT, address="10.0.0.9", port=8101, name="a", detail="", model=told
+    )
     assert not any("model" in line for line in offers([found], None))
 
 
@@ -87,7 +93,7 @@ def test_a_model_that_the_network_tells_is_a_name_and_no_path(told: str) -> None
     st.lists(
         st.builds(
             Found,
-            kind=st.sampled_from(Kind),
+            kind=st.sampled_from(FindingKind),
             address=st.ip_addresses()
             .filter(lambda ip: not (ip.is_unspecified or ip.is_multicast))
             .map(str),
@@ -111,5 +117,5 @@ async def test_a_simulator_at_an_address_is_found_and_named() -> None:
         found = await discover(["127.0.0.77"], seconds=0.5, broadcast=False)
         model = here.robots[0].model.name
     assert [(one.kind, one.address, one.port, one.model) for one in found] == [
-        (Kind.SIMULATOR, "127.0.0.77", 8101, model)
+        (FindingKind.SIMULATOR, "127.0.0.77", 8101, model)
     ]

@@ -6,26 +6,26 @@ from pathlib import Path
 import pytest
 
 from pioneer3.fleet.drive_table import COLUMNS, Look, cells, headline, widths
-from pioneer3.fleet.members import Member, Reached, Told
+from pioneer3.fleet.members import Member, MemberReport, Reached
 from pioneer3.robot.explain import Reason, ReasonKind
-from pioneer3.teleop.several import Choice, Selection
+from pioneer3.teleop.several import RobotChooser, Selection
 
 ROOT = Path(__file__).parents[3]
 NAMES = ["p3at-1", "p3at-2"]
-MOVES = Told(speed=0.2, turn_rate=-0.35, motors=True, voltage=12.62, low=False, stands=None)
+MOVES = MemberReport(speed=0.2, turn_rate=-0.35, motors=True, voltage=12.62, low=False, stands=None)
 
 
 def look(
     reached: Reached = Reached.CONNECTED,
     why: str = "",
-    told: Told | None = None,
+    told: MemberReport | None = None,
     *,
     name: str = "p3at-1",
     keys: str = "",
 ) -> Look:
     selection = Selection({each: number for number, each in enumerate(NAMES)})
     for key in keys:
-        choice = {"s": Choice.SEVERAL, "a": Choice.ALL, "q": Choice.NEXT}[key]
+        choice = {"s": RobotChooser.SEVERAL, "a": RobotChooser.ALL, "q": RobotChooser.NEXT}[key]
         selection.press(choice, key)
     member = Member(name=name, number=0, reached=reached, why=why, since=10.0, told=told)
     return Look(member, selection, 14.2)

@@ -9,15 +9,15 @@ import pytest
 from pioneer3.doctor.facts import Level
 from pioneer3.fleet.host_checks import Patient, findings
 from pioneer3.fleet.host_facts import HostFacts, parsed, question
-from pioneer3.fleet.spec import Fleet, Operator, Robot
+from pioneer3.fleet.spec import Fleet, FleetRobot, OperatorComputer
 
 ROBOTS = tuple(
-    Robot(name=f"p3at-{n}", host=f"p3at-{n}", address=f"192.168.1.11{n}", node="n", ros="1")
+    FleetRobot(name=f"p3at-{n}", host=f"p3at-{n}", address=f"192.168.1.11{n}", node="n", ros="1")
     for n in (1, 2)
 )
 FLEET = Fleet(
     path=Path("fleet.toml"),
-    operator=Operator(name="laptop", address="192.168.1.10"),
+    operator=OperatorComputer(name="laptop", address="192.168.1.10"),
     robots=ROBOTS,
 )
 HOSTS = {"laptop": "192.168.1.10", "p3at-1": "192.168.1.111", "p3at-2": "192.168.1.112"}

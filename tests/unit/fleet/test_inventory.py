@@ -7,14 +7,14 @@ import pytest
 
 from pioneer3.errors import ConfigError
 from pioneer3.fleet.inventory import (
-    Operator,
-    Robot,
+    FleetRobot,
+    OperatorComputer,
     find_fleet,
     parse_fleet,
     read_fleet,
     to_toml,
 )
-from pioneer3.fleet.network import Network
+from pioneer3.fleet.network import FleetNetwork
 
 LAB = """\
 # The lab's robots.
@@ -64,9 +64,9 @@ TWO = '[[robot]]\nname = "a"\naddress = "10.0.0.1"\n[[robot]]\nname = "b"\naddre
 
 def test_a_robot_has_its_own_fields_and_the_defaults() -> None:
     fleet = parse_fleet(Path("fleet.toml"), LAB)
-    assert fleet.operator == Operator(name="laptop", address="192.168.1.10")
+    assert fleet.operator == OperatorComputer(name="laptop", address="192.168.1.10")
     first, second = fleet.robots
-    assert first == Robot(
+    assert first == FleetRobot(
         name="p3at-1",
         host="p3at-1",
         address="192.168.1.113",
@@ -94,7 +94,7 @@ def test_robots_of_ros_2_are_on_the_first_network_or_on_the_one_they_name() -> N
     tuned = parse_fleet(fleet.path, f"{text}navigation.planner.margin = 0.05\n")
     assert parse_fleet(fleet.path, to_toml(tuned)) == tuned
     alone = parse_fleet(Path("fleet.toml"), TWO)
-    assert alone.network(alone.robots[0]) == Network(name="")
+    assert alone.network(alone.robots[0]) == FleetNetwork(name="")
     assert parse_fleet(fleet.path, to_toml(fleet)) == fleet
 
 

@@ -12,29 +12,29 @@ from xmlrpc.server import SimpleXMLRPCServer
 import pytest
 
 from pioneer3.errors import ConfigError, NoRobotError
-from pioneer3.fleet.columns import Cell, shown
-from pioneer3.fleet.inventory import Fleet, Robot
+from pioneer3.fleet.columns import TableCell, shown
+from pioneer3.fleet.inventory import Fleet, FleetRobot
 from pioneer3.fleet.live import (
-    Answer,
     Live,
     OnTopics,
     Questions,
+    SshAnswer,
     exit_code,
     look,
     look_at,
 )
-from pioneer3.fleet.ros_graph import Endpoint
+from pioneer3.fleet.ros_graph import NodeAddress
 from pioneer3.sim.server.start import simulator
 from tests.e2e.processes import free_port
 
 pytestmark = pytest.mark.realtime
 Serve = Callable[[asyncio.StreamReader, asyncio.StreamWriter], Awaitable[None]]
 QUICK = 0.3
-YES = Answer(True, "yes")
+YES = SshAnswer(True, "yes")
 
 
-def robot(number: int, *, ros: str = "", port: str = "/dev/ttyUSB0") -> Robot:
-    return Robot(
+def robot(number: int, *, ros: str = "", port: str = "/dev/ttyUSB0") -> FleetRobot:
+    return FleetRobot(
         name=f"r{number}",
         host=f"r{number}",
         address=f"127.0.0.{number}",
@@ -66,11 +66,11 @@ async def says_http(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) 
 
 async def test_every_kind_of_host_is_told_apart_and_none_delays_the_others() -> None:
     port = free_port()
-    kinds: dict[int, tuple[Serve, Answer]] = {
+    kinds: dict[int, tuple[Serve, SshAnswer]] = {
         2: (says_ssh, YES),
-        3: (says_nothing, Answer(False, "silent")),
-        4: (hangs_up, Answer(False, "hung up")),
-        5: (says_http, Answer(False, "not ssh")),
+        3: (says_nothing, SshAnswer(False, "silent")),
+        4: (hangs_up, SshAnswer(False, "hung up")),
+        5: (says_http, SshAnswer(False, "not ssh")),
     }
     clock = asyncio.get_running_loop().time
     async with AsyncExitStack() as stack:
@@ -84,14 +84,14 @@ async def test_every_kind_of_host_is_told_apart_and_none_delays_the_others() -> 
         took = clock() - began
     assert [answer.ssh for answer in answers[:4]] == [answer for _, answer in kinds.values()]
     assert [answer.up for answer in answers] == [YES] * 5
-    assert answers[4].ssh == Answer(False, "refused")
+    assert answers[4].ssh == SshAnswer(False, "refused")
     assert took < 3 * QUICK
     assert answers[0].seconds < QUICK
-    assert [answer.driver for answer in answers] == [Answer(None, "")] * 5
+    assert [answer.driver for answer in answers] == [SshAnswer(None, "")] * 5
 
 
 async def test_topics_of_ros_2_are_asked_and_a_robot_without_them_delays_nobody() -> None:
-    async def ask(robot: Robot, patience: float) -> OnTopics:
+    async def ask(robot: FleetRobot, patience: float) -> OnTopics:
         match robot.name:
             case "r2":
                 return OnTopics(network="DDS", battery=12.0, motors=True, stopped=False, age=0.5)
@@ -104,19 +104,22 @@ async def test_topics_of_ros_2_are_asked_and_a_robot_without_them_delays_nobody(
         await asyncio.sleep(60)
         raise AssertionError
 
-    async def clock(robot: Robot) -> float:
+    async def clock(robot: FleetRobot) -> float:
         return -0.25
 
     questions = Questions(timeout=QUICK, ssh_port=free_port(), ros2=ask, clock=clock)
     robots = [robot(number, ros="2") for number in range(2, 7)]
     well, silent, missing, refused, hung = await look(robots, questions)
-    assert (well.driver, well.ros) == (Answer(True, "RosAria_r2"), Answer(True, "DDS"))
+    assert (well.driver, well.ros) == (SshAnswer(True, "RosAria_r2"), SshAnswer(True, "DDS"))
     assert (well.battery, well.motors, well.stopped, well.age) == (12.0, True, False, 0.25)
-    assert (silent.driver, silent.stopped) == (Answer(False, "silent"), True)
-    assert (missing.driver, missing.ros.said) == (Answer(False, "no node"), "no node /r4/pioneer3")
-    assert refused.driver == Answer(False, "no network")
+    assert (silent.driver, silent.stopped) == (SshAnswer(False, "silent"), True)
+    assert (missing.driver, missing.ros.said) == (
+        SshAnswer(False, "no node"),
+        "no node /r4/pioneer3",
+    )
+    assert refused.driver == SshAnswer(False, "no network")
     assert refused.ros.said == "laptop.key holds a secret"
-    assert (hung.driver, hung.ros) == (Answer(False, "no network"), Answer(False, "silent"))
+    assert (hung.driver, hung.ros) == (SshAnswer(False, "no network"), SshAnswer(False, "silent"))
     titles, rows = shown(robots[:2], [well, silent])
     assert [rows[0][titles.index(title)].text for title in ("e-stop", "age")] == ["no", "0.2 s"]
     assert [rows[1][titles.index(title)].text for title in ("e-stop", "age")] == ["STOP", "-"]
@@ -127,14 +130,14 @@ async def test_topics_of_ros_2_are_asked_and_a_robot_without_them_delays_nobody(
     [(-0.2, "-0.2 s", True), (0.9, "0.9 s", True), (5.0, "5.0 s", False), (1e9, "very old", False)],
 )
 def test_old_data_are_told(age: float, text: str, good: bool) -> None:
-    yes = Answer(True, "yes")
+    yes = SshAnswer(True, "yes")
     answer = Live(robot="r1", up=yes, ssh=yes, driver=yes, ros=yes, age=age)
     titles, (row,) = shown([robot(1)], [answer])
-    assert row[titles.index("age")] == Cell(text, good)
+    assert row[titles.index("age")] == TableCell(text, good)
 
 
 async def test_a_clock_that_nobody_tells_is_left_out() -> None:
-    async def clock(robot: Robot) -> float:
+    async def clock(robot: FleetRobot) -> float:
         if robot.name == "r2":
             return 0.25
         if robot.name == "r3":
@@ -154,7 +157,7 @@ async def test_a_robot_that_listens_itself_is_asked_by_the_address_of_its_host()
         fleet = Fleet(path=Path("fleet.toml"), robots=(replace(one, address="127.0.0.1"),))
         questions = Questions(ssh_port=free_port(), addresses=fleet.addresses)
         answer = await look_at(fleet.robots[0], questions)
-    assert answer.driver == Answer(True, f"{number} answers")
+    assert answer.driver == SshAnswer(True, f"{number} answers")
     assert answer.battery == pytest.approx(12.7, abs=1.5)
     assert answer.motors is False
 
@@ -170,7 +173,7 @@ async def test_a_port_without_a_robot_is_told(serve: Serve | None, said: str) ->
             await stack.enter_async_context(server)
         one = robot(1, port=f"127.0.0.1:{number}")
         answer = await look_at(one, Questions(timeout=QUICK, ssh_port=free_port()))
-    assert answer.driver == Answer(False, said)
+    assert answer.driver == SshAnswer(False, said)
     assert (answer.battery, answer.motors) == (None, None)
 
 
@@ -228,7 +231,7 @@ def serving(node: Node) -> Iterator[None]:
             thread.join()
 
 
-async def ask_graph(node: Node, one: Robot, *, other: Endpoint | None = None) -> Live:
+async def ask_graph(node: Node, one: FleetRobot, *, other: NodeAddress | None = None) -> Live:
     port = node.master.server_address[1]
     questions = Questions(
         timeout=1.0,
@@ -245,8 +248,8 @@ async def test_a_node_is_asked_though_its_host_name_is_unknown_here() -> None:
     with serving(node):
         async with await asyncio.start_server(node.publish, "127.0.0.1", node.topic_port):
             answer = await ask_graph(node, robot(2, ros="1"))
-    assert answer.driver == Answer(True, "RosAria_r2")
-    assert answer.ros == Answer(True, f"127.0.0.1:{node.master.server_address[1]}")
+    assert answer.driver == SshAnswer(True, "RosAria_r2")
+    assert answer.ros == SshAnswer(True, f"127.0.0.1:{node.master.server_address[1]}")
     assert (answer.battery, answer.motors) == (12.5, None)
     assert b"topic=/RosAria_r2/battery_voltage" in node.asked[0]
 
@@ -255,7 +258,7 @@ async def test_a_node_that_was_killed_is_not_alive_though_the_master_lists_it() 
     node = Node(alive=False)
     with serving(node):
         answer = await ask_graph(node, robot(2, ros="1"))
-    assert answer.driver == Answer(False, "node silent")
+    assert answer.driver == SshAnswer(False, "node silent")
     assert answer.ros.ok
 
 
@@ -263,14 +266,14 @@ async def test_a_master_without_the_node_is_told() -> None:
     node = Node()
     with serving(node):
         answer = await ask_graph(node, robot(3, ros="1"))
-    assert answer.driver == Answer(False, "no node")
+    assert answer.driver == SshAnswer(False, "no node")
     assert answer.ros.ok
 
 
 async def test_the_robots_own_master_counts_where_the_operators_is_away() -> None:
     node = Node()
     with serving(node):
-        away = Endpoint("127.0.0.1", free_port())
+        away = NodeAddress("127.0.0.1", free_port())
         answer = await ask_graph(node, robot(2, ros="1"), other=away)
     assert answer.driver.ok
 
@@ -282,13 +285,13 @@ async def test_what_is_no_master_is_told(serve: Serve, said: str) -> None:
         questions = Questions(timeout=QUICK, ssh_port=free_port(), master_port=port)
         answer = await look_at(robot(1, ros="1"), questions)
     assert not answer.driver.ok
-    assert answer.ros == Answer(False, said)
+    assert answer.ros == SshAnswer(False, said)
 
 
 def told(name: str, *, up: bool, clock: float | None = None) -> Live:
-    no = Answer(False, "no answer")
+    no = SshAnswer(False, "no answer")
     return Live(
-        robot=name, up=YES if up else no, ssh=no, driver=no, ros=Answer(None, ""), clock=clock
+        robot=name, up=YES if up else no, ssh=no, driver=no, ros=SshAnswer(None, ""), clock=clock
     )
 
 

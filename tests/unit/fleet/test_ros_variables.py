@@ -5,7 +5,7 @@ import pytest
 
 from pioneer3.fleet.inventory import parse_fleet
 from pioneer3.fleet.ros_graph import master_of, missing_variables
-from pioneer3.fleet.spec import Fleet, Operator
+from pioneer3.fleet.spec import Fleet, OperatorComputer
 
 FLEET = """\
 [operator]
@@ -26,8 +26,8 @@ def fleet() -> Fleet:
 
 def test_the_master_is_at_the_operators_computer(fleet: Fleet) -> None:
     assert master_of(fleet) == "http://127.0.0.9:11311"
-    assert master_of(replace(fleet, operator=Operator())) == "http://localhost:11311"
-    elsewhere = replace(fleet, operator=Operator(address="fd00::9"))
+    assert master_of(replace(fleet, operator=OperatorComputer())) == "http://localhost:11311"
+    elsewhere = replace(fleet, operator=OperatorComputer(address="fd00::9"))
     assert master_of(elsewhere) == "http://[fd00::9]:11311"
 
 

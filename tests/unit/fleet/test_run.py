@@ -9,14 +9,14 @@ from pathlib import Path
 
 import pytest
 
-from pioneer3.cli.fleet_output import Lines
+from pioneer3.cli.fleet_output import RobotLines
 from pioneer3.errors import HostError, RemoteError
 from pioneer3.fleet.run import Done, Outcome, bound_to_stdin, exit_code, on_each
-from pioneer3.fleet.spec import Robot
+from pioneer3.fleet.spec import FleetRobot
 
 
-def robot(name: str) -> Robot:
-    return Robot(name=name, host=name, address="192.168.1.1", node=name)
+def robot(name: str) -> FleetRobot:
+    return FleetRobot(name=name, host=name, address="192.168.1.1", node=name)
 
 
 def outcome(*, ok: bool, reached: bool = True) -> Outcome:
@@ -24,7 +24,7 @@ def outcome(*, ok: bool, reached: bool = True) -> Outcome:
 
 
 async def test_failures_of_one_robot_are_its_own_and_all_work_at_once() -> None:
-    async def work(robot: Robot) -> Done:
+    async def work(robot: FleetRobot) -> Done:
         await asyncio.sleep(10)
         match robot.name:
             case "off":
@@ -74,7 +74,7 @@ def test_exit_codes(outcomes: list[Outcome], code: int) -> None:
 def test_a_terminal_obeys_no_robot(
     line: str, shown: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    Lines([robot("p3at-1")]).show(robot("p3at-1"), line, is_error=False)
+    RobotLines([robot("p3at-1")]).show(robot("p3at-1"), line, is_error=False)
     assert capsys.readouterr().out == f"p3at-1 | {shown}\n"
 
 

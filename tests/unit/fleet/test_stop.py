@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from pioneer3.fleet.spec import Robot
+from pioneer3.fleet.spec import FleetRobot
 from pioneer3.fleet.stop import HELD, stop_all
 from pioneer3.geometry import Twist2
 from pioneer3.state import Snapshot
@@ -47,7 +47,7 @@ class Reporting:
             yield replace(seen(twist=Twist2(speed)), stamp=now)
 
     @asynccontextmanager
-    async def connect(self, _: Robot) -> AsyncIterator[Any]:
+    async def connect(self, _: FleetRobot) -> AsyncIterator[Any]:
         yield self
 
 

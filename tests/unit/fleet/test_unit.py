@@ -10,20 +10,20 @@ import pytest
 
 from pioneer3.errors import ConfigError
 from pioneer3.fleet.bundle import Bundler, Platform, here, installed, suits, version_pair
-from pioneer3.fleet.network import Network
-from pioneer3.fleet.spec import Fleet, Operator, Robot
-from pioneer3.fleet.unit import Unit, quoted
+from pioneer3.fleet.network import FleetNetwork
+from pioneer3.fleet.spec import Fleet, FleetRobot, OperatorComputer
+from pioneer3.fleet.unit import SystemdUnit, quoted
 
-ROBOT = Robot(name="p3at-1", host="p3at-1", address="192.168.1.111", node="RosAria_p3at_1")
+ROBOT = FleetRobot(name="p3at-1", host="p3at-1", address="192.168.1.111", node="RosAria_p3at_1")
 FLEET = Fleet(
     path=Path("fleet.toml"),
-    operator=Operator(name="laptop", address="192.168.1.10"),
+    operator=OperatorComputer(name="laptop", address="192.168.1.10"),
     robots=(ROBOT,),
 )
 
 
-def unit(robot: Robot = ROBOT, *, with_root: bool = True) -> Unit:
-    return Unit(robot=robot, fleet=FLEET, python=sys.executable, with_root=with_root)
+def unit(robot: FleetRobot = ROBOT, *, with_root: bool = True) -> SystemdUnit:
+    return SystemdUnit(robot=robot, fleet=FLEET, python=sys.executable, with_root=with_root)
 
 
 def test_it_drives_as_the_user_in_dialout_and_comes_back() -> None:
@@ -54,16 +54,16 @@ def test_with_ros_it_is_the_node_at_the_operators_master() -> None:
 
 
 def test_with_ros_2_it_is_the_node_on_its_network_at_its_own_address() -> None:
-    lab = Network(name="lab", backend="dds", distro="jazzy", domain=3, interface=("wlan0",))
+    lab = FleetNetwork(name="lab", backend="dds", distro="jazzy", domain=3, interface=("wlan0",))
     fleet = replace(FLEET, networks=(lab,))
     robot = replace(ROBOT, ros="2", node="p3at_1/pioneer3")
     text = replace(unit(robot), fleet=fleet).text()
     node = "--namespace p3at_1 --name pioneer3 --backend dds --distro jazzy --domain 3"
     command = f"pioneer3 ros2 --port /dev/ttyUSB0 {node} --interface 192.168.1.111\n"
     assert command in text
-    far = Network(name="far", backend="zenoh", connect=("tls/a:7447",), ca="ca.pem")
+    far = FleetNetwork(name="far", backend="zenoh", connect=("tls/a:7447",), ca="ca.pem")
     with pytest.raises(ConfigError, match=r"network far has certificates .* p3at-1 needs its own"):
-        Unit.check(robot, replace(FLEET, networks=(far,)))
+        SystemdUnit.check(robot, replace(FLEET, networks=(far,)))
 
 
 def test_with_a_bridge_it_lets_others_reach_the_device_at_the_robots_address() -> None:

@@ -13,7 +13,7 @@ from gymnasium.utils.env_checker import check_env
 from pioneer3.errors import CommandError, ConfigError
 from pioneer3.geometry import Pose2
 from pioneer3.gym import GoalEnv, Reward
-from pioneer3.gym.task import EPISODE, Options, Sensors, Task
+from pioneer3.gym.task import EPISODE, Sensors, Task, TaskOptions
 from pioneer3.models import load_model
 from pioneer3.sim.body import Body
 from pioneer3.sim.realism import Realism
@@ -250,7 +250,7 @@ def test_a_reward_without_end_is_refused() -> None:
 
 
 def test_options_and_tasks_have_the_same_fields() -> None:
-    assert Options.__annotations__ == Task.__annotations__
+    assert TaskOptions.__annotations__ == Task.__annotations__
 
 
 def test_a_picture_shows_walls_the_robot_and_its_goal() -> None:

@@ -4,12 +4,12 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from math import inf
 
-from pioneer3.lasers.client import Event, Lost, Measured, RawScan, Remarked, ScanSettings
+from pioneer3.lasers.client import Event, Measured, RawScan, Remarked, ScanSettings, ScansLost
 from pioneer3.lasers.cola.client import ColaClient
 from pioneer3.lasers.cola.connection import ColaConnection
 from pioneer3.lasers.cola.device import ColaDevice
-from pioneer3.lasers.cola.wire import TelegramReader, encode
-from pioneer3.lasers.device import Sweep, Turn
+from pioneer3.lasers.cola.wire import ColaTelegramReader, encode
+from pioneer3.lasers.device import MirrorTurn, Sweep
 from pioneer3.models.lasers import LASERS
 
 MOST_ROUNDS = 100_000
@@ -24,7 +24,7 @@ def laser(name: str = "lms-111", spin_up: float = 0.0) -> ColaDevice:
     return device
 
 
-def corridor(turn: Turn) -> list[float]:
+def corridor(turn: MirrorTurn) -> list[float]:
     """Return ranges that tell the readings apart; there is nothing at every tenth."""
     return [inf if i % 10 == 9 else 1.0 + i / 500 for i in range(turn.count)]
 
@@ -45,13 +45,13 @@ class Room:
     client: ColaClient | None = None
     now: float = 0.0
     deaf: bool = False
-    ranges: Callable[[Turn], list[float]] = corridor
-    echoes: Callable[[Turn], list[tuple[float, ...]]] = lambda _: []
+    ranges: Callable[[MirrorTurn], list[float]] = corridor
+    echoes: Callable[[MirrorTurn], list[tuple[float, ...]]] = lambda _: []
     instead: dict[str, str] = field(default_factory=dict)
     connection: ColaConnection = field(init=False)
     events: list[Event] = field(default_factory=list)
     sent: list[str] = field(default_factory=list)
-    _turn: tuple[Turn, float] | None = None
+    _turn: tuple[MirrorTurn, float] | None = None
 
     def __post_init__(self) -> None:
         self.connection = self.laser.connect()
@@ -86,8 +86,8 @@ class Room:
         if self.client is None:
             return
         while data := self.client.outgoing():
-            self.sent += TelegramReader().feed(data)
-            for text in TelegramReader().feed(data):
+            self.sent += ColaTelegramReader().feed(data)
+            for text in ColaTelegramReader().feed(data):
                 self._carry(text)
             self._hear()
         self._hear()
@@ -138,13 +138,13 @@ class Program:
     def ask(self, text: str) -> str:
         """Return the answer; it must come at once, alone, and in one piece."""
         self.room.connection.receive(encode(text), self.room.now)
-        answers = TelegramReader().feed(self.room.connection.outgoing(self.room.now))
+        answers = ColaTelegramReader().feed(self.room.connection.outgoing(self.room.now))
         assert len(answers) == 1, answers
         return answers[0]
 
     def hear(self, seconds: float) -> list[str]:
         """Return the telegrams that come while time passes."""
-        heard, until = TelegramReader(), self.room.now + seconds
+        heard, until = ColaTelegramReader(), self.room.now + seconds
         texts: list[str] = []
         while self.room.now < until - 1e-9:
             self.room.run(min(0.005, until - self.room.now))
@@ -168,7 +168,7 @@ def remarks(at: Room) -> list[str]:
 
 
 def losses(at: Room) -> list[str]:
-    return [event.reason for event in at.events if isinstance(event, Lost)]
+    return [event.reason for event in at.events if isinstance(event, ScansLost)]
 
 
 def writes(at: Room) -> list[str]:

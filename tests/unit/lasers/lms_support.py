@@ -4,24 +4,24 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from random import Random
 
-from pioneer3.lasers.client import Event, Measured, RawScan, Remarked, SpeedWanted
-from pioneer3.lasers.device import Sweep, Turn
+from pioneer3.lasers.client import Event, LineSpeedWanted, Measured, RawScan, Remarked
+from pioneer3.lasers.device import MirrorTurn, Sweep
 from pioneer3.lasers.lms2xx import LmsClient, LmsDevice
-from pioneer3.lasers.lms2xx.blocks import Config
+from pioneer3.lasers.lms2xx.blocks import UnitConfig
 from pioneer3.lasers.lms2xx.measuring import Units
-from pioneer3.lasers.lms2xx.telegram import UNITS, Sign, Telegram, TelegramReader
+from pioneer3.lasers.lms2xx.telegram import UNITS, LmsTelegramReader, Sign, Telegram
 from pioneer3.models.lasers import LASERS
 
 LMS200 = LASERS["lms-200"]
 SPEEDS = (9600, 38400, 19200, 500000)
 STEP = 0.001
 """Pace of the virtual time [s]; the host reads at most this often."""
-WRITTEN = Config(measuring_mode=5, units=Units.MILLIMETRES)
+WRITTEN = UnitConfig(measuring_mode=5, units=Units.MILLIMETRES)
 """As the client wants it."""
-Scene = Callable[[Turn, int], float]
+Scene = Callable[[MirrorTurn, int], float]
 
 
-def circle(_turn: Turn, _index: int) -> float:
+def circle(_turn: MirrorTurn, _index: int) -> float:
     """Return the ranges [m] in the middle of a round room."""
     return 2.0
 
@@ -48,7 +48,7 @@ class Cable:
     now: float = 100.0
     turns: int = 0
     _random: Random = field(default_factory=lambda: Random(1))
-    _turn: Turn | None = None
+    _turn: MirrorTurn | None = None
     _began: float = 0.0
 
     def __post_init__(self) -> None:
@@ -95,13 +95,13 @@ class Cable:
 
 def telegrams(data: bytes) -> list[Telegram]:
     """Return the unit's telegrams in `data`."""
-    items = TelegramReader(UNITS).feed(data, 0.0)
+    items = LmsTelegramReader(UNITS).feed(data, 0.0)
     return [item for item in items if isinstance(item, Telegram)]
 
 
 def signs(data: bytes) -> list[Sign]:
     """Return the single bytes in `data`."""
-    return [item for item in TelegramReader(UNITS).feed(data, 0.0) if isinstance(item, Sign)]
+    return [item for item in LmsTelegramReader(UNITS).feed(data, 0.0) if isinstance(item, Sign)]
 
 
 def run(
@@ -120,7 +120,7 @@ def run(
         if cable.now >= client.deadline:
             new += client.tick(cable.now)
         for event in new:
-            if isinstance(event, SpeedWanted):
+            if isinstance(event, LineSpeedWanted):
                 cable.speed = event.baud
         cable.send(client.outgoing())
         events += new
@@ -148,7 +148,7 @@ def remarks(events: Sequence[Event]) -> str:
 
 def speeds(events: Sequence[Event]) -> list[int]:
     """Return the speeds that have been wanted [baud]."""
-    return [event.baud for event in events if isinstance(event, SpeedWanted)]
+    return [event.baud for event in events if isinstance(event, LineSpeedWanted)]
 
 
 def first_scan(cable: Cable, client: LmsClient, limit: float = 3.0) -> RawScan:

@@ -9,15 +9,15 @@ from random import Random
 from pioneer3.lasers.client import (
     Event,
     Identified,
-    Lost,
+    LineSpeedWanted,
     Measured,
     Patience,
     RawScan,
     Remarked,
     ScanSettings,
-    SpeedWanted,
+    ScansLost,
 )
-from pioneer3.lasers.device import Sweep, Turn
+from pioneer3.lasers.device import MirrorTurn, Sweep
 from pioneer3.lasers.scip.client import ScipClient
 from pioneer3.lasers.scip.device import ScipDevice
 from pioneer3.models.lasers import LASERS
@@ -27,7 +27,7 @@ URG_SPEEDS = (19200, 115200, 57600, 38400, 750000)
 SLACK = 1e-9
 
 
-def room(turn: Turn, began: float) -> Sweep:
+def room(turn: MirrorTurn, began: float) -> Sweep:
     """Return readings of uneven walls some 2 m away, each fifth of them through a window.
 
     The first one tells when it was taken.
@@ -59,7 +59,7 @@ class Rig:
         *,
         delay: Callable[[], float] = lambda: 0.0005,
         drift: float = 0.0,
-        sweep: Callable[[Turn, float], Sweep] = room,
+        sweep: Callable[[MirrorTurn, float], Sweep] = room,
     ) -> None:
         self.device = device
         self.host = device.connect()
@@ -78,7 +78,7 @@ class Rig:
         self._order = count()
         self._wire: list[tuple[float, int, bool, bytes, int | None]] = []
         self._last_arrival = [0.0, 0.0]
-        self._turn: Turn | None = None
+        self._turn: MirrorTurn | None = None
         self._began = -inf
 
     def connect(
@@ -133,7 +133,7 @@ class Rig:
     @property
     def losses(self) -> list[str]:
         """Reasons of all losses so far."""
-        return [event.reason for _, event in self.events if isinstance(event, Lost)]
+        return [event.reason for _, event in self.events if isinstance(event, ScansLost)]
 
     def stamp_errors(self, since: int = 0) -> list[float]:
         """Return by how much each scan is dated too late [s]: its first reading tells its turn."""
@@ -207,7 +207,7 @@ class Rig:
         assert self.client is not None
         for event in events:
             self.events.append((self.now, event))
-            if isinstance(event, SpeedWanted):
+            if isinstance(event, LineSpeedWanted):
                 self.baud = event.baud
         if data := self.client.outgoing():
             self.sent.append(data)

@@ -5,8 +5,8 @@ from math import degrees, inf, radians
 import pytest
 
 from pioneer3.lasers.client import (
-    Client,
     Identified,
+    LaserClient,
     LaserIdentity,
     Patience,
     RawScan,
@@ -28,7 +28,7 @@ def true_stamp(scan: RawScan) -> float:
 
 
 def test_it_is_a_client() -> None:
-    client: Client = ColaClient(5.0)
+    client: LaserClient = ColaClient(5.0)
     assert client.deadline == 5.0
 
 

@@ -7,8 +7,8 @@ import pytest
 from pioneer3.errors import ConfigError
 from pioneer3.lasers.cola.device import ColaDevice
 from pioneer3.lasers.cola.scan import ScanData, decode
-from pioneer3.lasers.cola.wire import TelegramReader, Words, encode
-from pioneer3.lasers.device import Device
+from pioneer3.lasers.cola.wire import ColaTelegramReader, TelegramWords, encode
+from pioneer3.lasers.device import LaserDevice
 from pioneer3.models.lasers import LASERS
 from tests.unit.lasers.cola_room import LOGIN, Program, Room, laser, program
 
@@ -21,7 +21,7 @@ MODELS = ["lms-111", "lms-511", "tim551", "tim561", "tim571"]
 def scans(texts: list[str]) -> list[ScanData]:
     """Return the scans among `texts`, all of which must be well formed."""
     return [
-        decode(Words(text.split(" ")[2:]))
+        decode(TelegramWords(text.split(" ")[2:]))
         for text in texts
         if text.split(" ")[1] == "LMDscandata" and text[:3] in {"sSN", "sRA"}
     ]
@@ -34,7 +34,7 @@ def logged_in(name: str = "lms-111") -> Program:
 
 
 def test_it_is_a_device() -> None:
-    device: Device = laser()
+    device: LaserDevice = laser()
     assert device.speed is None
 
 
@@ -212,7 +212,7 @@ def test_each_subscriber_gets_each_scan() -> None:
     assert len(host.hear(0.11)) == 5
     other.ask("sEN LMDscandata 1")
     host.hear(0.105)
-    waiting = TelegramReader().feed(other.room.connection.outgoing(0.215))
+    waiting = ColaTelegramReader().feed(other.room.connection.outgoing(0.215))
     assert len(waiting) == 2  # of those that have not left, the latest two
     other.room.connection.close()
     assert len(host.hear(0.1)) == 5

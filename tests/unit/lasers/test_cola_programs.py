@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import pytest
 
-from pioneer3.lasers.cola.wire import TelegramReader, encode
+from pioneer3.lasers.cola.wire import ColaTelegramReader, encode
 from pioneer3.models.lasers import LASERS
 from tests.unit.lasers.cola_room import Program, Room, laser, program
 
@@ -78,7 +78,7 @@ class AriaLaser(Program):
         """Send `request`; its answer must begin with `needed`."""
         self.room.connection.receive(encode(request), self.room.now)
         name = needed.split(" ")[:2]
-        texts = TelegramReader().feed(self.room.connection.outgoing(self.room.now))
+        texts = ColaTelegramReader().feed(self.room.connection.outgoing(self.room.now))
         answers = [text for text in texts if text.split(" ")[:2] == name]
         assert answers, texts
         assert f"{answers[0]} ".startswith(f"{needed} ")
@@ -190,13 +190,13 @@ def test_the_node_lms1xx_reads_each_answer_with_one_call() -> None:
 def read_after_silence(node: Program) -> str:
     """Log in again on the same connection, as the node does after 100 ms without a scan."""
     node.room.connection.receive(encode("sMN SetAccessMode 03 F4724744"), node.room.now)
-    texts = TelegramReader().feed(node.room.connection.outgoing(node.room.now))
+    texts = ColaTelegramReader().feed(node.room.connection.outgoing(node.room.now))
     return next(text for text in texts if text.startswith("sAN"))
 
 
 def test_sicktoolbox_sends_one_byte_every_100_ms() -> None:
     toolbox = program("lms-111")
-    heard = TelegramReader()
+    heard = ColaTelegramReader()
 
     def slowly(request: str) -> str:
         for byte in encode(request):

@@ -5,19 +5,19 @@ from math import degrees, inf, isnan, pi
 import pytest
 
 from pioneer3.lasers.client import RawScan, ScanSettings
-from pioneer3.lasers.cola.clock import WRAP_US, DeviceClock
+from pioneer3.lasers.cola.clock import WRAP_US, ColaClock
 from pioneer3.lasers.cola.readings import geometry, raw_scan
 from pioneer3.lasers.cola.scan import (
-    Channel,
     Encoder,
     InputEvent,
     Moment,
     Position,
+    ReadingChannel,
     ScanData,
     decode,
     encode,
 )
-from pioneer3.lasers.cola.wire import TelegramError, Words
+from pioneer3.lasers.cola.wire import TelegramError, TelegramWords
 
 HEAD = "1 1 89A27F 0 0 1 1 939B5 93D9D 0 0 0 0 0 1388 168 0"
 DIST = "DIST1 3F800000 00000000 FFF92230 1388 3 7D0 7DA 0"
@@ -38,7 +38,7 @@ ENCODERS = (
 
 
 def parse(text: str) -> ScanData:
-    return decode(Words(text.split(" ")))
+    return decode(TelegramWords(text.split(" ")))
 
 
 def metres(text: str, wishes: ScanSettings | None = None, near: float = 0.05) -> RawScan:
@@ -68,7 +68,9 @@ def test_the_words_of_an_lms1xx_mean_what_the_page_says() -> None:
         frequency_chz=5000,
         pulses=360,
         channels=(
-            Channel(content="DIST1", first_tick=-450000, step_tick=5000, values=(2000, 2010, 0)),
+            ReadingChannel(
+                content="DIST1", first_tick=-450000, step_tick=5000, values=(2000, 2010, 0)
+            ),
         ),
     )
 
@@ -137,7 +139,7 @@ def test_every_telegram_cut_short_is_refused() -> None:
         words = text.split(" ")
         for length in range(len(words)):
             with pytest.raises(TelegramError):
-                decode(Words(words[:length]))
+                decode(TelegramWords(words[:length]))
 
 
 def test_angles_are_from_straight_ahead() -> None:
@@ -186,7 +188,7 @@ def test_a_scan_without_ranges_of_the_first_echo_is_refused() -> None:
 
 
 def test_delays_of_the_network_do_not_reach_the_stamps() -> None:
-    clock, delays = DeviceClock(), [0.003, 0.050, 0.001, 0.2, 0.001, 0.010]
+    clock, delays = ColaClock(), [0.003, 0.050, 0.001, 0.2, 0.001, 0.010]
     stamps = []
     for scan, delay in enumerate(delays):
         sent = 1_000_000 + 20_000 * scan
@@ -199,14 +201,14 @@ def test_delays_of_the_network_do_not_reach_the_stamps() -> None:
 
 
 def test_the_clock_goes_on_where_its_32_bits_are_over() -> None:
-    clock = DeviceClock()
+    clock = ColaClock()
     before = clock.first_reading(WRAP_US - 15_000, WRAP_US - 5_000, 10.0, 0.01)
     after = clock.first_reading(WRAP_US - 5_000, 5_000, 10.01, 0.01)
     assert after - before == pytest.approx(0.01)
 
 
 def test_a_slow_clock_is_followed() -> None:
-    clock = DeviceClock()
+    clock = ColaClock()
     for minute in range(60):
         sent = round(minute * 60e6 * (1 - 5e-5)) + 1_000_000
         stamp = clock.first_reading(sent, sent, 60.0 * minute, 0.0)
@@ -214,10 +216,10 @@ def test_a_slow_clock_is_followed() -> None:
 
 
 def test_a_scan_was_not_sent_before_its_last_reading() -> None:
-    assert DeviceClock().first_reading(9_999_000, 10_000_000, 100.0, 0.05) == pytest.approx(99.95)
+    assert ColaClock().first_reading(9_999_000, 10_000_000, 100.0, 0.05) == pytest.approx(99.95)
 
 
 def test_a_clock_that_stands_still_is_not_believed() -> None:
-    clock = DeviceClock()
+    clock = ColaClock()
     assert clock.first_reading(0, 0, 5.0, 0.01) == pytest.approx(4.99)
     assert clock.first_reading(0, 0, 6.0, 0.01) == pytest.approx(5.99)

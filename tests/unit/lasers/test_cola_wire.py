@@ -3,12 +3,12 @@
 import pytest
 
 from pioneer3.lasers.cola import wire
-from pioneer3.lasers.cola.wire import TelegramError, TelegramReader, Words
+from pioneer3.lasers.cola.wire import ColaTelegramReader, TelegramError, TelegramWords
 
 
 def test_a_telegram_stands_between_stx_and_etx() -> None:
     assert wire.encode("sRN STlms") == b"\x02sRN STlms\x03"
-    assert TelegramReader().feed(b"\x02sRN STlms\x03\x02sRI0\x03") == ["sRN STlms", "sRI0"]
+    assert ColaTelegramReader().feed(b"\x02sRN STlms\x03\x02sRI0\x03") == ["sRN STlms", "sRI0"]
 
 
 @pytest.mark.parametrize("text", ["", "a\x02b", "a\x03", "\n", "€", "x" * (wire.MAX_TELEGRAM + 1)])
@@ -18,19 +18,19 @@ def test_text_that_is_no_telegram_is_not_sent(text: str) -> None:
 
 
 def test_a_telegram_cut_short_costs_only_itself() -> None:
-    reader = TelegramReader()
+    reader = ColaTelegramReader()
     assert reader.feed(b"\x02sRA STl\x02sRA STlms 7\x03") == ["sRA STlms 7"]
     assert reader.bytes_skipped == len(b"\x02sRA STl")
 
 
 def test_a_telegram_with_control_characters_is_rejected() -> None:
-    reader = TelegramReader()
+    reader = ColaTelegramReader()
     assert reader.feed(b"\x02sRA\x00 7\x03\x02\x03\x02ok\x03") == ["ok"]
     assert reader.rejected == 2
 
 
 def test_the_reader_does_not_keep_a_telegram_without_an_end() -> None:
-    reader = TelegramReader()
+    reader = ColaTelegramReader()
     for _ in range(1 << 10):
         assert reader.feed(b"\x02" + b"7" * 1023) == []
     for _ in range(1 << 10):
@@ -97,12 +97,12 @@ def test_long_words_have_eight_digits() -> None:
 
 
 def test_a_text_may_hold_spaces() -> None:
-    words = Words(["B", "not", "defined", "0"])
+    words = TelegramWords(["B", "not", "defined", "0"])
     assert (words.text(), words.number()) == ("not defined", 0)
     words.end()
 
 
-def only_text(words: Words) -> str:
+def only_text(words: TelegramWords) -> str:
     text = words.text()
     words.end()
     return text
@@ -111,20 +111,20 @@ def only_text(words: Words) -> str:
 @pytest.mark.parametrize("text", ["6 LMS1111", "6 LMS11", "B not definite", "1"])
 def test_a_text_of_another_length_is_refused(text: str) -> None:
     with pytest.raises(TelegramError):
-        only_text(Words(text.split(" ")))
+        only_text(TelegramWords(text.split(" ")))
 
 
 def test_words_too_few_and_too_many_are_refused() -> None:
     with pytest.raises(TelegramError, match="more words"):
-        Words([]).number()
+        TelegramWords([]).number()
     with pytest.raises(TelegramError, match="too many"):
-        Words(["0"]).end()
+        TelegramWords(["0"]).end()
     with pytest.raises(TelegramError, match="0 to 1"):
-        Words(["2"]).flag()
+        TelegramWords(["2"]).flag()
 
 
 def test_a_telegram_that_has_begun_is_kept_behind_much_noise() -> None:
-    reader = TelegramReader()
+    reader = ColaTelegramReader()
     assert reader.feed(b"\x02" * wire.MAX_TELEGRAM) == []
     assert reader.feed(b"noise\x02sR") == []
     assert reader.feed(b"I0\x03") == ["sRI0"]

@@ -5,11 +5,11 @@ from math import inf
 import pytest
 
 from pioneer3.lasers.clock import Envelope
-from pioneer3.lasers.line import PIECE, Line, duration
+from pioneer3.lasers.line import PIECE, SerialLine, duration
 
 
 def test_bytes_leave_at_the_speed_of_the_line() -> None:
-    line = Line(9600)
+    line = SerialLine(9600)
     line.send(b"0123456789", 5.0)
     assert line.take(5.0) == b""
     assert line.take(5.0 + duration(3, 9600)) == b"012"
@@ -19,7 +19,7 @@ def test_bytes_leave_at_the_speed_of_the_line() -> None:
 
 
 def test_an_idle_line_saves_no_time_up() -> None:
-    line = Line(9600)
+    line = SerialLine(9600)
     line.send(b"a", 1.0)
     assert line.take(2.0) == b"a"
     line.send(b"b", 3.0)
@@ -27,7 +27,7 @@ def test_an_idle_line_saves_no_time_up() -> None:
 
 
 def test_a_new_speed_holds_when_the_bytes_before_it_have_left() -> None:
-    line = Line(9600)
+    line = SerialLine(9600)
     line.send(b"old", 0.0)
     line.then_change_to(38400)
     line.send(b"new", 0.0)
@@ -37,7 +37,7 @@ def test_a_new_speed_holds_when_the_bytes_before_it_have_left() -> None:
 
 
 def test_a_change_of_the_speed_outlives_the_bytes_that_are_dropped() -> None:
-    line = Line(9600)
+    line = SerialLine(9600)
     line.send(b"old", 0.0)
     line.then_change_to(38400)
     line.drop()
@@ -47,7 +47,7 @@ def test_a_change_of_the_speed_outlives_the_bytes_that_are_dropped() -> None:
 
 
 def test_a_network_takes_all_at_once() -> None:
-    line = Line(None)
+    line = SerialLine(None)
     line.send(b"x" * 100_000, 7.0)
     assert line.due == line.free_at == 7.0
     assert len(line.take(7.0)) == 100_000
@@ -55,14 +55,14 @@ def test_a_network_takes_all_at_once() -> None:
 
 @pytest.mark.parametrize(("speed", "piece"), [(9600, PIECE), (500_000, 100)])
 def test_a_wake_up_is_worth_some_bytes(speed: int, piece: int) -> None:
-    line = Line(speed)
+    line = SerialLine(speed)
     line.send(bytes(1000), 0.0)
     assert line.due == pytest.approx(duration(piece, speed))
     assert len(line.take(line.due)) == piece
 
 
 def test_what_is_forgotten_never_leaves() -> None:
-    line = Line(9600)
+    line = SerialLine(9600)
     line.send(b"abc", 0.0)
     line.then_change_to(38400)
     line.clear(19200)

@@ -6,7 +6,7 @@ from math import inf, isnan, nan, radians
 import pytest
 
 from pioneer3.lasers.client import ScanSettings
-from pioneer3.lasers.lms2xx.blocks import Config, Status
+from pioneer3.lasers.lms2xx.blocks import UnitConfig, UnitStatus
 from pioneer3.lasers.lms2xx.measuring import (
     MEASURING_MODES,
     VARIANTS,
@@ -31,7 +31,7 @@ CODES = {
     15: (32767, 32766, 32765, 32763, 32762, 32759),
 }
 RANGED = [mode for mode in MEASURING_MODES.values() if mode.codes]
-STATUS = Status(
+STATUS = UnitStatus(
     version=b"V02.30 ",
     mode=0x24,
     measuring_mode=5,
@@ -193,35 +193,35 @@ def test_sizes_that_do_not_fit_are_refused(code: int, body: str) -> None:
 
 def test_a_configuration_is_34_bytes_or_32() -> None:
     block = bytes(range(1, 35))
-    config = Config.from_bytes(block)
+    config = UnitConfig.from_bytes(block)
     assert config.to_bytes() == block
     assert (config.blanking_cm, config.stop_threshold, config.sensitivity) == (0x0201, 3, 4)
     assert (config.availability, config.measuring_mode, config.units) == (5, 6, 7)
     assert config.contour_b == bytes(range(19, 24))
     assert config.dazzle_evaluations == 0x2221
-    older = Config.from_bytes(block[:32])
+    older = UnitConfig.from_bytes(block[:32])
     assert older == replace(config, dazzle_evaluations=0)
     assert older.to_bytes(32) == block[:32]
     with pytest.raises(ValueError, match="34 or 32 bytes, not 33"):
-        Config.from_bytes(block[:33])
+        UnitConfig.from_bytes(block[:33])
 
 
 @pytest.mark.parametrize("size", [7, 8, 32, 34])
 def test_the_first_bytes_of_a_configuration_can_be_written(size: int) -> None:
-    before = Config(restart_time=9, dazzle_evaluations=7)
+    before = UnitConfig(restart_time=9, dazzle_evaluations=7)
     block = replace(before, measuring_mode=5, units=MM, stop_threshold=70).to_bytes()
     after = before.overwritten(block[:size])
-    assert after == Config.from_bytes(block)
+    assert after == UnitConfig.from_bytes(block)
 
 
 @pytest.mark.parametrize("block", [b"", bytes(6), bytes(33), bytes(35)])
 def test_other_sizes_cannot(block: bytes) -> None:
-    assert Config().overwritten(block) is None
+    assert UnitConfig().overwritten(block) is None
 
 
 @pytest.mark.parametrize(("mode", "units"), [(0x07, 1), (0x0F, 1), (0x3F, 1), (0x05, 2)])
 def test_impossible_settings_cannot(mode: int, units: int) -> None:
-    assert Config().overwritten(bytes((0, 0, 70, 0, 0, mode, units))) is None
+    assert UnitConfig().overwritten(bytes((0, 0, 70, 0, 0, mode, units))) is None
 
 
 def test_the_status_has_its_fields_at_their_offsets() -> None:
@@ -231,8 +231,8 @@ def test_the_status_has_its_fields_at_their_offsets() -> None:
     assert (block[8], block[102], block[122]) == (0x24, 5, 1)
     assert block[107:111] == bytes.fromhex("B4 00 32 00")
     assert block[116:118] == bytes.fromhex("19 80")
-    assert Status.from_bytes(block[1:]) == STATUS
+    assert UnitStatus.from_bytes(block[1:]) == STATUS
     assert (STATUS.variant, STATUS.speed) == (Variant(180, 50), 38400)
     assert replace(STATUS, speed_code=1).speed is None
     with pytest.raises(ValueError, match="152 bytes, not 146"):
-        Status.from_bytes(block[1:147])
+        UnitStatus.from_bytes(block[1:147])

@@ -9,14 +9,14 @@ import pytest
 from pioneer3.lasers.client import (
     Event,
     Identified,
-    Lost,
     Measured,
     Patience,
     ScanSettings,
+    ScansLost,
 )
 from pioneer3.lasers.lms2xx import LmsClient, LmsDevice, commands
-from pioneer3.lasers.lms2xx.blocks import Config, Status
-from pioneer3.lasers.lms2xx.commands import Command, Mode
+from pioneer3.lasers.lms2xx.blocks import UnitConfig, UnitStatus
+from pioneer3.lasers.lms2xx.commands import CommandCode, OperatingMode
 from pioneer3.lasers.lms2xx.measuring import Units, Variant
 from pioneer3.lasers.lms2xx.telegram import encode
 from pioneer3.models.lasers import LASERS
@@ -33,7 +33,7 @@ from tests.unit.lasers.lms_support import (
     speeds,
 )
 
-STREAM = commands.mode(Mode.ALL_VALUES)
+STREAM = commands.mode(OperatingMode.ALL_VALUES)
 PATIENT = Patience(give_up=90.0)
 
 
@@ -48,8 +48,8 @@ def test_a_unit_in_any_state_is_found_at_any_speed(
         {
             "idle": b"",
             "streams": STREAM,
-            "streams turns": commands.mode(Mode.PARTIAL_SCANS),
-            "installation": commands.mode(Mode.INSTALLATION, commands.PASSWORD),
+            "streams turns": commands.mode(OperatingMode.PARTIAL_SCANS),
+            "installation": commands.mode(OperatingMode.INSTALLATION, commands.PASSWORD),
         }[before]
     )
     cable.listen(1.234)  # in the middle of a telegram
@@ -77,29 +77,29 @@ def test_any_address_answers(address: int) -> None:
 @pytest.mark.parametrize("delay", [0.3, 1.5, 2.9])
 @pytest.mark.parametrize("streams", [False, True])
 def test_late_answers_mislead_nobody(delay: float, streams: bool) -> None:
-    cable = ready(19200, delays={Command.MODE: delay})
-    cable.device.unit.config = Config()
+    cable = ready(19200, delays={CommandCode.MODE: delay})
+    cable.device.unit.config = UnitConfig()
     if streams:
         cable.send(STREAM)
         cable.listen(delay + 1)
     # 20 25 while searching and after, 20 40, 20 00, 20 24: each waits for its answer
     events = run(cable, LmsClient(cable.now, SPEEDS), Measured, 3.0 + 5 * delay)
     assert cable.device.unit.config == WRITTEN
-    assert cable.device.unit.mode is Mode.ALL_VALUES
+    assert cable.device.unit.mode is OperatingMode.ALL_VALUES
     assert speeds(events)[-1] == cable.device.speed == 38400
     assert scans(events)[0].ranges == (2.0,) * 181
 
 
 def test_an_answer_beyond_all_limits_is_not_taken_for_another() -> None:
-    cable = Cable(LmsDevice(LMS200, delays={Command.MODE: 4.0}))
+    cable = Cable(LmsDevice(LMS200, delays={CommandCode.MODE: 4.0}))
     client = LmsClient(cable.now, (9600,), patience=Patience(give_up=20.0))
-    events = run(cable, client, Lost, 60.0)
+    events = run(cable, client, ScansLost, 60.0)
     assert cable.device.unit.config_writes == 0
     assert scans(events) == []
 
 
 def test_a_slow_eeprom_is_waited_for() -> None:
-    cable = Cable(LmsDevice(LMS200, delays={Command.CONFIGURE: 7.0}))
+    cable = Cable(LmsDevice(LMS200, delays={CommandCode.CONFIGURE: 7.0}))
     client = LmsClient(cable.now, SPEEDS)
     first_scan(cable, client, 10.0)
     assert cable.device.unit.config_writes == 1
@@ -115,7 +115,7 @@ def test_a_unit_that_starts_is_found_when_it_is_ready(boot: float) -> None:
 
 def test_the_configuration_is_written_once_and_its_rest_is_kept() -> None:
     cable = Cable(LmsDevice(LMS200))
-    before = Config(stop_threshold=60, restart_mode=1, contour_a=b"fence")
+    before = UnitConfig(stop_threshold=60, restart_mode=1, contour_a=b"fence")
     cable.device.unit.config = before
     events = run(cable, LmsClient(cable.now, SPEEDS), Measured, 3.0)
     assert cable.device.unit.config == replace(before, measuring_mode=5, units=Units.MILLIMETRES)
@@ -130,16 +130,16 @@ def test_the_variant_is_set_only_if_it_differs() -> None:
     settings = ScanSettings(step=radians(0.5))
     client = LmsClient(cable.now, SPEEDS, settings)
     sent = b""
-    while cable.device.unit.mode is not Mode.ALL_VALUES:
+    while cable.device.unit.mode is not OperatingMode.ALL_VALUES:
         heard = cable.step()
         events = client.receive(heard, cable.now) + client.tick(cable.now)
         cable.speed = speeds(events)[-1] if speeds(events) else cable.speed
         out = client.outgoing()
         sent += out
         cable.send(out)
-    assert encode(Command.TYPE) in sent
-    assert encode(Command.VARIANT, commands.variant_data(Variant(180, 50))) not in sent
-    assert encode(Command.CONFIG) not in sent
+    assert encode(CommandCode.TYPE) in sent
+    assert encode(CommandCode.VARIANT, commands.variant_data(Variant(180, 50))) not in sent
+    assert encode(CommandCode.CONFIG) not in sent
 
 
 def test_the_unit_says_who_it_is() -> None:
@@ -171,7 +171,7 @@ def test_a_link_without_speeds_changes_none() -> None:
     assert cable.device.speed == 9600
     assert scan.period == pytest.approx(30 / 75)  # it knows the speed from the status
     client.leave(cable.now)
-    assert client.outgoing() == commands.mode(Mode.ON_REQUEST)
+    assert client.outgoing() == commands.mode(OperatingMode.ON_REQUEST)
 
 
 def test_leaving_stops_the_stream_and_goes_back_to_9600() -> None:
@@ -199,7 +199,7 @@ def test_silence_loses_the_unit() -> None:
     first_scan(cable, client)
     cable.device.switch_on(cable.now)
     began = cable.now
-    (event,) = [e for e in run(cable, client, Lost, 2.0) if isinstance(e, Lost)]
+    (event,) = [e for e in run(cable, client, ScansLost, 2.0) if isinstance(e, ScansLost)]
     assert "no scan has come for 1.06667 s" in event.reason
     assert cable.now - began == pytest.approx(1.07, abs=0.12)
     assert client.tick(cable.now + 99) == []
@@ -210,7 +210,7 @@ def test_a_power_cycle_at_9600_is_noticed() -> None:
     client = LmsClient(cable.now, (9600,))
     first_scan(cable, client)
     cable.device.switch_on(cable.now)
-    (event,) = [e for e in run(cable, client, Lost, 1.0) if isinstance(e, Lost)]
+    (event,) = [e for e in run(cable, client, ScansLost, 1.0) if isinstance(e, ScansLost)]
     assert "started anew" in event.reason
 
 
@@ -219,7 +219,9 @@ def test_an_empty_line_is_given_up() -> None:
     cable.device.switch_on(cable.now)
     began = cable.now
     (event,) = [
-        e for e in run(cable, LmsClient(cable.now, SPEEDS), Lost, 10.0) if isinstance(e, Lost)
+        e
+        for e in run(cable, LmsClient(cable.now, SPEEDS), ScansLost, 10.0)
+        if isinstance(e, ScansLost)
     ]
     assert event.reason.startswith("nothing answers at 9600, 19200, 38400, 500000 baud")
     assert 8.0 <= cable.now - began < 9.0
@@ -229,10 +231,10 @@ def test_noise_is_told_from_silence() -> None:
     client = LmsClient(0.0, (9600,), patience=Patience(give_up=3.0))
     events: list[Event] = []
     now = 0.0
-    while not any(isinstance(event, Lost) for event in events):
+    while not any(isinstance(event, ScansLost) for event in events):
         now += 0.01
         events += client.receive(b"\x00\xff\x55", now) + client.tick(now)
-    assert events[-1] == Lost("something sends, but not as an LMS-2xx does")
+    assert events[-1] == ScansLost("something sends, but not as an LMS-2xx does")
 
 
 def test_a_speed_that_the_line_does_not_carry_is_given_up() -> None:
@@ -245,18 +247,18 @@ def test_a_speed_that_the_line_does_not_carry_is_given_up() -> None:
 
     deaf = Deaf(cable.device, 9600)
     client = LmsClient(deaf.now, (9600, 500000), target_speed=500000)
-    (event,) = [e for e in run(deaf, client, Lost, 20.0) if isinstance(e, Lost)]
+    (event,) = [e for e in run(deaf, client, ScansLost, 20.0) if isinstance(e, ScansLost)]
     assert "nothing answers" in event.reason  # the unit is deaf at 500000 now
 
 
 def test_a_refused_variant_and_configuration_are_done_without() -> None:
     cable = ready(38400)
     unit = cable.device.unit
-    unit.config = Config()
+    unit.config = UnitConfig()
     answer = unit.answer
 
     def refuses(code: int, data: bytes) -> bytes | None:
-        refused = code == Command.VARIANT or data == bytes((0,)) + commands.PASSWORD
+        refused = code == CommandCode.VARIANT or data == bytes((0,)) + commands.PASSWORD
         return None if refused else answer(code, data)
 
     unit.answer = refuses  # type: ignore[method-assign]
@@ -270,7 +272,7 @@ def test_a_refused_variant_and_configuration_are_done_without() -> None:
 
 
 def test_a_variant_that_is_answered_too_late_is_asked_for_again() -> None:
-    cable = ready(38400, delays={Command.VARIANT: 1.5})
+    cable = ready(38400, delays={CommandCode.VARIANT: 1.5})
     scan = first_scan(cable, LmsClient(cable.now, (38400,)), 8.0)
     assert len(scan.ranges) == 181
 
@@ -289,8 +291,8 @@ def test_a_defect_is_told() -> None:
 
     def defective(code: int, data: bytes) -> bytes | None:
         body = answer(code, data)
-        if code == Command.STATUS and body is not None:
-            return replace(Status.from_bytes(body), defective=1).to_bytes()
+        if code == CommandCode.STATUS and body is not None:
+            return replace(UnitStatus.from_bytes(body), defective=1).to_bytes()
         return body
 
     unit.answer = defective  # type: ignore[method-assign]

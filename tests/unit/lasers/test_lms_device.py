@@ -4,10 +4,10 @@ from math import inf, radians
 
 import pytest
 
-from pioneer3.lasers.device import Turn
+from pioneer3.lasers.device import MirrorTurn
 from pioneer3.lasers.lms2xx import LmsDevice, commands
-from pioneer3.lasers.lms2xx.blocks import Config, Status
-from pioneer3.lasers.lms2xx.commands import MODE_OF_SPEED, Command, Mode
+from pioneer3.lasers.lms2xx.blocks import UnitConfig, UnitStatus
+from pioneer3.lasers.lms2xx.commands import MODE_OF_SPEED, CommandCode, OperatingMode
 from pioneer3.lasers.lms2xx.measuring import Units, Variant
 from pioneer3.lasers.lms2xx.scans import Measurement
 from pioneer3.lasers.lms2xx.telegram import Sign, Telegram, encode
@@ -16,11 +16,11 @@ from tests.unit.lasers.lms_support import LMS200, Cable, signs, telegrams
 
 TAKEN = bytes.fromhex("06 02 80 03 00 A0 00 10 16 0A")
 REFUSED = bytes.fromhex("06 02 80 02 00 92 10 7F 33")
-STOP = commands.mode(Mode.ON_REQUEST)
-STREAM = commands.mode(Mode.ALL_VALUES)
-TURNS = commands.mode(Mode.PARTIAL_SCANS)
-INSTALL = commands.mode(Mode.INSTALLATION, commands.PASSWORD)
-ONE_SCAN = encode(Command.SCAN, b"\x01")
+STOP = commands.mode(OperatingMode.ON_REQUEST)
+STREAM = commands.mode(OperatingMode.ALL_VALUES)
+TURNS = commands.mode(OperatingMode.PARTIAL_SCANS)
+INSTALL = commands.mode(OperatingMode.INSTALLATION, commands.PASSWORD)
+ONE_SCAN = encode(CommandCode.SCAN, b"\x01")
 MM_15_BITS = bytes.fromhex("00 00 46 00 00 05 01")
 
 
@@ -38,7 +38,7 @@ def only(data: bytes) -> Telegram:
     return telegram
 
 
-def by_bearing(turn: Turn, index: int) -> float:
+def by_bearing(turn: MirrorTurn, index: int) -> float:
     return 4.0 + turn.first + index * turn.step
 
 
@@ -66,17 +66,17 @@ def test_answers_are_as_published(request_: str, answer: str) -> None:
     "request_",
     [
         encode(0x55),
-        encode(Command.MODE),
-        commands.mode(Mode.RANGE_AND_REFLECTIVITY, bytes(4)),
-        commands.mode(Mode.SUBRANGE, bytes.fromhex("0000b500")),
-        commands.mode(Mode.SUBRANGE, bytes.fromhex("0100ffff")),
-        commands.mode(Mode.MEAN),
-        commands.mode(Mode.MEAN, b"\x01"),
-        commands.mode(Mode.MEAN, b"\xfb"),
-        commands.mode(Mode.MEAN_OF_SUBRANGE, bytes.fromhex("0a0000b500")),
-        encode(Command.SCAN, b"\x02"),
-        encode(Command.CONFIGURE, MM_15_BITS),
-        encode(Command.KEEP_SPEED, b"\x01"),
+        encode(CommandCode.MODE),
+        commands.mode(OperatingMode.RANGE_AND_REFLECTIVITY, bytes(4)),
+        commands.mode(OperatingMode.SUBRANGE, bytes.fromhex("0000b500")),
+        commands.mode(OperatingMode.SUBRANGE, bytes.fromhex("0100ffff")),
+        commands.mode(OperatingMode.MEAN),
+        commands.mode(OperatingMode.MEAN, b"\x01"),
+        commands.mode(OperatingMode.MEAN, b"\xfb"),
+        commands.mode(OperatingMode.MEAN_OF_SUBRANGE, bytes.fromhex("0a0000b500")),
+        encode(CommandCode.SCAN, b"\x02"),
+        encode(CommandCode.CONFIGURE, MM_15_BITS),
+        encode(CommandCode.KEEP_SPEED, b"\x01"),
     ],
 )
 def test_what_is_unknown_or_in_the_wrong_mode_is_refused(request_: bytes) -> None:
@@ -114,14 +114,14 @@ def test_a_request_behind_a_false_beginning_is_served_after_a_pause() -> None:
 
 
 def test_another_address_is_not_for_this_unit() -> None:
-    request = encode(Command.TYPE, address=0x02)
+    request = encode(CommandCode.TYPE, address=0x02)
     assert cable(address=0x81).ask(request) == b""
     assert only(cable(address=0x82).ask(request)).address == 0x82
 
 
 def test_bytes_leave_at_the_speed_of_the_line() -> None:
     line = cable()
-    line.send(encode(Command.STATUS))
+    line.send(encode(CommandCode.STATUS))
     arrived = [len(line.step(0.01)) for _ in range(20)]
     assert sum(arrived) == 1 + 160
     assert arrived[:16] == pytest.approx([9.6] * 16, abs=1)
@@ -142,7 +142,7 @@ def test_a_new_speed_holds_once_the_answer_has_left(request_: bytes, baud: int) 
     line.step()
     assert heard == TAKEN
     assert line.device.speed == baud
-    status = Status.from_bytes(only(line.ask(encode(Command.STATUS))).body)
+    status = UnitStatus.from_bytes(only(line.ask(encode(CommandCode.STATUS))).body)
     assert status.speed == baud
 
 
@@ -198,12 +198,12 @@ def test_the_stream_goes_on_without_a_host() -> None:
 
 def test_a_host_in_the_network_finds_the_line_empty_at_the_speed_that_was_asked_for() -> None:
     line = cable(9600)
-    line.port.receive(commands.mode(MODE_OF_SPEED[38400]) + encode(Command.TYPE)[:3], line.now)
+    line.port.receive(commands.mode(MODE_OF_SPEED[38400]) + encode(CommandCode.TYPE)[:3], line.now)
     line.port = line.device.connect(network=True)
     line.speed = None
     assert line.listen(1.0) == b""
     assert line.device.speed == 38400
-    assert line.ask(encode(Command.ERRORS)).startswith(b"\x06\x02\x80")
+    assert line.ask(encode(CommandCode.ERRORS)).startswith(b"\x06\x02\x80")
 
 
 def test_a_stream_can_be_changed_and_stopped() -> None:
@@ -212,7 +212,7 @@ def test_a_stream_can_be_changed_and_stopped() -> None:
     heard = measurements(line.ask(commands.variant(Variant(100, 100)), 0.5))
     assert len(heard[-1].values) == 101
     line.ask(STOP)
-    assert line.device.unit.mode is Mode.ON_REQUEST
+    assert line.device.unit.mode is OperatingMode.ON_REQUEST
     assert line.listen(0.5) == b""
 
 
@@ -232,10 +232,10 @@ def test_single_turns_come_in_order() -> None:
 
 @pytest.mark.parametrize(
     ("wanted", "data", "first", "last"),
-    [(Mode.MEAN, "0a", 1, 181), (Mode.MEAN_OF_SUBRANGE, "0a5b005d00", 91, 93)],
+    [(OperatingMode.MEAN, "0a", 1, 181), (OperatingMode.MEAN_OF_SUBRANGE, "0a5b005d00", 91, 93)],
 )
-def test_the_mean_of_ten_scans(wanted: Mode, data: str, first: int, last: int) -> None:
-    def scene(_turn: Turn, index: int) -> float:
+def test_the_mean_of_ten_scans(wanted: OperatingMode, data: str, first: int, last: int) -> None:
+    def scene(_turn: MirrorTurn, index: int) -> float:
         return inf if index == 91 and line.turns % 2 else 1.0 + line.turns % 10 / 100
 
     line = cable(38400)
@@ -255,7 +255,9 @@ def test_a_part_of_the_values() -> None:
     line = cable(38400)
     line.scene = by_bearing
     line.ask(commands.variant(Variant(180, 100)))
-    scan = measurements(line.ask(commands.mode(Mode.SUBRANGE, bytes.fromhex("5b005d00"))))[-1]
+    scan = measurements(line.ask(commands.mode(OperatingMode.SUBRANGE, bytes.fromhex("5b005d00"))))[
+        -1
+    ]
     assert (scan.first, scan.last) == (91, 93)
     assert scan.values == (400, 402, 403)
 
@@ -266,14 +268,14 @@ def test_nothing_seen_and_nothing_measured_have_their_codes() -> None:
     line.ask(commands.variant(Variant(100, 100)))
     assert measurements(line.ask(ONE_SCAN))[0].values[:4] == (8183, 8183, 1, 100)
     line.ask(INSTALL)
-    line.ask(encode(Command.CONFIGURE, MM_15_BITS))
+    line.ask(encode(CommandCode.CONFIGURE, MM_15_BITS))
     line.ask(STOP)
     assert measurements(line.ask(ONE_SCAN))[0].values[:4] == (32759, 32759, 1, 1000)
 
 
 def test_reflectors_show_and_walls_do_not() -> None:
     line = cable(38400)
-    line.device.unit.config = Config(measuring_mode=0x01, units=Units.MILLIMETRES)
+    line.device.unit.config = UnitConfig(measuring_mode=0x01, units=Units.MILLIMETRES)
     for light, level in ((0.5, 0), (1.2, 0), (2.0, 1), (50.0, 7)):
         line.intensity = light
         (scan,) = measurements(line.ask(ONE_SCAN, 1.0))
@@ -282,7 +284,7 @@ def test_reflectors_show_and_walls_do_not() -> None:
 
 def test_indices_are_sent_where_they_are_wanted() -> None:
     line = cable(38400)
-    line.device.unit.config = Config(availability=2)
+    line.device.unit.config = UnitConfig(availability=2)
     scans = measurements(line.ask(STREAM, 1.0))
     telegram_indices = [scan.indices[1] for scan in scans]
     assert telegram_indices == [*range(len(scans))]
@@ -292,26 +294,26 @@ def test_indices_are_sent_where_they_are_wanted() -> None:
 @pytest.mark.parametrize("size", [7, 8, 32, 34])
 def test_the_configuration_is_written_in_installation_mode(size: int) -> None:
     line = cable()
-    block = MM_15_BITS + Config().to_bytes()[7:]
+    block = MM_15_BITS + UnitConfig().to_bytes()[7:]
     line.ask(INSTALL)
-    answer = only(line.ask(encode(Command.CONFIGURE, block[:size])))
+    answer = only(line.ask(encode(CommandCode.CONFIGURE, block[:size])))
     assert answer.body == b"\x01" + block
-    assert only(line.ask(encode(Command.CONFIG))).body == block
+    assert only(line.ask(encode(CommandCode.CONFIG))).body == block
     assert line.device.unit.config_writes == 1
 
 
 def test_an_impossible_configuration_is_not_taken() -> None:
     line = cable()
     line.ask(INSTALL)
-    answer = only(line.ask(encode(Command.CONFIGURE, bytes.fromhex("00004600000701"))))
-    assert answer.body == b"\x00" + Config().to_bytes()
+    answer = only(line.ask(encode(CommandCode.CONFIGURE, bytes.fromhex("00004600000701"))))
+    assert answer.body == b"\x00" + UnitConfig().to_bytes()
     assert line.device.unit.config_writes == 0
 
 
 def test_a_power_cycle_keeps_the_eeprom_alone() -> None:
     line = cable(38400, boot=5.0)
     line.ask(INSTALL)
-    line.ask(encode(Command.CONFIGURE, MM_15_BITS))
+    line.ask(encode(CommandCode.CONFIGURE, MM_15_BITS))
     line.ask(commands.variant(Variant(100, 100)))
     line.ask(STREAM)
     line.device.switch_on(line.now)
@@ -319,7 +321,7 @@ def test_a_power_cycle_keeps_the_eeprom_alone() -> None:
     assert line.ask(STOP, 4.9) == b""
     ready = only(line.listen(0.2))
     assert (ready.code, ready.body) == (0x90, b"LMS200;301061;V02.30 ")
-    status = Status.from_bytes(only(line.ask(encode(Command.STATUS))).body)
+    status = UnitStatus.from_bytes(only(line.ask(encode(CommandCode.STATUS))).body)
     assert (status.mode, status.variant, status.speed) == (0x25, Variant(180, 50), 9600)
     assert (status.measuring_mode, status.units) == (5, 1)
 
@@ -327,12 +329,12 @@ def test_a_power_cycle_keeps_the_eeprom_alone() -> None:
 def test_a_kept_speed_is_that_after_power_on() -> None:
     line = cable(19200, boot=1.0)
     line.ask(INSTALL)
-    assert only(line.ask(encode(Command.KEEP_SPEED, b"\x01"))).code == 0xE6
-    line.ask(commands.mode(Mode.SPEED_38400))
+    assert only(line.ask(encode(CommandCode.KEEP_SPEED, b"\x01"))).code == 0xE6
+    line.ask(commands.mode(OperatingMode.SPEED_38400))
     line.device.switch_on(line.now)
     assert line.device.speed == 19200
     line.listen(1.1)
-    status = Status.from_bytes(only(line.ask(encode(Command.STATUS))).body)
+    status = UnitStatus.from_bytes(only(line.ask(encode(CommandCode.STATUS))).body)
     assert (status.speed, status.keeps_speed) == (19200, 1)
 
 
@@ -341,7 +343,7 @@ def test_a_reset_answers_and_starts_anew_at_9600() -> None:
     line.ask(STREAM)
     line.ask(STOP)
     line.ask(commands.variant(Variant(100, 100)))
-    assert only(line.ask(encode(Command.RESET))).code == 0x91
+    assert only(line.ask(encode(CommandCode.RESET))).code == 0x91
     assert line.device.speed == 9600
     assert line.ask(STOP, 4.5) == b""
     assert only(line.listen(0.3)).code == 0x90
@@ -350,17 +352,17 @@ def test_a_reset_answers_and_starts_anew_at_9600() -> None:
 
 @pytest.mark.parametrize("delay", [0.3, 1.5])
 def test_answers_may_be_late_and_stay_in_order(delay: float) -> None:
-    device = LmsDevice(LMS200, delays={Command.MODE: delay})
+    device = LmsDevice(LMS200, delays={CommandCode.MODE: delay})
     line = Cable(device)
-    assert line.ask(STOP + encode(Command.TYPE), 0.9 * delay) == b"\x06\x06"
+    assert line.ask(STOP + encode(CommandCode.TYPE), 0.9 * delay) == b"\x06\x06"
     assert [telegram.code for telegram in telegrams(line.listen(0.5))] == [0xA0, 0xBA]
 
 
 def test_a_flood_of_requests_fills_no_memory() -> None:
     line = cable()
     for _ in range(200):
-        line.send(encode(Command.STATUS) * 50)
-        line.send(encode(Command.STATUS)[:-1] + b"\0")
+        line.send(encode(CommandCode.STATUS) * 50)
+        line.send(encode(CommandCode.STATUS)[:-1] + b"\0")
     assert line.device._line.waiting < 4096
     heard = line.listen(20.0)
     assert set(signs(heard)) == {Sign.ACK, Sign.NAK}
@@ -370,4 +372,4 @@ def test_a_flood_of_requests_fills_no_memory() -> None:
 
 def test_other_models_say_what_they_are() -> None:
     line = Cable(LmsDevice(LASERS["lms-291"]))
-    assert only(line.ask(encode(Command.TYPE))).body == b"LMS291;S05   ;V02.30 "
+    assert only(line.ask(encode(CommandCode.TYPE))).body == b"LMS291;S05   ;V02.30 "

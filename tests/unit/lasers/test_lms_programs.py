@@ -7,14 +7,17 @@ from dataclasses import dataclass
 import pytest
 
 from pioneer3.lasers.lms2xx import LmsDevice, commands
-from pioneer3.lasers.lms2xx.commands import Command, Mode
+from pioneer3.lasers.lms2xx.commands import CommandCode, OperatingMode
 from pioneer3.lasers.lms2xx.scans import Measurement
-from pioneer3.lasers.lms2xx.telegram import UNITS, Telegram, TelegramReader, encode
+from pioneer3.lasers.lms2xx.telegram import UNITS, LmsTelegramReader, Telegram, encode
 from tests.unit.lasers.lms_support import LMS200, STEP, Cable
 
-STOP, STREAM = commands.mode(Mode.ON_REQUEST), commands.mode(Mode.ALL_VALUES)
-TO_38400, TO_9600 = commands.mode(Mode.SPEED_38400), commands.mode(Mode.SPEED_9600)
-INSTALL = commands.mode(Mode.INSTALLATION, commands.PASSWORD)
+STOP, STREAM = commands.mode(OperatingMode.ON_REQUEST), commands.mode(OperatingMode.ALL_VALUES)
+TO_38400, TO_9600 = (
+    commands.mode(OperatingMode.SPEED_38400),
+    commands.mode(OperatingMode.SPEED_9600),
+)
+INSTALL = commands.mode(OperatingMode.INSTALLATION, commands.PASSWORD)
 ARIAS_CONFIG = bytes.fromhex("0200210077 0000460000050100000202" + "00" * 21 + "5B51")
 VARIANT_1 = bytes.fromhex("020005003BB40064009749")
 VARIANT_HALF = bytes.fromhex("020005003BB40032003B1F")
@@ -37,7 +40,7 @@ class Host:
 
     def flush(self) -> None:
         """Forget what has been received."""
-        self._reader = TelegramReader(self.addresses)
+        self._reader = LmsTelegramReader(self.addresses)
         self._waiting: list[Telegram] = []
 
     def send(self, data: bytes) -> None:
@@ -84,7 +87,7 @@ def aria(cable: Cable, *, power_control: bool = False, start_speed: int = 9600) 
     cable.speed = start_speed
     host = Host(cable, UNITS)
     if power_control:
-        host.send(encode(Command.RESET))
+        host.send(encode(CommandCode.RESET))
         host.wait_for(0x90, 65.0)
     host.send(TO_38400)
     host.pause(0.02)
@@ -127,7 +130,7 @@ def sicktoolbox(cable: Cable) -> None:
         for speed in (19200, 38400):
             cable.speed = speed
             try:
-                host.ask(encode(Command.ERRORS), B2, 3.0, 1)
+                host.ask(encode(CommandCode.ERRORS), B2, 3.0, 1)
                 break
             except Failed:
                 continue
@@ -138,9 +141,9 @@ def sicktoolbox(cable: Cable) -> None:
             cable.speed = 38400
     host.pause(0.25)
     host.ask(STOP, A0, 3.0, 3, b"\x00")
-    assert host.ask(encode(Command.TYPE), BA, 1.0, 3).startswith(b"LMS200;30106")
-    assert len(host.ask(encode(Command.STATUS), B1, 1.0, 3)) == 152
-    assert len(host.ask(encode(Command.CONFIG), F4, 1.0, 3)) == 34
+    assert host.ask(encode(CommandCode.TYPE), BA, 1.0, 3).startswith(b"LMS200;30106")
+    assert len(host.ask(encode(CommandCode.STATUS), B1, 1.0, 3)) == 152
+    assert len(host.ask(encode(CommandCode.CONFIG), F4, 1.0, 3)) == 34
     host.ask(STREAM, A0, 3.0, 3, b"\x00")
     for _ in range(5):
         host.flush()
@@ -181,19 +184,19 @@ def player(cable: Cable, *, step: bytes = VARIANT_HALF) -> None:
         exchange(TO_38400, A0, 0.25)
         cable.speed = 38400
         host.pause(1.0)
-    assert exchange(encode(Command.TYPE), BA, 1.0)[:3] == b"LMS"
+    assert exchange(encode(CommandCode.TYPE), BA, 1.0)[:3] == b"LMS"
     try:
         exchange(INSTALL, A0, 0.25)
     except Failed:
         exchange(INSTALL, A0, 0.25)
-    status = b"\xb1" + exchange(encode(Command.STATUS), B1, 1.0)
+    status = b"\xb1" + exchange(encode(CommandCode.STATUS), B1, 1.0)
     if status[107:111] != step[5:9]:
         assert exchange(step, BB, 1.0)[:1] == b"\x01"
-    config = exchange(encode(Command.CONFIG), F4, 1.0)
+    config = exchange(encode(CommandCode.CONFIG), F4, 1.0)
     wanted = config[:4] + b"\x00\x01\x01"
     if config[:7] != wanted:
-        assert exchange(encode(Command.CONFIGURE, wanted), F7, 10.0)[:1] == b"\x01"
-    part = commands.mode(Mode.SUBRANGE, bytes.fromhex("0100b500"))
+        assert exchange(encode(CommandCode.CONFIGURE, wanted), F7, 10.0)[:1] == b"\x01"
+    part = commands.mode(OperatingMode.SUBRANGE, bytes.fromhex("0100b500"))
     exchange(part if step == VARIANT_1 else STREAM, A0, 0.25)
     code, count = (B7, 181) if step == VARIANT_1 else (B0, 361)
     for _ in range(5):
@@ -267,7 +270,7 @@ def test_address_81_is_for_aria_only() -> None:
 
 
 def test_a_late_answer_misleads_player_only() -> None:
-    late = {Command.MODE: 0.3}
+    late = {CommandCode.MODE: 0.3}
     aria(unit(delays=late))
     sicktoolbox(unit(delays=late))
     with pytest.raises(Failed):
@@ -277,8 +280,8 @@ def test_a_late_answer_misleads_player_only() -> None:
 def test_a_very_late_answer_is_too_late_for_aria() -> None:
     for speed in (9600, 38400):
         with pytest.raises(Failed):
-            aria(unit(speed, delays={Command.MODE: 1.5}))
-    sicktoolbox(unit(38400, delays={Command.MODE: 0.9}))
+            aria(unit(speed, delays={CommandCode.MODE: 1.5}))
+    sicktoolbox(unit(38400, delays={CommandCode.MODE: 0.9}))
 
 
 def test_each_connect_of_aria_writes_the_eeprom() -> None:
@@ -294,4 +297,4 @@ def test_player_writes_the_eeprom_once() -> None:
     player(cable)
     player(cable)
     assert cable.device.unit.config_writes == 1
-    assert cable.device.unit.mode is Mode.ALL_VALUES  # it leaves the stream on
+    assert cable.device.unit.mode is OperatingMode.ALL_VALUES  # it leaves the stream on

@@ -7,7 +7,7 @@ import pytest
 from pioneer3.lasers.client import (
     ScanSettings,
 )
-from pioneer3.lasers.device import Turn
+from pioneer3.lasers.device import MirrorTurn
 from pioneer3.lasers.lms2xx import LmsClient
 from pioneer3.lasers.lms2xx.measuring import MIRROR_TURN
 from pioneer3.lasers.lms2xx.telegram import encode
@@ -39,7 +39,7 @@ def test_readings_have_their_time(step: float, turns: int) -> None:
     cable = ready(38400)
     start = cable.now
 
-    def moving(turn: Turn, index: int) -> float:
+    def moving(turn: MirrorTurn, index: int) -> float:
         return 1.0 + cable._began + index * turn.beam_time - start
 
     cable.scene = moving

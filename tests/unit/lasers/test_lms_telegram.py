@@ -4,16 +4,16 @@ import pytest
 
 from pioneer3.errors import CommandError
 from pioneer3.lasers.lms2xx import commands
-from pioneer3.lasers.lms2xx.commands import Command, Mode
+from pioneer3.lasers.lms2xx.commands import CommandCode, OperatingMode
 from pioneer3.lasers.lms2xx.measuring import Variant
 from pioneer3.lasers.lms2xx.telegram import (
     MAX_LENGTH,
     PAUSE,
     UNITS,
     Item,
+    LmsTelegramReader,
     Sign,
     Telegram,
-    TelegramReader,
     checksum,
     encode,
 )
@@ -22,42 +22,42 @@ STATUS = "02 00 01 00 31 15 12"
 READY = b"\x02\x81\x17\x00\x90LMS200;301063;V02.06 \x13\x64\x5a"
 TYPE = b"\x02\x80\x17\x00\xbaLMS200;301061;V02.30 \x10\x3d\xed"
 REQUESTS = [
-    ("02 00 01 00 10 34 12", encode(Command.RESET)),
-    ("02 00 02 00 20 42 52 08", commands.mode(Mode.SPEED_9600)),
-    ("02 00 02 00 20 41 51 08", commands.mode(Mode.SPEED_19200)),
-    ("02 00 02 00 20 40 50 08", commands.mode(Mode.SPEED_38400)),
-    ("02 00 02 00 20 48 58 08", commands.mode(Mode.SPEED_500000)),
+    ("02 00 01 00 10 34 12", encode(CommandCode.RESET)),
+    ("02 00 02 00 20 42 52 08", commands.mode(OperatingMode.SPEED_9600)),
+    ("02 00 02 00 20 41 51 08", commands.mode(OperatingMode.SPEED_19200)),
+    ("02 00 02 00 20 40 50 08", commands.mode(OperatingMode.SPEED_38400)),
+    ("02 00 02 00 20 48 58 08", commands.mode(OperatingMode.SPEED_500000)),
     (
         "02 00 0A 00 20 00 53 49 43 4B 5F 4C 4D 53 BE C5",
-        commands.mode(Mode.INSTALLATION, commands.PASSWORD),
+        commands.mode(OperatingMode.INSTALLATION, commands.PASSWORD),
     ),
     (
         "02 00 0A 00 20 00 53 49 43 4B 5F 50 4C 53 CC FC",
-        commands.mode(Mode.INSTALLATION, b"SICK_PLS"),
+        commands.mode(OperatingMode.INSTALLATION, b"SICK_PLS"),
     ),
-    ("02 00 02 00 20 24 34 08", commands.mode(Mode.ALL_VALUES)),
-    ("02 00 02 00 20 25 35 08", commands.mode(Mode.ON_REQUEST)),
-    ("02 00 02 00 20 2A 3A 08", commands.mode(Mode.PARTIAL_SCANS)),
+    ("02 00 02 00 20 24 34 08", commands.mode(OperatingMode.ALL_VALUES)),
+    ("02 00 02 00 20 25 35 08", commands.mode(OperatingMode.ON_REQUEST)),
+    ("02 00 02 00 20 2A 3A 08", commands.mode(OperatingMode.PARTIAL_SCANS)),
     (
         "02 00 06 00 20 27 01 00 B5 00 12 09",
-        commands.mode(Mode.SUBRANGE, bytes.fromhex("0100b500")),
+        commands.mode(OperatingMode.SUBRANGE, bytes.fromhex("0100b500")),
     ),
-    ("02 00 03 00 20 26 0A 76 3E", commands.mode(Mode.MEAN, b"\x0a")),
-    ("02 00 02 00 30 01 31 18", encode(Command.SCAN, b"\x01")),
-    (STATUS, encode(Command.STATUS)),
-    ("02 00 01 00 32 16 12", encode(Command.ERRORS)),
-    ("02 00 01 00 3A 1E 12", encode(Command.TYPE)),
+    ("02 00 03 00 20 26 0A 76 3E", commands.mode(OperatingMode.MEAN, b"\x0a")),
+    ("02 00 02 00 30 01 31 18", encode(CommandCode.SCAN, b"\x01")),
+    (STATUS, encode(CommandCode.STATUS)),
+    ("02 00 01 00 32 16 12", encode(CommandCode.ERRORS)),
+    ("02 00 01 00 3A 1E 12", encode(CommandCode.TYPE)),
     ("02 00 05 00 3B B4 00 64 00 97 49", commands.variant(Variant(180, 100))),
     ("02 00 05 00 3B B4 00 32 00 3B 1F", commands.variant(Variant(180, 50))),
     ("02 00 05 00 3B 64 00 64 00 1D 0F", commands.variant(Variant(100, 100))),
     ("02 00 05 00 3B 64 00 32 00 B1 59", commands.variant(Variant(100, 50))),
     ("02 00 05 00 3B 64 00 19 00 E7 72", commands.variant(Variant(100, 25))),
-    ("02 00 02 00 66 01 9D 4E", encode(Command.KEEP_SPEED, b"\x01")),
-    ("02 00 02 00 66 00 9C 4E", encode(Command.KEEP_SPEED, b"\x00")),
-    ("02 00 01 00 74 50 12", encode(Command.CONFIG)),
+    ("02 00 02 00 66 01 9D 4E", encode(CommandCode.KEEP_SPEED, b"\x01")),
+    ("02 00 02 00 66 00 9C 4E", encode(CommandCode.KEEP_SPEED, b"\x00")),
+    ("02 00 01 00 74 50 12", encode(CommandCode.CONFIG)),
     (
         "02 00 21 00 77 00 00 46 00 00 05 01 00 00 02 02" + " 00" * 21 + " 5B 51",
-        encode(Command.CONFIGURE, bytes.fromhex("0000460000050100000202") + bytes(21)),
+        encode(CommandCode.CONFIGURE, bytes.fromhex("0000460000050100000202") + bytes(21)),
     ),
 ]
 ANSWERS = [
@@ -76,8 +76,8 @@ PUBLISHED = [*map(bytes.fromhex, TEXTS), READY, TYPE]
 ANYBODY = {0, *UNITS}
 
 
-def reader() -> TelegramReader:
-    return TelegramReader(ANYBODY)
+def reader() -> LmsTelegramReader:
+    return LmsTelegramReader(ANYBODY)
 
 
 def only(items: list[Item]) -> Telegram:
@@ -131,14 +131,14 @@ def test_no_flipped_bit_is_accepted(frame: bytes) -> None:
 
 @pytest.mark.parametrize("frame", PUBLISHED)
 def test_a_flipped_bit_costs_no_other_telegram(frame: bytes) -> None:
-    after = encode(Command.STATUS)
+    after = encode(CommandCode.STATUS)
     for bit in range(8 * len(frame)):
         spoilt = bytearray(frame)
         spoilt[bit // 8] ^= 1 << bit % 8
         reading = reader()
         items = reading.feed(bytes(spoilt) + after, 0.0) + reading.feed(b"", PAUSE)
         telegrams = [item for item in items if isinstance(item, Telegram)]
-        assert [telegram.code for telegram in telegrams] == [Command.STATUS], bit
+        assert [telegram.code for telegram in telegrams] == [CommandCode.STATUS], bit
 
 
 def test_every_cut_gives_the_same() -> None:
@@ -162,7 +162,7 @@ def test_signs_amid_noise_are_noise() -> None:
 
 
 def test_other_addresses_are_noise() -> None:
-    reading = TelegramReader(UNITS)
+    reading = LmsTelegramReader(UNITS)
     assert reading.feed(bytes.fromhex(STATUS), 0.0) == []
     assert reading.feed(encode(0xB2, b"\x10", 0x85), 0.0) == []
     assert only(reading.feed(encode(0xB2, b"\x10", 0x84), 0.0)).address == 0x84

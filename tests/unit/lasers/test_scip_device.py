@@ -2,7 +2,7 @@
 
 import pytest
 
-from pioneer3.lasers.device import Device, Sweep, Turn
+from pioneer3.lasers.device import LaserDevice, MirrorTurn, Sweep
 from pioneer3.lasers.scip.device import ScipDevice
 from pioneer3.lasers.scip.scans import FORMATS, decode
 from pioneer3.lasers.scip.unit import STABLE
@@ -80,7 +80,7 @@ def utm() -> Bench:
 
 
 def test_it_is_a_device() -> None:
-    device: Device = ScipDevice(UTM)
+    device: LaserDevice = ScipDevice(UTM)
     assert device.turn is None
     with pytest.raises(ValueError, match="does not speak SCIP"):
         ScipDevice(load_laser("lms-200"))
@@ -455,7 +455,7 @@ def test_every_model_in_the_table_turns() -> None:
             continue
         bench = Bench(ScipDevice(model, scip1=False))
         bench.ask(f"MD{model.steps.first:04}{model.steps.last:04}01000")
-        turn: Turn | None = bench.device.turn
+        turn: MirrorTurn | None = bench.device.turn
         assert turn is not None
         assert turn.count == model.count
         assert turn.period == pytest.approx(model.turn)

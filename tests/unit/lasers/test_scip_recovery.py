@@ -7,7 +7,7 @@ from random import Random
 import pytest
 
 from pioneer3.geometry import TURN
-from pioneer3.lasers.client import Event, Identified, Lost, Measured, Patience, ScanSettings
+from pioneer3.lasers.client import Event, Identified, Measured, Patience, ScanSettings, ScansLost
 from pioneer3.lasers.scip.client import ScipClient
 from pioneer3.lasers.scip.device import ScipDevice
 from pioneer3.lasers.scip.unit import STABLE
@@ -139,7 +139,7 @@ def test_a_laser_that_lost_its_speed_is_lost_and_found() -> None:
     expect_scans(rig)
     assert device.speed == max(URG_SPEEDS)
     device.switch_on(rig.laser_time(rig.now))
-    waited = rig.run(4.0, Lost)
+    waited = rig.run(4.0, ScansLost)
     if rig.losses:
         rig.events.clear()
         rig.connect(URG_SPEEDS)
@@ -162,7 +162,7 @@ def test_a_silent_laser_is_lost() -> None:
     rig.deaf = True
     rig.device.unit.restart(rig.now)
     rig.device.switch_on(rig.now + 1000)
-    took = rig.run(5.0, Lost)
+    took = rig.run(5.0, ScansLost)
     assert took == pytest.approx(Patience().silence, abs=0.05)
     assert "said nothing" in rig.losses[0]
 
@@ -173,7 +173,7 @@ def test_a_laser_whose_mirror_is_stuck_is_lost(before: float) -> None:
     rig.connect()
     rig.run(before)
     rig.stuck = True
-    took = rig.run(20.0, Lost)
+    took = rig.run(20.0, ScansLost)
     assert took == pytest.approx(Patience().give_up, abs=0.1)
     assert "does its mirror turn?" in rig.losses[0]
     assert len(rig.remarks) > 5
@@ -184,7 +184,7 @@ def test_a_laser_that_leaves_a_question_open_is_lost(question: bytes) -> None:
     rig = Rig(ScipDevice(UTM))
     rig.connect()
     rig.spoil = lambda data: b"" if data.startswith(question) else data
-    rig.run(20.0, Lost)
+    rig.run(20.0, ScansLost)
     assert "not all questions" in rig.losses[0]
 
 
@@ -192,7 +192,7 @@ def test_a_laser_without_a_sensible_geometry_is_lost() -> None:
     rig = Rig(ScipDevice(UTM))
     rig.connect()
     rig.spoil = lambda data: data.replace(b"SCAN:2400;U", b"SCAN:0;?")
-    rig.run(20.0, Lost)
+    rig.run(20.0, ScansLost)
     assert "not the geometry of a laser" in rig.losses[0]
 
 
@@ -211,7 +211,7 @@ def test_no_laser_at_all_is_lost_with_advice() -> None:
     rig = Rig(ScipDevice(UTM))
     rig.deaf = True
     rig.connect(URG_SPEEDS)
-    took = rig.run(20.0, Lost)
+    took = rig.run(20.0, ScansLost)
     assert took == pytest.approx(Patience().give_up)
     assert "check its power" in rig.losses[0]
 
@@ -221,7 +221,7 @@ def test_another_device_is_lost_with_another_reason() -> None:
     rig.connect(URG_SPEEDS)
     noise = Random(1)
     rig.spoil = lambda data: noise.randbytes(len(data))
-    rig.run(20.0, Lost)
+    rig.run(20.0, ScansLost)
     assert "not as a Hokuyo laser does" in rig.losses[0]
 
 
@@ -231,7 +231,7 @@ def test_a_faulty_laser_is_reset_and_then_given_up(fault: str) -> None:
     device.unit.fault = fault
     rig = Rig(device)
     rig.connect()
-    rig.run(8.0, Lost)
+    rig.run(8.0, ScansLost)
     assert len([remark for remark in rig.remarks if "resetting it" in remark]) == 2
     assert f"status {fault}" in rig.losses[0]
     assert "Laser error." in rig.losses[0]
@@ -407,7 +407,7 @@ SCIP1_VERSION = (
 def test_a_laser_that_always_answers_the_same_is_asked_with_pauses_and_lost(status: str) -> None:
     commands, events = asked(lambda _: status)
     assert 1 < len(commands) < 250
-    assert isinstance(events[-1], Lost)
+    assert isinstance(events[-1], ScansLost)
     assert events[-1].reason.startswith("no scan comes from the laser: it ")
 
 
@@ -416,14 +416,14 @@ def test_a_laser_that_always_answers_the_same_is_asked_with_pauses_and_lost(stat
 def test_a_laser_that_knows_one_command_is_asked_with_pauses(known: str, status: str) -> None:
     commands, events = asked(lambda command: status if command.startswith(known) else "E")
     assert len(commands) < 250
-    assert isinstance(events[-1], Lost)
+    assert isinstance(events[-1], ScansLost)
 
 
 def test_a_laser_that_agrees_to_scip_2_in_vain_is_said_to_speak_scip_1() -> None:
     answers = {"SCIP2.0": "0", "V": SCIP1_VERSION}
     commands, events = asked(lambda command: answers.get(command, "E"))
     assert len(commands) < 250
-    assert isinstance(events[-1], Lost)
+    assert isinstance(events[-1], ScansLost)
     assert events[-1].reason == (
         "no scan comes from the laser: "
         "it speaks SCIP 1 (firmware 3.0.00,05/09/27), but does not measure: "

@@ -6,7 +6,7 @@ import pytest
 
 from pioneer3.lasers.client import ScanSettings
 from pioneer3.lasers.scip.device import ScipDevice
-from pioneer3.lasers.scip.timing import SETTLING, WRAP, DeviceClock
+from pioneer3.lasers.scip.timing import SETTLING, WRAP, ScipClock
 from pioneer3.models.lasers import LaserModel
 from tests.unit.lasers.scip_rig import URG, URG_SPEEDS, UTM, Rig
 
@@ -81,13 +81,13 @@ def test_the_clock_wraps_in_mid_stream() -> None:
 
 
 def test_the_clock_wraps_between_comparison_and_scan() -> None:
-    clock = DeviceClock()
+    clock = ScipClock()
     clock.compare(WRAP - 10, 5.0, 5.002)
     assert clock.our_time(10, None, 0.0) == pytest.approx(5.021, abs=0.001)
 
 
 def test_the_shortest_round_trip_counts() -> None:
-    clock = DeviceClock()
+    clock = ScipClock()
     clock.compare(1000, 10.0, 10.2)
     clock.compare(2000, 11.0, 11.002)
     clock.compare(3000, 12.0, 12.3)
@@ -95,11 +95,11 @@ def test_the_shortest_round_trip_counts() -> None:
 
 
 def test_without_any_source_there_is_no_date() -> None:
-    assert DeviceClock().our_time(1000, None, 0.0) is None
+    assert ScipClock().our_time(1000, None, 0.0) is None
 
 
 def test_drift_is_followed_for_hours() -> None:
-    clock, drift = DeviceClock(), 5e-5
+    clock, drift = ScipClock(), 5e-5
     clock.compare(0, 0.0, 0.001)
     for second in range(4 * 3600):
         ours = second * (1 + drift)

@@ -2,7 +2,7 @@
 
 from io import StringIO
 
-from pioneer3.links.tap import FROM_ROBOT, Recording
+from pioneer3.links.tap import FROM_ROBOT, WireRecording
 
 
 class FullDisk(StringIO):
@@ -23,7 +23,7 @@ class FullDisk(StringIO):
 
 def test_a_full_disk_ends_the_recording_and_is_told() -> None:
     disk = FullDisk(room=1)
-    recording = Recording(disk, lambda: 2.0, began=0.0)
+    recording = WireRecording(disk, lambda: 2.0, began=0.0)
     recording.note(FROM_ROBOT, b"\x01")
     assert recording.failure == ""
     recording.note(FROM_ROBOT, b"\x02")

@@ -16,9 +16,9 @@ from pioneer3.links.tap import (
     FROM_HOST,
     FROM_ROBOT,
     Chunk,
-    Recording,
     Replay,
     TapLink,
+    WireRecording,
     read_recording,
     recorded,
 )
@@ -30,7 +30,7 @@ async def test_a_recording_plays_back_what_the_robot_said_when_it_said_it(tmp_pa
     path = tmp_path / "wire.txt"
     with path.open("w") as file:
         ours, theirs = null_modem(speeds=(9600,))
-        tap = TapLink(ours, Recording(file, clock))
+        tap = TapLink(ours, WireRecording(file, clock))
         assert (tap.url, tap.speeds) == (ours.url, (9600,))
         await tap.set_speed(38400)
         assert ours.speed == 38400

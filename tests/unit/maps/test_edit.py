@@ -10,7 +10,7 @@ import pytest
 from pioneer3.cli.main import execute
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
-from pioneer3.maps import Bounds, LineMap, OccupancyGrid, read_map, write_aria_map, write_map_server
+from pioneer3.maps import Extent, LineMap, OccupancyGrid, read_map, write_aria_map, write_map_server
 from pioneer3.maps.edit import (
     erased,
     find_object,
@@ -38,7 +38,7 @@ MAP = LineMap(
     grids=(GRID,),
     lines=LINES,
 )
-CHAIR = Bounds(0.9, -0.3, 1.3, 0.1)
+CHAIR = Extent(0.9, -0.3, 1.3, 0.1)
 
 
 def test_cells_in_the_box_are_free_and_walls_that_cross_it_stay() -> None:
@@ -49,13 +49,13 @@ def test_cells_in_the_box_are_free_and_walls_that_cross_it_stay() -> None:
     assert len(after.lines) == 2
     assert len(after.walls) == len(MAP.walls) - 4
     assert after.objects == MAP.objects
-    both = erased(MAP, Bounds(-0.1, -0.3, 1.3, 0.6))
+    both = erased(MAP, Extent(-0.1, -0.3, 1.3, 0.6))
     assert both.lines.tolist() == [LINES[1].tolist()]
 
 
 def test_an_empty_box_and_a_turned_grid_are_refused() -> None:
     with pytest.raises(ConfigError, match="no wall is inside of x 2 to 3 m"):
-        erased(MAP, Bounds(2.0, 0.0, 3.0, 0.3))
+        erased(MAP, Extent(2.0, 0.0, 3.0, 0.3))
     turned = replace(MAP, grids=(replace(GRID, origin=Pose2(0.0, 0.0, 1.0)),))
     with pytest.raises(ConfigError, match="turned"):
         erased(turned, CHAIR)
@@ -81,7 +81,7 @@ def test_a_wall_is_drawn_and_other_walls_keep_their_materials() -> None:
     assert len(after.lines) == 3
     assert after.materials.tolist() == [*glass.materials.tolist(), 0]
     assert erased(after, CHAIR).materials.tolist()[:3] == [1, 0, 0]
-    assert len(erased(after, Bounds(-0.1, 1.4, 2.1, 1.6)).lines) == 2
+    assert len(erased(after, Extent(-0.1, 1.4, 2.1, 1.6)).lines) == 2
     with pytest.raises(ConfigError, match="two ends"):
         with_wall(MAP, (1.0, 1.0), (1.0, 1.0))
 

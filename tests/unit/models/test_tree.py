@@ -20,7 +20,7 @@ from pioneer3.models import (
 )
 from pioneer3.models.description.tree import (
     Frames,
-    Tree,
+    FrameTree,
     body_tree,
     bumper_corners,
     bumper_segments,
@@ -144,7 +144,7 @@ def test_nothing_that_touches_sticks_out_of_the_robot(name: str) -> None:
 @pytest.mark.parametrize("model", [*EVERY, UNKNOWN], ids=lambda model: model.name)
 @pytest.mark.parametrize("tree_of_kind", [tree_of, body_tree])
 def test_masses_are_those_of_the_robot_whether_its_caster_moves_or_not(
-    model: RobotModel, tree_of_kind: Callable[[RobotModel, Frames], Tree]
+    model: RobotModel, tree_of_kind: Callable[[RobotModel, Frames], FrameTree]
 ) -> None:
     robot = ET.fromstring(describe(model, tree_of_kind(model, Frames()), Frames()))
     masses = [numbers(mass.get("value"))[0] for mass in robot.iter("mass")]
@@ -177,7 +177,7 @@ def test_motors_of_a_description_have_the_robots_torque_and_a_transmission(
 @pytest.mark.parametrize("model", EVERY, ids=lambda model: model.name)
 @pytest.mark.parametrize("tree_of_kind", [tree_of, body_tree])
 def test_urdfdom_accepts_a_description(
-    model: RobotModel, tree_of_kind: Callable[[RobotModel, Frames], Tree], tmp_path: Path
+    model: RobotModel, tree_of_kind: Callable[[RobotModel, Frames], FrameTree], tmp_path: Path
 ) -> None:
     file = tmp_path / "robot.urdf"
     file.write_text(describe(model, tree_of_kind(model, Frames()), Frames()))

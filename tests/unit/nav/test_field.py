@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from pioneer3.maps import Bounds
+from pioneer3.maps import Extent
 from pioneer3.maps.line_map import distances
 from pioneer3.nav.raster import DistanceField
 
@@ -19,7 +19,7 @@ points_of: st.SearchStrategy[Float] = st.lists(st.tuples(coordinate, coordinate)
 walls_of: st.SearchStrategy[Float] = st.lists(
     st.tuples(coordinate, coordinate, coordinate, coordinate), min_size=1, max_size=6
 ).map(np.array)
-BOUNDS = Bounds(-2.0, -2.0, 2.0, 2.0)
+BOUNDS = Extent(-2.0, -2.0, 2.0, 2.0)
 
 
 @given(walls_of)
@@ -39,6 +39,6 @@ def test_between_them_it_errs_by_less_than_a_cell(walls: Float, points: Float) -
 
 
 def test_it_ends_at_its_reach() -> None:
-    field = DistanceField.of(np.array([[0.0, 0.0, 1.0, 0.0]]), Bounds(0, 0, 1, 0), 0.05, 0.5)
+    field = DistanceField.of(np.array([[0.0, 0.0, 1.0, 0.0]]), Extent(0, 0, 1, 0), 0.05, 0.5)
     assert field.at(np.array([[0.5, 3.0], [0.5, 100.0]])).tolist() == [0.5, 0.5]
     assert field.at(np.array([[0.5, 0.25]])) == pytest.approx(0.25, abs=1e-6)

@@ -15,7 +15,7 @@ from scipy.sparse.csgraph import dijkstra
 
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
-from pioneer3.maps import Bounds, LineMap, OccupancyGrid
+from pioneer3.maps import Extent, LineMap, OccupancyGrid
 from pioneer3.maps.grid import outline
 from pioneer3.maps.line_map import FREE, OCCUPIED, UNKNOWN
 from pioneer3.nav.costs import PASSING_DISTANCE, CostMap
@@ -237,7 +237,7 @@ def test_the_rest_of_a_way_begins_where_the_robot_is() -> None:
 
 
 def test_outside_of_the_raster_no_way_leads_anywhere() -> None:
-    raster = Raster.around(Bounds(0.0, 0.0, 1.0, 1.0), 0.05)
+    raster = Raster.around(Extent(0.0, 0.0, 1.0, 1.0), 0.05)
     each = np.full(raster.shape, 0.05, dtype=np.float32)
     assert CostToGo.of(each, raster, 5.0, 5.0) is None
     found = CostToGo.of(each, raster, 0.5, 0.5)

@@ -14,7 +14,7 @@ from pioneer3.maps.line_map import FREE, OCCUPIED, UNKNOWN, distances
 from pioneer3.nav.beams import Beams
 from pioneer3.nav.frames import KeyFrame, Survey
 from pioneer3.nav.matching import Cloud
-from pioneer3.nav.rendering import Renderer, line_map_of, render
+from pioneer3.nav.rendering import MapRenderer, line_map_of, render
 from tests.unit.nav.halls import HALL, ROUND, look
 
 Float = NDArray[np.float64]
@@ -78,7 +78,7 @@ def test_somebody_who_walks_by_leaves_nothing() -> None:
 
 
 def test_drawing_on_is_the_same_as_drawing_anew() -> None:
-    survey, renderer = around(), Renderer()
+    survey, renderer = around(), MapRenderer()
     renderer.update(replace(survey, frames=survey.frames[:5], poses=survey.poses[:5]))
     moved = tuple(Pose2(p.x + 3.0, p.y - 9.0, p.theta + 0.4) for p in survey.poses)
     renderer.update(replace(survey, poses=moved))

@@ -8,7 +8,7 @@ from pioneer3.nav.follower import Follower
 from pioneer3.nav.planner import Way, plan
 from pioneer3.nav.sightings import Sightings
 from pioneer3.navigation.follow_way import FollowWay, follow_way
-from pioneer3.navigation.map_builder import Explore
+from pioneer3.navigation.map_builder import ExploreMap
 from tests.unit.behaviors.support import LIMITS, P3AT, seen
 from tests.unit.nav.offices import costs, room
 
@@ -33,9 +33,9 @@ def leg(*, done: bool = False, failed: str | None = None) -> FollowWay:
 def test_without_its_laser_it_lacks_knowledge_on_each_leg_and_between_them(
     present: FollowWay | None,
 ) -> None:
-    explore = Explore(unsure=lambda: LOST, leg=present)
+    explore = ExploreMap(unsure=lambda: LOST, leg=present)
     assert resolve([follow_way(explore)], seen()).lacking == f"not sure where it is: {LOST}"
 
 
 def test_one_that_looks_for_the_next_leg_lacks_nothing() -> None:
-    assert resolve([follow_way(Explore(unsure=lambda: None))], seen()).lacking is None
+    assert resolve([follow_way(ExploreMap(unsure=lambda: None))], seen()).lacking is None

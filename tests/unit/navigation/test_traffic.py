@@ -15,7 +15,7 @@ from pioneer3.navigation.traffic import (
     NEAR_ROBOTS,
     SLACK,
     Participant,
-    Place,
+    SharedPlace,
     Traffic,
 )
 from pioneer3.runtime.driven import Driven
@@ -38,7 +38,7 @@ class Fake:
         peers: Given to the arbiter.
     """
 
-    place: Place | str
+    place: SharedPlace | str
     snapshot: Snapshot | None = field(default_factory=lambda: seen(1.0).snapshot)
     info: Info = field(default_factory=Info)
     peers: Peers | None = None
@@ -68,7 +68,7 @@ def participant(name: str, fake: Fake) -> Participant:
 
 
 def at(x: float, y: float = 0.0, theta: float = 0.0, frame: str = "hall", **more: Any) -> Fake:
-    return Fake(Place(frame, Pose2(x, y, theta), **more))
+    return Fake(SharedPlace(frame, Pose2(x, y, theta), **more))
 
 
 def test_each_knows_the_others_in_its_own_odometry() -> None:
@@ -160,7 +160,7 @@ def test_a_new_snapshot_takes_the_place_anew() -> None:
     ann, bob = at(0.0), at(2.0)
     with traffic(ann=ann, bob=bob) as the:
         the.peers_of("ann")
-        bob.place = Place("hall", Pose2(3.0))
+        bob.place = SharedPlace("hall", Pose2(3.0))
         assert bob.snapshot is not None
         bob.snapshot = replace(bob.snapshot, stamp=1.1)
         (peer,) = the.peers_of("ann")

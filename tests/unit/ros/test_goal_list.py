@@ -2,14 +2,14 @@
 
 import pytest
 
-from pioneer3.ros.messages.goals import Goal, GoalState
+from pioneer3.ros.messages.goals import GoalState, SentGoal
 from pioneer3.ros.node.goal_list import LISTED, MOST, GoalList
 from tests.unit.ros.fakes import Moment
 
 EARLY, LATE, NEVER = Moment(10.0), Moment(20.0), Moment(0.0)
 
 
-def active(goals: GoalList, id_: str, stamp: Moment = EARLY) -> Goal:
+def active(goals: GoalList, id_: str, stamp: Moment = EARLY) -> SentGoal:
     goal = goals.take(id_, stamp, 0.0)
     assert goal is not None
     goal.state = GoalState.ACTIVE

@@ -11,7 +11,7 @@ from pioneer3.ros.messages.update import NoEcho
 from pioneer3.ros.node.driving_parameters import DrivingSettings
 from pioneer3.ros.node.laser_parameters import BELOW, LaserParameters
 from pioneer3.ros.node.names import Profile
-from pioneer3.ros.node.parameter import Acts, Parameter, ParameterKind, rows_of
+from pioneer3.ros.node.parameter import Effect, Parameter, ParameterKind, rows_of
 from pioneer3.ros.node.parameter_reading import read_parameters, unused_parameters
 from pioneer3.ros.node.parameters import (
     BELOW_NAMES,
@@ -258,7 +258,7 @@ def test_in_ros2_all_that_is_read_at_the_start_has_a_value_or_is_not_set() -> No
     assert (values["laser.angle_min"], values["laser.skip"]) == (-1.0, 2)
     not_set = {name for name, value in values.items() if value is None}
     assert {"max_angular_velocity", "baud", "wheel_joint_names", "laser.angle_max"} <= not_set
-    assert not any(row.acts is Acts.AT_ONCE for row in rows)
+    assert not any(row.acts is Effect.AT_ONCE for row in rows)
     told = {row.name: row for row in rows}
     assert told["baud"].constraints.startswith("not set means any; ")
     assert told["sonar_no_echo"].constraints.startswith("max_range or inf; ")

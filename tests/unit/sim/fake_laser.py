@@ -8,7 +8,7 @@ time at which it was handed in [us], the number of its readings and the middle o
 from dataclasses import dataclass, field
 from math import inf, pi
 
-from pioneer3.lasers.device import Connection, Sweep, Turn
+from pioneer3.lasers.device import DeviceConnection, MirrorTurn, Sweep
 from pioneer3.models.lasers import LaserModel
 
 
@@ -27,11 +27,11 @@ class FakeDevice:
         self.speed = self.model.speeds[0] if len(self.model.speeds) > 1 else None
 
     @property
-    def turn(self) -> Turn | None:
+    def turn(self) -> MirrorTurn | None:
         model = self.model
         if not any(connection.streams for connection in self.connections):
             return None
-        return Turn(
+        return MirrorTurn(
             first=model.first,
             step=model.step,
             count=model.count,
@@ -44,7 +44,7 @@ class FakeDevice:
         heard = [connection.heard for connection in self.connections]
         return any(len(data) >= count and what in data for data in heard)
 
-    def connect(self, *, network: bool = False) -> Connection:
+    def connect(self, *, network: bool = False) -> DeviceConnection:
         if self.speed is None or not self.connections:
             self.connections.append(FakeConnection(self))
         elif network:

@@ -6,7 +6,7 @@ import pytest
 
 from pioneer3.arcos.packet import encode
 from pioneer3.errors import ConfigError
-from pioneer3.sim.server.faults import Channel, LinkFaults
+from pioneer3.sim.server.faults import CableDirection, LinkFaults
 
 PULSE = encode(b"\0")
 
@@ -66,7 +66,7 @@ def test_a_good_cable_says_so() -> None:
 
 def test_bytes_travel_as_long_as_the_cable_says_and_do_not_overtake_each_other() -> None:
     faults = LinkFaults(delay=0.2)
-    line = Channel(faults, "out")
+    line = CableDirection(faults, "out")
     assert line.transmit(b"a", 1.0) == b""
     faults.delay = 0.0  # a better cable does not bring the new ones before the old
     assert line.transmit(b"b", 1.1) == b""
@@ -79,7 +79,7 @@ def test_bytes_travel_as_long_as_the_cable_says_and_do_not_overtake_each_other()
 
 def test_what_is_sent_through_a_frozen_cable_is_lost() -> None:
     faults = LinkFaults(delay=0.1)
-    line = Channel(faults, "out")
+    line = CableDirection(faults, "out")
     line.transmit(b"on its way", 1.0)
     faults.frozen = True
     assert line.transmit(b"more", 1.05) == b""
@@ -90,19 +90,19 @@ def test_what_is_sent_through_a_frozen_cable_is_lost() -> None:
 
 
 def test_packets_are_lost_whole_and_one_by_one() -> None:
-    line = Channel(LinkFaults(drop=0.5, seed=1), "out")
+    line = CableDirection(LinkFaults(drop=0.5, seed=1), "out")
     arrived = line.transmit(b"noise" + PULSE * 200, 0.0)
     assert arrived.count(PULSE) * len(PULSE) + 5 * arrived.startswith(b"noise") == len(arrived)
     assert 70 <= arrived.count(PULSE) <= 130
 
 
 def test_nothing_arrives_where_everything_is_lost() -> None:
-    assert Channel(LinkFaults(drop=1.0), "in").transmit(PULSE * 9, 0.0) == b""
+    assert CableDirection(LinkFaults(drop=1.0), "in").transmit(PULSE * 9, 0.0) == b""
 
 
 def test_a_corrupt_byte_is_another_one() -> None:
     data = bytes(range(256))
-    arrived = Channel(LinkFaults(corrupt=1.0), "in").transmit(data, 0.0)
+    arrived = CableDirection(LinkFaults(corrupt=1.0), "in").transmit(data, 0.0)
     assert len(arrived) == len(data)
     assert all(a != b for a, b in zip(arrived, data, strict=True))
 
@@ -110,4 +110,6 @@ def test_a_corrupt_byte_is_another_one() -> None:
 def test_the_two_directions_have_chances_of_their_own() -> None:
     faults = LinkFaults(corrupt=0.5)
     data = bytes(100)
-    assert Channel(faults, "in").transmit(data, 0.0) != Channel(faults, "out").transmit(data, 0.0)
+    assert CableDirection(faults, "in").transmit(data, 0.0) != CableDirection(
+        faults, "out"
+    ).transmit(data, 0.0)

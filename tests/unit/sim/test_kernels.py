@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from pioneer3.errors import ConfigError
 from pioneer3.sim.kernels import (
     Kernels,
-    Robots,
+    RobotArrays,
     build_grid,
     laser_fan,
     sonar_mounts,
@@ -27,9 +27,9 @@ def kernels() -> Kernels:
     return Kernels()
 
 
-def robots_at(kernels: Kernels, *poses: tuple[float, float, float]) -> Robots:
+def robots_at(kernels: Kernels, *poses: tuple[float, float, float]) -> RobotArrays:
     size = np.full(len(poses), 0.25)
-    robots = Robots(size, size, size)
+    robots = RobotArrays(size, size, size)
     robots.poses[:] = np.array(poses).reshape(-1, 3).T
     kernels.place(robots)
     return robots
@@ -37,7 +37,7 @@ def robots_at(kernels: Kernels, *poses: tuple[float, float, float]) -> Robots:
 
 def test_an_outline_is_the_footprint_in_the_world(kernels: Kernels) -> None:
     front, rear, half = (np.array([size]) for size in (0.3, 0.4, 0.2))
-    robots = Robots(front, rear, half)
+    robots = RobotArrays(front, rear, half)
     robots.poses[:, 0] = 1.0, 2.0, np.pi / 2
     kernels.place(robots)
     sides = robots.outlines[0]

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from pioneer3.jit import numba_version
 from pioneer3.sim.kernels import (
-    Echoes,
     Kernels,
-    Robots,
+    Reflectors,
+    RobotArrays,
     build_grid,
     compiled_kernels,
     find_edges,
@@ -98,11 +98,13 @@ def heard(
     """Return what a transducer at the origin hears ahead, of a beam of 30 degrees."""
     grid = build_grid(np.array(walls, dtype=np.float64))
     size = np.full(1 + len(others), 0.05)
-    robots = Robots(size, size, size)
+    robots = RobotArrays(size, size, size)
     robots.poses[:] = np.array([(0.0, 0.0, 0.0), *others]).T
     kernels.place(robots)
     mounts = sonar_mounts([np.zeros((1, 3))], [0], rays=5, width=radians(30))
-    echoes = Echoes(steep=float(np.cos(radians(27))), edges=find_edges(grid), edge_range=edge_range)
+    echoes = Reflectors(
+        steep=float(np.cos(radians(27))), edges=find_edges(grid), edge_range=edge_range
+    )
     return float(kernels.sonar(grid, robots, mounts, SILENT, echoes=echoes)[0, 0])
 
 
@@ -147,5 +149,5 @@ def test_nothing_is_compiled_in_the_middle_of_a_run_when_few_robots_listen() -> 
     before = len(kernels._sonar.signatures)  # type: ignore[attr-defined]
     owners = np.array([0, 2], dtype=np.int32)
     grid = build_grid(np.array([[1.0, -1.0, 1.0, 1.0]]))
-    kernels.sonar(grid, Robots(size, size, size), mounts, SILENT, owners=owners)
+    kernels.sonar(grid, RobotArrays(size, size, size), mounts, SILENT, owners=owners)
     assert len(kernels._sonar.signatures) == before  # type: ignore[attr-defined]

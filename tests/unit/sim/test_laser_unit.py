@@ -10,7 +10,7 @@ from pioneer3.models.lasers import LASERS, LaserProtocol
 from pioneer3.sim.body import Body
 from pioneer3.sim.kernels import Kernels
 from pioneer3.sim.server import laser_hosts
-from pioneer3.sim.server.clients import Client
+from pioneer3.sim.server.clients import HostConnection
 from pioneer3.sim.server.faults import LinkFaults
 from pioneer3.sim.server.laser import SimulatedLaser
 from pioneer3.sim.world import World
@@ -57,7 +57,7 @@ class Bench:
         self.laser = SimulatedLaser(self.world, body, LASERS[name], self.device)
         self.tick = tick
 
-    def connect(self, host: Client | None = None) -> Host:
+    def connect(self, host: HostConnection | None = None) -> Host:
         """Connect a host."""
         made = Host() if host is None else host
         self.laser.hosts.admit(made)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from pioneer3.sim.kernels import Kernels, Robots, build_grid
+from pioneer3.sim.kernels import Kernels, RobotArrays, build_grid
 from pioneer3.sim.raycast import cast_reference
 
 Float = NDArray[np.float64]
@@ -22,7 +22,7 @@ def by_kernels(origin: Float, angles: Float, walls: Float, limit: float) -> Floa
 
 def cast_from(origins: Float, angles: Float, walls: Float, limit: float) -> Float:
     nobody = np.full(len(angles), -1, dtype=np.int32)
-    robots = Robots(*np.empty((3, 0)))
+    robots = RobotArrays(*np.empty((3, 0)))
     kernels = Kernels()
     kernels.place(robots)
     grid = build_grid(walls)

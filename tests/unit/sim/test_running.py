@@ -35,7 +35,7 @@ from pioneer3.sim.server.running import RunningSimulation
 from pioneer3.sim.server.start import simulator
 from pioneer3.sim.worldfile import Box, Person, RobotSpec
 from pioneer3.sim.worldfile.arguments import WorldOverrides
-from pioneer3.web.scene import Scene
+from pioneer3.web.scene import RobotScene
 from tests.support import SYNCS, frame, is_at, until
 
 BUMPERS = EquipmentOptions(bumpers=5)
@@ -87,7 +87,7 @@ async def test_the_robot_starts_at_the_home_of_the_map(tmp_path: Path) -> None:
     async with simulator(map_name=tmp_path / "lab.map", robot="p3dx-sh", port=0) as running:
         home = running.body.robot_in_world
         assert (home.x, home.y, home.theta) == pytest.approx((1.0, 2.0, 1.5708), abs=1e-4)
-        assert Scene.of(running, running.robots[0]).robot_in_map(ORIGIN) == home
+        assert RobotScene.of(running, running.robots[0]).robot_in_map(ORIGIN) == home
         assert running.body.model.name == "p3dx-sh"
 
 
@@ -96,7 +96,8 @@ async def test_the_scene_follows_the_true_robot() -> None:
     async with simulator(port=0) as running:
         running.body.robot_in_world = running.body.home @ Pose2(0.5, 0.0, 0.0)
         assert (
-            Scene.of(running, running.robots[0]).robot_in_map(ORIGIN) == running.body.robot_in_world
+            RobotScene.of(running, running.robots[0]).robot_in_map(ORIGIN)
+            == running.body.robot_in_world
         )
         assert running.body.robot_in_world != running.body.home
 
@@ -429,7 +430,7 @@ async def test_all_hosts_hear_of_another_map(two: Path) -> None:
                 while b"office" not in heard:
                     heard += await link.read()
                 await link.close()
-        assert Scene.of(running, running.robots[0]).map is running.world.map
+        assert RobotScene.of(running, running.robots[0]).map is running.world.map
         assert running.world.map.name == "office"
 
 

@@ -6,7 +6,7 @@ from itertools import pairwise
 import pytest
 
 from pioneer3.geometry import Pose2
-from pioneer3.lasers.lms2xx.commands import MODE_OF_SPEED, Command, Mode, mode
+from pioneer3.lasers.lms2xx.commands import MODE_OF_SPEED, CommandCode, OperatingMode, mode
 from pioneer3.lasers.lms2xx.telegram import encode as telegram
 from pioneer3.models import load_model
 from pioneer3.models.lasers import load_laser
@@ -88,7 +88,7 @@ class Bench:
     async def stream(self, baud: int, seconds: float) -> None:
         """Let an LMS-2xx send scans at this speed, and note those from the first on."""
         await self.send(mode(MODE_OF_SPEED[baud]), 0.5)
-        await self.send(mode(Mode.ALL_VALUES), seconds)
+        await self.send(mode(OperatingMode.ALL_VALUES), seconds)
 
 
 async def scans_of(pace: Pacer, baud: int, seconds: float = 3.0) -> Terminal:
@@ -137,7 +137,7 @@ async def test_a_host_hears_the_answer_to_what_it_asks_between_scans(baud: int) 
         await bench.stream(baud, 1.0)
         for _ in range(20):
             before = len(bench.host.data)
-            await bench.send(telegram(Command.STATUS), 2.003)
+            await bench.send(telegram(CommandCode.STATUS), 2.003)
             answer = bench.host.data[before:]
             assert b"\x06" in answer
             assert b"\x02\x80\x9a\x00\xb1" in answer

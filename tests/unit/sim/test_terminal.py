@@ -9,7 +9,7 @@ import pytest
 
 from pioneer3.links.serial import PtyPair, make_pty
 from pioneer3.sim.server import clients
-from pioneer3.sim.server.clients import Client, PtyClient
+from pioneer3.sim.server.clients import HostConnection, PtyClient
 
 pytestmark = pytest.mark.realtime
 MESSAGE = 700
@@ -19,10 +19,10 @@ MESSAGE = 700
 class Robot:
     """The handler of a terminal; it is never asked anything."""
 
-    def received(self, client: Client, data: bytes) -> None:
+    def received(self, client: HostConnection, data: bytes) -> None:
         pass
 
-    def disconnected(self, client: Client) -> None:
+    def disconnected(self, client: HostConnection) -> None:
         pass
 
 

@@ -9,14 +9,25 @@ from pathlib import Path
 import pytest
 
 from pioneer3 import Robot, connect_async
-from pioneer3.teleop.evdev import BUTTONS, EV_ABS, EV_KEY, EV_SYN, EVENT, SYN_DROPPED, Device, Range
+from pioneer3.teleop.evdev import (
+    BUTTONS,
+    EV_ABS,
+    EV_KEY,
+    EV_SYN,
+    EVENT,
+    SYN_DROPPED,
+    GamepadDevice,
+    Range,
+)
 from pioneer3.teleop.gamepad import SCHEME
 from pioneer3.teleop.gamepad_drive import COMMAND_TIMEOUT, GamepadDriver
 from tests.support import SimulatedRobot
 
 BRAKING = 0.45
 CODE = {number: code for code, number in BUTTONS.items()}
-DEVICE = Device(Path("/dev/input/event9"), "Test Pad", -1, {0: Range(0, 255), 1: Range(0, 255)}, {})
+DEVICE = GamepadDevice(
+    Path("/dev/input/event9"), "Test Pad", -1, {0: Range(0, 255), 1: Range(0, 255)}, {}
+)
 AHEAD, MIDDLE = 0, 128
 
 
@@ -31,10 +42,10 @@ class Player:
     said: asyncio.Queue[bytes] = field(default_factory=asyncio.Queue)
 
     @contextmanager
-    def open(self) -> Iterator[Device | None]:
+    def open(self) -> Iterator[GamepadDevice | None]:
         yield DEVICE if self.plugged else None
 
-    async def read(self, _: Device) -> AsyncIterator[bytes]:
+    async def read(self, _: GamepadDevice) -> AsyncIterator[bytes]:
         while chunk := await self.said.get():
             yield chunk
 

@@ -9,7 +9,7 @@ from pioneer3.demo.modes import MODES
 from pioneer3.demo.program import EMERGENCY_KEYS, HELP_KEYS, QUIT_KEYS, RESET_KEY, STOP_KEY, named
 from pioneer3.teleop.gamepad import SCHEME
 from pioneer3.teleop.keyboard import Key
-from pioneer3.teleop.several import FOR_ALL, KEYS, TABLE, Choice, act_of
+from pioneer3.teleop.several import FOR_ALL, KEYS, TABLE, RobotChooser, act_of
 from pioneer3.teleop.terminal import keys_in
 
 ROOT = Path(__file__).parents[3]
@@ -34,11 +34,11 @@ WORDS = {
     **dict.fromkeys((Key.FORWARD, Key.BACK, Key.LEFT, Key.RIGHT), "drive"),
 }
 CHOICES = {
-    Choice.NEXT: "next robot",
-    Choice.NUMBER: "this robot",
-    Choice.ALL: "all robots",
-    Choice.SEVERAL: "several robots",
-    Choice.CONFIRM: "those marked",
+    RobotChooser.NEXT: "next robot",
+    RobotChooser.NUMBER: "this robot",
+    RobotChooser.ALL: "all robots",
+    RobotChooser.SEVERAL: "several robots",
+    RobotChooser.CONFIRM: "those marked",
 }
 LETTERS_OF_MODES = frozenset(mode.key for mode in MODES)
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from pioneer3.teleop.several import ACTS, TABLE, Choice, Selection, act_of, numbers
+from pioneer3.teleop.several import ACTS, TABLE, RobotChooser, Selection, act_of, numbers
 
 
 def selection(count: int = 5) -> Selection:
@@ -13,7 +13,7 @@ def pressed(keys: str, count: int = 5) -> Selection:
     made = selection(count)
     for key in keys:
         act = act_of(key)
-        assert isinstance(act, Choice)
+        assert isinstance(act, RobotChooser)
         made.press(act, key)
     return made
 
@@ -78,7 +78,7 @@ def test_a_click_marks_while_several_are_chosen() -> None:
     made = pressed("s2")
     made.toggle("p3at-2")
     made.toggle("p3at-5")
-    made.press(Choice.CONFIRM)
+    made.press(RobotChooser.CONFIRM)
     assert list(made.chosen) == ["p3at-5"]
 
 
@@ -86,10 +86,10 @@ def test_numbers_of_many_robots_have_as_many_digits_as_the_highest() -> None:
     made = pressed("07", count=100)
     assert made.label("p3at-7") == "007"
     assert list(made.chosen) == ["p3at-1"]
-    made.press(Choice.NUMBER, "3")
+    made.press(RobotChooser.NUMBER, "3")
     assert list(made.chosen) == ["p3at-73"]
-    made.press(Choice.NUMBER, "1")
-    made.press(Choice.NEXT)
+    made.press(RobotChooser.NUMBER, "1")
+    made.press(RobotChooser.NEXT)
     assert list(made.chosen) == ["p3at-74"]
     assert made.typed == ""
 

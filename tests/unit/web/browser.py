@@ -32,7 +32,7 @@ from pioneer3.web.app import make_app
 from pioneer3.web.control import Control
 from pioneer3.web.page import Page
 from pioneer3.web.robot_view import RobotView
-from pioneer3.web.scene import Scene
+from pioneer3.web.scene import RobotScene
 from tests.support import SimulatedRobot
 
 Message = MutableMapping[str, Any]
@@ -196,12 +196,12 @@ class Product:
 
 @asynccontextmanager
 async def product(
-    scene: Scene | None = None, *, equipment: Equipment | None = None
+    scene: RobotScene | None = None, *, equipment: Equipment | None = None
 ) -> AsyncIterator[Product]:
     """Join world, firmware, driver and page, in the loop's time."""
     async with SimulatedRobot(equipment=equipment) as sim, connect_async(sim.open) as robot:
         page = Page()
-        async with page.hosting(robot, scene or Scene()) as view, running(page.run()):
+        async with page.hosting(robot, scene or RobotScene()) as view, running(page.run()):
             yield Product(sim, robot, page, view, make_app(page))
 
 
@@ -253,7 +253,7 @@ async def playground(
     async with running(here._simulation.run()), connect_async(plug_in) as robot:
         page = Page()
         async with (
-            page.hosting(robot, Scene.of(here, here.robots[0])) as view,
+            page.hosting(robot, RobotScene.of(here, here.robots[0])) as view,
             running(page.run()),
         ):
             yield Playground(here, robot, page, view.control, make_app(page))

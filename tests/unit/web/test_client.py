@@ -346,10 +346,10 @@ async def test_every_way_of_leaving_leaves_no_task_behind() -> None:
 
 def test_the_nonsense_is_nonsense_for_a_reason() -> None:
     """All of it, without what is wrong, is fine."""
-    from pioneer3.web.requests import Drive, decode
+    from pioneer3.web.requests import VelocityRequest, decode
 
     fine: dict[str, Any] = {"type": "drive", "v": 0.3, "w": 0}
-    assert decode(json.dumps(fine)) == Drive(0.3, 0.0)
+    assert decode(json.dumps(fine)) == VelocityRequest(0.3, 0.0)
 
 
 async def test_a_page_that_was_frozen_does_not_drive_on() -> None:

@@ -18,13 +18,13 @@ from pioneer3.web.access import certificate
 from pioneer3.web.connections import (
     KEPT_BACK,
     Acceptor,
-    Connection,
     ConnectionLimits,
+    ConnectionPhase,
     ConnectionPool,
-    Phase,
+    HttpConnection,
 )
 from pioneer3.web.page import Page
-from pioneer3.web.scene import Scene
+from pioneer3.web.scene import RobotScene
 from pioneer3.web.server import serve
 from tests.support import SimulatedRobot, until
 
@@ -40,7 +40,7 @@ async def served(cert: certificate.Certificate | None = None) -> AsyncIterator[t
     async with (
         SimulatedRobot() as sim,
         connect_async(sim.open) as robot,
-        page.hosting(robot, Scene()),
+        page.hosting(robot, RobotScene()),
         serve(page, port=0, certificate=cert) as at,
     ):
         yield page, urlsplit(at.https if cert and at.https else at.http).netloc
@@ -169,7 +169,7 @@ class OutOfFiles(socket.socket):
 async def test_without_a_free_file_somebody_makes_room() -> None:
     closed: list[str] = []
     limits = ConnectionLimits(KEPT_BACK + ROOM)
-    limits.pool.add(Connection("10.0.0.1", 1e9, lambda: closed.append("the idle one")))
+    limits.pool.add(HttpConnection("10.0.0.1", 1e9, lambda: closed.append("the idle one")))
     with OutOfFiles() as listener:
         listener.bind(("127.0.0.1", 0))
         listener.listen()
@@ -182,27 +182,32 @@ async def test_without_a_free_file_somebody_makes_room() -> None:
     assert closed == ["the idle one"]
 
 
-def callers(most: int, *who: tuple[str, Phase]) -> tuple[ConnectionPool, list[str]]:
+def callers(most: int, *who: tuple[str, ConnectionPhase]) -> tuple[ConnectionPool, list[str]]:
     """Return connections, by address and stage, and who of them is closed from now on."""
     them, closed = ConnectionPool(most), list[str]()
     for number, (address, stage) in enumerate(who):
-        caller = Connection(address, 10.0, lambda n=number, a=address: closed.append(f"{a}{n}"))  # type: ignore[misc]
+        caller = HttpConnection(address, 10.0, lambda n=number, a=address: closed.append(f"{a}{n}"))  # type: ignore[misc]
         them.add(caller)
         caller.phase = stage
     return them, closed
 
 
 def test_who_has_the_most_connections_loses_the_oldest_silent_one() -> None:
-    crowd = [("a", Phase.ACTIVE), ("a", Phase.ANSWERED), ("a", Phase.NEW), ("a", Phase.NEW)]
-    them, closed = callers(6, ("b", Phase.NEW), *crowd, ("c", Phase.NEW))
+    crowd = [
+        ("a", ConnectionPhase.ACTIVE),
+        ("a", ConnectionPhase.ANSWERED),
+        ("a", ConnectionPhase.NEW),
+        ("a", ConnectionPhase.NEW),
+    ]
+    them, closed = callers(6, ("b", ConnectionPhase.NEW), *crowd, ("c", ConnectionPhase.NEW))
     for _ in range(4):
-        them.add(Connection("d", 10.0, lambda: closed.append("d")))
+        them.add(HttpConnection("d", 10.0, lambda: closed.append("d")))
     assert closed == ["a3", "a4", "a2", "d"]
     assert len(them) == 6
 
 
 def test_who_is_overdue_is_closed() -> None:
-    them, closed = callers(9, ("a", Phase.NEW), ("b", Phase.ACTIVE))
+    them, closed = callers(9, ("a", ConnectionPhase.NEW), ("b", ConnectionPhase.ACTIVE))
     them.close_overdue(9.9)
     assert closed == []
     them.close_overdue(10.0)

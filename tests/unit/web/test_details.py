@@ -8,7 +8,7 @@ from pioneer3.arcos.reports import Config, Io, Report
 from pioneer3.sim.equipment import Equipment
 from pioneer3.web import messages
 from pioneer3.web.access.sessions import Role
-from pioneer3.web.details import PERIOD, Details
+from pioneer3.web.details import PERIOD, RobotDetails
 from tests.unit.web.browser import Browser, Product, playground, product
 from tests.unit.web.test_roles import arrive
 
@@ -34,14 +34,14 @@ async def test_details_go_to_who_has_them_open_and_end_when_they_are_closed() ->
 
 async def test_details_are_encoded_once_for_all(monkeypatch: pytest.MonkeyPatch) -> None:
     made = 0
-    describe = Details._describe
+    describe = RobotDetails._describe
 
-    def counted(self: Details, now: float) -> messages.Message:
+    def counted(self: RobotDetails, now: float) -> messages.Message:
         nonlocal made
         made += 1
         return describe(self, now)
 
-    monkeypatch.setattr(Details, "_describe", counted)
+    monkeypatch.setattr(RobotDetails, "_describe", counted)
     async with product() as the, Browser(the.app) as ann, Browser(the.app) as bob:
         ann.say("watch_details", on=True)
         bob.say("watch_details", on=True)

@@ -11,7 +11,7 @@ from pioneer3.behaviors.action import MODE, Action, Desire, Goal, Situation, Sta
 from pioneer3.geometry import Pose2
 from pioneer3.maps import LineMap
 from pioneer3.web.control import SILENCE
-from pioneer3.web.scene import Scene
+from pioneer3.web.scene import RobotScene
 from tests.unit.web.asking import Script
 from tests.unit.web.browser import Browser, playground, product
 
@@ -23,7 +23,7 @@ SOON = 0.25
 @pytest.fixture(autouse=True)
 def _straight(monkeypatch: pytest.MonkeyPatch) -> None:
     """Without a map, robots drive straight."""
-    monkeypatch.setattr(Scene, "map_now", property(lambda _: None, lambda _, known: None))
+    monkeypatch.setattr(RobotScene, "map_now", property(lambda _: None, lambda _, known: None))
 
 
 def newest(page: Browser) -> dict[str, Any]:
@@ -87,7 +87,10 @@ async def test_a_script_is_told_that_the_way_is_blocked() -> None:
 
 
 async def test_a_real_robot_is_sent_by_where_odometry_began() -> None:
-    async with product(Scene(odom_in_map=Pose2(5.0, 0.0, pi / 2))) as the, Browser(the.app) as ann:
+    async with (
+        product(RobotScene(odom_in_map=Pose2(5.0, 0.0, pi / 2))) as the,
+        Browser(the.app) as ann,
+    ):
         await asyncio.sleep(SOON)
         ann.say("goto", x=5.0, y=1.0)
         await asyncio.sleep(SOON)
@@ -111,7 +114,10 @@ class Shadow(Action):
 
 
 async def test_whom_a_mode_follows_is_told_where_the_map_has_them() -> None:
-    async with product(Scene(odom_in_map=Pose2(5.0, 0.0, pi / 2))) as the, Browser(the.app) as ann:
+    async with (
+        product(RobotScene(odom_in_map=Pose2(5.0, 0.0, pi / 2))) as the,
+        Browser(the.app) as ann,
+    ):
         await asyncio.sleep(SOON)
         the.robot.arbiter.start(Stack.alone(Shadow(), MODE))
         await asyncio.sleep(SOON)

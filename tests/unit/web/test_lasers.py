@@ -17,7 +17,7 @@ from pioneer3.tasks import running
 from pioneer3.web.app import make_app
 from pioneer3.web.broadcast import SWEEP_PERIOD
 from pioneer3.web.page import Page
-from pioneer3.web.scene import Scene
+from pioneer3.web.scene import RobotScene
 from tests.lasers import LaserUnit
 from tests.support import SimulatedRobot, until, wall_at
 from tests.unit.web.browser import Browser
@@ -45,7 +45,7 @@ async def shown() -> AsyncIterator[Shown]:
     ):
         page = Page()
         await until(lambda: all(laser.lost is None for laser in robot.lasers))
-        async with page.hosting(robot, Scene()), running(page.run()):
+        async with page.hosting(robot, RobotScene()), running(page.run()):
             yield Shown(robot, front, make_app(page))
 
 

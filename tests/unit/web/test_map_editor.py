@@ -21,7 +21,7 @@ from pioneer3.tasks import running
 from pioneer3.web import requests
 from pioneer3.web.app import make_app
 from pioneer3.web.page import Page
-from pioneer3.web.scene import RemoteWorld, Scene
+from pioneer3.web.scene import RemoteWorld, RobotScene
 from tests.support import SimulatedRobot
 from tests.unit.web.browser import Browser, Playground, playground
 from tests.unit.web.test_navigation import at_once
@@ -176,7 +176,7 @@ async def test_a_real_robot_stays_found_on_the_saved_map(
         page = Page()
         remote = RemoteWorld(robot, known, print)
         async with (
-            page.hosting(robot, Scene(known, remote=remote)),
+            page.hosting(robot, RobotScene(known, remote=remote)),
             running(page.run()),
             Browser(make_app(page)) as ann,
         ):

@@ -157,14 +157,14 @@ def test_a_snapshot_is_strict_json_whatever_the_robot_says(number: float) -> Non
 @pytest.mark.parametrize(
     ("text", "request_"),
     [
-        ('{"type":"drive","v":0.3,"w":-1}', requests.Drive(0.3, -1.0)),
-        ('{"w":-1,"v":0.3,"type":"drive"}', requests.Drive(0.3, -1.0)),
-        ('{"type":"drive","v":0.3,"w":-1,"robot":2}', requests.Drive(0.3, -1.0, robot=2)),
-        ('{"type":"stop"}', requests.Stop()),
+        ('{"type":"drive","v":0.3,"w":-1}', requests.VelocityRequest(0.3, -1.0)),
+        ('{"w":-1,"v":0.3,"type":"drive"}', requests.VelocityRequest(0.3, -1.0)),
+        ('{"type":"drive","v":0.3,"w":-1,"robot":2}', requests.VelocityRequest(0.3, -1.0, robot=2)),
+        ('{"type":"stop"}', requests.StopRequest()),
         ('{"type":"emergency_stop"}', requests.EmergencyStop()),
         ('{"type":"reset_emergency_stop"}', requests.ResetEmergencyStop()),
         ('{"type":"motors","on":true}', requests.SwitchMotors(on=True)),
-        ('{"type":"ping","t":1.5}', requests.Ping(1.5)),
+        ('{"type":"ping","t":1.5}', requests.PingRequest(1.5)),
     ],
 )
 def test_every_request_is_understood(text: str, request_: requests.AnyRequest) -> None:
@@ -185,5 +185,5 @@ def test_no_number_that_is_not_finite_gets_through(v: float, w: float) -> None:
     except msgspec.MsgspecError:
         assert not Twist2(v, w).is_finite
     else:
-        assert request == requests.Drive(v, w)
+        assert request == requests.VelocityRequest(v, w)
         assert Twist2(v, w).is_finite

@@ -20,7 +20,7 @@ from pioneer3.tasks import running
 from pioneer3.web.app import make_app
 from pioneer3.web.control import SILENCE
 from pioneer3.web.page import Page
-from pioneer3.web.scene import Scene
+from pioneer3.web.scene import RobotScene
 from tests.support import SimulatedRobot
 from tests.unit.web.browser import Browser, Playground, playground
 
@@ -213,7 +213,7 @@ async def test_a_real_robot_began_at_home_and_is_drawn_where_it_finds_itself(
     async with SimulatedRobot(ROOMS, home=begun) as sim, connect_async(sim.open) as robot:
         page = Page()
         async with (
-            page.hosting(robot, Scene(known)),
+            page.hosting(robot, RobotScene(known)),
             running(page.run()),
             Browser(make_app(page)) as ann,
         ):
@@ -262,7 +262,7 @@ async def test_somebody_may_tell_a_robot_its_place(monkeypatch: pytest.MonkeyPat
     async with SimulatedRobot(ROOMS, home=begun) as sim, connect_async(sim.open) as robot:
         page = Page()
         async with (
-            page.hosting(robot, Scene(known)),
+            page.hosting(robot, RobotScene(known)),
             running(page.run()),
             Browser(make_app(page)) as ann,
         ):

@@ -9,7 +9,7 @@ from pioneer3.behaviors.actions import Hold
 from pioneer3.geometry import STILL, Pose2, Twist2
 from pioneer3.runtime.arbiter import KEYBOARD
 from pioneer3.web.control import EXPIRY
-from pioneer3.web.scene import Scene
+from pioneer3.web.scene import RobotScene
 from tests.unit.web.browser import product
 
 SLOW = Twist2(0.3, 0.0)
@@ -103,7 +103,7 @@ async def test_a_keyboard_that_takes_over_is_named_as_the_driver() -> None:
 
 
 async def test_the_robot_is_drawn_where_the_scene_has_it() -> None:
-    async with product(Scene(odom_in_map=Pose2(3.0, 4.0, 0.0))) as the:
+    async with product(RobotScene(odom_in_map=Pose2(3.0, 4.0, 0.0))) as the:
         assert the.robot.snapshot is not None
         drawn = the.view.snapshot(the.robot.snapshot, the.page.clients)
         assert drawn.robot_in_map == Pose2(3.0, 4.0, 0.0)

@@ -4,7 +4,7 @@ import asyncio
 
 import pytest
 
-from pioneer3.web.access.sessions import Kind, Role
+from pioneer3.web.access.sessions import Role, SessionKind
 from pioneer3.web.client import REVOKED
 from pioneer3.web.requests import ONLY_DRIVERS
 from tests.support import STAYED
@@ -39,7 +39,7 @@ EDITS = [
 
 def arrive(the: Product | Playground, role: Role, name: str = "Vera") -> Browser:
     """Return a paired browser on the network."""
-    _, secret = the.page.access.sessions.open(name, role, Kind.BROWSER)
+    _, secret = the.page.access.sessions.open(name, role, SessionKind.BROWSER)
     return Browser(the.app, host=LAN, peer=ELSEWHERE, cookie=f"pioneer3-8080={secret}")
 
 
@@ -58,7 +58,7 @@ async def test_a_stranger_gets_no_socket() -> None:
 )
 async def test_a_cookie_that_is_not_quite_it_opens_nothing(cookie: str) -> None:
     async with product() as the:
-        _, secret = the.page.access.sessions.open("Ann", Role.DRIVER, Kind.BROWSER)
+        _, secret = the.page.access.sessions.open("Ann", Role.DRIVER, SessionKind.BROWSER)
         named = cookie.format(secret)
         async with Browser(the.app, host=LAN, peer=ELSEWHERE, cookie=named) as mallory:
             assert mallory.closed == POLICY_VIOLATION

@@ -18,7 +18,7 @@ from pioneer3.web import app
 from pioneer3.web.access import certificate
 from pioneer3.web.app import STATIC, index, modules, version
 from pioneer3.web.page import Page
-from pioneer3.web.scene import Scene
+from pioneer3.web.scene import RobotScene
 from pioneer3.web.server import FRAME_LIMIT, _bind, serve
 from tests.support import SimulatedRobot
 
@@ -29,7 +29,7 @@ PATIENCE = 20.0
 
 @asynccontextmanager
 async def serve_page(
-    robot: Robot, scene: Scene, *, host: str = "127.0.0.1", port: int = 8080
+    robot: Robot, scene: RobotScene, *, host: str = "127.0.0.1", port: int = 8080
 ) -> AsyncIterator[str]:
     """Serve a page of one robot; yield its address."""
     page = Page()
@@ -43,7 +43,7 @@ async def served() -> AsyncIterator[tuple[SimulatedRobot, str]]:
     async with (
         SimulatedRobot() as sim,
         connect_async(sim.open) as robot,
-        serve_page(robot, Scene(), port=0) as address,
+        serve_page(robot, RobotScene(), port=0) as address,
     ):
         yield sim, urlsplit(address).netloc
 
@@ -160,7 +160,7 @@ async def test_a_browser_that_is_killed_stops_the_robot() -> None:
 
 async def test_the_server_ends_with_pages_open_and_stops_the_robot() -> None:
     async with SimulatedRobot() as sim, connect_async(sim.open) as robot:
-        async with serve_page(robot, Scene(), port=0) as address:
+        async with serve_page(robot, RobotScene(), port=0) as address:
             page = await connect(f"ws://{urlsplit(address).netloc}/ws")
             await until_driving(sim, page)
         assert await closing_code(page) == 1012
@@ -225,7 +225,7 @@ async def test_a_port_in_use_is_refused_with_a_way_out() -> None:
         port = taken.getsockname()[1]
         async with SimulatedRobot() as sim, connect_async(sim.open) as robot:
             with pytest.raises(PortBusyError, match=rf"127\.0\.0\.1:{port}.*--web-port"):
-                async with serve_page(robot, Scene(), port=port):
+                async with serve_page(robot, RobotScene(), port=port):
                     pass
 
 
@@ -248,7 +248,7 @@ async def test_https_takes_the_next_port_that_is_nobodys(tmp_path: Path) -> None
 async def test_an_address_that_is_none_of_ours_is_refused(host: str, port: int) -> None:
     async with SimulatedRobot() as sim, connect_async(sim.open) as robot:
         with pytest.raises(LinkError, match=f"{host}:{port}"):
-            async with serve_page(robot, Scene(), host=host, port=port):
+            async with serve_page(robot, RobotScene(), host=host, port=port):
                 pass
 
 
@@ -256,7 +256,7 @@ async def test_the_port_is_free_again_at_once() -> None:
     async with SimulatedRobot() as sim, connect_async(sim.open) as robot:
         port = 0
         for _ in range(3):
-            async with serve_page(robot, Scene(), port=port) as address:
+            async with serve_page(robot, RobotScene(), port=port) as address:
                 status, _, _ = await get(urlsplit(address).netloc, "/")
                 assert status == 200
                 port = int(address.rsplit(":", 1)[1])

@@ -16,7 +16,7 @@ from pioneer3.web.app import make_app
 from pioneer3.web.broadcast import PERIOD
 from pioneer3.web.page import Page
 from pioneer3.web.robot_view import RobotView
-from pioneer3.web.scene import Scene
+from pioneer3.web.scene import RobotScene
 from tests.support import SimulatedRobot
 from tests.unit.web.asking import Script
 from tests.unit.web.browser import Browser
@@ -53,7 +53,7 @@ async def fleet(count: int, *names: str) -> AsyncIterator[Fleet]:
         robots = [await stack.enter_async_context(connect_async(sim.open)) for sim in sims]
         called = [*names, *[""] * (count - len(names))]
         views = [
-            await stack.enter_async_context(page.hosting(robot, Scene(), name))
+            await stack.enter_async_context(page.hosting(robot, RobotScene(), name))
             for robot, name in zip(robots, called, strict=True)
         ]
         await stack.enter_async_context(running(page.run()))
@@ -183,7 +183,7 @@ async def test_a_robot_that_comes_and_goes_is_told() -> None:
         SimulatedRobot() as sim,
         connect_async(sim.open) as robot,
     ):
-        async with the.page.hosting(robot, Scene(), "guest"):
+        async with the.page.hosting(robot, RobotScene(), "guest"):
             await asyncio.sleep(0.3)
             assert [robot["name"] for robot in ann.latest("hello")["robots"]][1:] == ["guest"]
             assert len(ann.snapshots(2)) >= 2

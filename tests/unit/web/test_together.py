@@ -14,7 +14,7 @@ from pioneer3.tasks import running
 from pioneer3.web import requests
 from pioneer3.web.app import make_app
 from pioneer3.web.page import Page
-from pioneer3.web.scene import Scene
+from pioneer3.web.scene import RobotScene
 from tests.robots_together import Together, together
 from tests.unit.web.browser import Browser
 
@@ -33,7 +33,7 @@ async def hall(*poses: Pose2) -> AsyncIterator[Hall]:
     async with together(*poses) as here, AsyncExitStack() as stack:
         page = Page()
         for robot, one in zip(here.robots, here.simulation.robots, strict=True):
-            scene = Scene.of(here.simulation, one)
+            scene = RobotScene.of(here.simulation, one)
             await stack.enter_async_context(page.hosting(robot, scene, one.name))
         await stack.enter_async_context(running(page.run()))
         yield Hall(here, page, make_app(page))
@@ -69,8 +69,8 @@ async def test_one_message_drives_several_and_each_by_its_own_control() -> None:
 
 
 def test_a_student_drives_no_other_robot_and_starts_no_group() -> None:
-    alone = requests.Drive(robot=1, v=0.1, w=0.0)
-    more = requests.Drive(robot=1, v=0.1, w=0.0, also=(2,))
+    alone = requests.VelocityRequest(robot=1, v=0.1, w=0.0)
+    more = requests.VelocityRequest(robot=1, v=0.1, w=0.0, also=(2,))
     group = requests.StartGroupMode(robots=(1, 2), mode=Spread())
     assert requests.refusal_for_student(alone, 1) is None
     assert str(requests.refusal_for_student(more, 1)) == requests.NOT_YOURS

@@ -25,11 +25,11 @@ from typing import Annotated
 from pioneer3.arcos.wire import (
     AllThatIsLeft,
     Enumerated,
-    Kind,
     Reader,
     Scaled,
     Switch,
     Unit,
+    WireKind,
     checked,
     latin1,
 )
@@ -123,7 +123,7 @@ class Bits:
 class String:
     """A string argument; `tail` follows it uncounted."""
 
-    content: Kind
+    content: WireKind
     limit: int = MAX_STRING
     tail: bytes = b""
 
@@ -161,7 +161,7 @@ class Latin1:
 class Prefixed:
     """A value after a type byte without meaning: any is read, `prefix` is written."""
 
-    kind: Kind
+    kind: WireKind
     prefix: int
 
     def read(self, reader: Reader) -> object:

@@ -5,7 +5,7 @@ from functools import cache
 from typing import ClassVar, Final, Protocol
 
 from pioneer3.arcos.commands import devices, driving, simulators
-from pioneer3.arcos.commands.table import DEVICES, DRIVING, OLD_SIMULATOR, UNKNOWN, Row
+from pioneer3.arcos.commands.table import DEVICES, DRIVING, OLD_SIMULATOR, UNKNOWN, CommandRow
 from pioneer3.arcos.layout import pack, unpack
 from pioneer3.arcos.wire import U8, Rest
 
@@ -38,7 +38,7 @@ MOTION: Final = {bytes([number]) for number in (4, 8, 9, 11, 12, 13, 21, 22, 32,
 """Numbers of the commands that can move the robot: ENABLE, MOVE, ROTATE, VEL, HEAD, DHEAD, RVEL,
 DCHEAD, VEL2 and LATVEL (protocol.md 3.1)."""
 
-Meaning = type[Command] | Row
+Meaning = type[Command] | CommandRow
 
 
 def _written(module: object, names: list[str]) -> tuple[type[Command], ...]:
@@ -75,10 +75,10 @@ def _from_row(name: str) -> type[Command]:
 
 
 def _class_of(meaning: Meaning) -> type[Command]:
-    return _from_row(meaning.name) if isinstance(meaning, Row) else meaning
+    return _from_row(meaning.name) if isinstance(meaning, CommandRow) else meaning
 
 
-def described(row: Row) -> str:
+def described(row: CommandRow) -> str:
     """Return the docstring of the class that a line of the table stands for."""
     return f"{row.meaning} (ARCOS {row.number}, {row.name})."
 

@@ -8,7 +8,7 @@ from typing import ClassVar, Final, Protocol
 from pioneer3.arcos.layout import layout, pack, unpack
 from pioneer3.arcos.reports import devices, session, simulators
 from pioneer3.arcos.reports.sip import SIP_NUMBERS, Sip, read_sip, write_sip
-from pioneer3.arcos.wire import U8, Number, Rest
+from pioneer3.arcos.wire import U8, PacketId, Rest
 
 
 class Report(Protocol):
@@ -74,7 +74,7 @@ def numbers(cls: type[Report]) -> tuple[int, ...]:
     if cls is Sip:
         return tuple(SIP_NUMBERS)
     first = layout(cls)[0].kind
-    return first.choices if isinstance(first, Number) else (cls.ID,)
+    return first.choices if isinstance(first, PacketId) else (cls.ID,)
 
 
 @cache
@@ -87,7 +87,7 @@ def _meanings() -> Mapping[int, tuple[type[Report], ...]]:
 @cache
 def _carries_number(cls: type[Report]) -> bool:
     """Whether the id is a field of the report rather than fixed by its class."""
-    return cls is UnknownReport or isinstance(layout(cls)[0].kind, Number)
+    return cls is UnknownReport or isinstance(layout(cls)[0].kind, PacketId)
 
 
 def to_payload(report: Report) -> bytes:

@@ -5,7 +5,7 @@ from enum import IntFlag
 from typing import Annotated, ClassVar
 
 from pioneer3.arcos.lists import Counted, Record, Repeated, SizedRecords
-from pioneer3.arcos.wire import S8, S16, S32, U8, U16, Enumerated, Integer, Number, Rest, Text
+from pioneer3.arcos.wire import S8, S16, S32, U8, U16, Enumerated, Integer, PacketId, Rest, Text
 
 __all__ = [
     "ArmInfo",
@@ -204,7 +204,7 @@ class SerialAux:
     """
 
     ID: ClassVar[int] = 0xB0
-    number: Annotated[int, Number(AUX_NUMBERS)]
+    number: Annotated[int, PacketId(AUX_NUMBERS)]
     data: Rest
 
     @property

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
-from pioneer3.arcos.wire import S8, S16, U8, U16, U32, Number, Rest, Text
+from pioneer3.arcos.wire import S8, S16, U8, U16, U32, PacketId, Rest, Text
 
 __all__ = [
     "Config",
@@ -25,7 +25,7 @@ class SyncEcho:
     """
 
     ID: ClassVar[int] = 0
-    number: Annotated[int, Number(SYNC_NUMBERS)]
+    number: Annotated[int, PacketId(SYNC_NUMBERS)]
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +56,7 @@ class LinkLost:
     """
 
     ID: ClassVar[int] = 0xFF
-    number: Annotated[int, Number(LINK_LOST_NUMBERS)] = 0xFF
+    number: Annotated[int, PacketId(LINK_LOST_NUMBERS)] = 0xFF
     extra: Rest = b""
 
 

@@ -21,7 +21,7 @@ sensing      table sensors, and words for obstacles, as several actions use them
 from pioneer3.behaviors.actions.aria import AvoidSide, Input, Stop, TurnAway
 from pioneer3.behaviors.actions.avoid import AvoidFront, Bumpers
 from pioneer3.behaviors.actions.explore import Explore
-from pioneer3.behaviors.actions.follow import Blob, BlobSource, ColorFollow
+from pioneer3.behaviors.actions.follow import BlobSource, ColorFollow, ColorPatch
 from pioneer3.behaviors.actions.group import (
     FollowLeader,
     KeepFormation,
@@ -43,10 +43,10 @@ from pioneer3.behaviors.actions.recover import StallRecover, Unstick
 __all__ = [
     "AvoidFront",
     "AvoidSide",
-    "Blob",
     "BlobSource",
     "Bumpers",
     "ColorFollow",
+    "ColorPatch",
     "ConstantVelocity",
     "DeceleratingLimiter",
     "Explore",

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 from math import inf, pi, radians
 
 from pioneer3.behaviors.action import Action, Desire, Situation
-from pioneer3.behaviors.actions.sensing import BLIND, Table, ahead, table_seen
+from pioneer3.behaviors.actions.sensing import BLIND, TableSensors, ahead, table_seen
 from pioneer3.behaviors.engine import TURNED
 from pioneer3.behaviors.memory import BUMPER_ARC
 from pioneer3.behaviors.surroundings import Buffer, Echo
@@ -45,7 +45,7 @@ class AvoidFront(Action):
             return Desire(v=0.0, turn=0.0, lacks=True, reason=BLIND)
         echo = situation.around.nearest(-FRONT, FRONT, Buffer.WINDOW)
         distance = echo.distance - situation.model.radius
-        table = table_seen(situation) if self.use_table_sensor else Table()
+        table = table_seen(situation) if self.use_table_sensor else TableSensors()
         if distance > self.obstacle_distance and not table:
             if not self._turning:
                 return None
@@ -76,7 +76,7 @@ class AvoidFront(Action):
         return self.avoid_velocity * distance / self.obstacle_distance
 
 
-def _side_to_turn(echo: Echo, table: Table) -> int:
+def _side_to_turn(echo: Echo, table: TableSensors) -> int:
     """Return 1 to turn left, -1 to turn right."""
     if table:
         return 1 if table.left else -1

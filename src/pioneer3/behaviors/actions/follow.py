@@ -7,7 +7,7 @@ from typing import Protocol
 from pioneer3.behaviors.action import Action, Desire, Goal, Situation
 from pioneer3.behaviors.actions.sensing import BLIND
 from pioneer3.behaviors.detection import RADIUS
-from pioneer3.behaviors.trackers import PersonTracker, SonarTracker, Target
+from pioneer3.behaviors.trackers import FollowedPerson, PersonTracker, SonarTracker
 from pioneer3.geometry import Pose2, wrap
 
 BEARINGS = {
@@ -120,7 +120,7 @@ class FollowTracking(Action):
     name: str = "follow"
 
     @property
-    def target(self) -> Target | None:
+    def target(self) -> FollowedPerson | None:
         """The person who is followed, or `None`."""
         return self.tracker.target
 
@@ -144,7 +144,7 @@ class FollowTracking(Action):
         remark = self.tracker.remark
         return f"{words}, {remark}" if remark else words
 
-    def _follow(self, target: Target, situation: Situation) -> Desire:
+    def _follow(self, target: FollowedPerson, situation: Situation) -> Desire:
         """Keep the distance, and face them; drive on only as far as they are ahead."""
         x, y = target.estimate.at(situation.now + LEAD)
         here = situation.pose
@@ -171,7 +171,7 @@ def _words(gap: float, bearing: float, silent: float) -> str:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Blob:
+class ColorPatch:
     """A patch of one colour in a picture.
 
     Attributes:
@@ -190,7 +190,7 @@ class Blob:
 class BlobSource(Protocol):
     """Finds patches of colour in the picture of the robot's camera."""
 
-    def largest(self, channel: int) -> Blob | None:
+    def largest(self, channel: int) -> ColorPatch | None:
         """Return the largest patch of a trained colour last seen, or `None`."""
 
 
@@ -235,7 +235,7 @@ class ColorFollow(Action):
             return Desire(v=0.0, w=self._side * self.search_rate, reason="looking for the colour")
         return Desire(v=0.0, turn=0.0, reason="no blob in sight")
 
-    def _follow(self, blob: Blob) -> Desire:
+    def _follow(self, blob: ColorPatch) -> Desire:
         if blob.x:
             self._side = -1 if blob.x > 0 else 1
         if not self.moving:

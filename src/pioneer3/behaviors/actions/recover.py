@@ -22,7 +22,7 @@ SIDE_TO = radians(120)
 """Bearing up to which obstacles are beside it [rad]."""
 
 
-class Way(NamedTuple):
+class RecoveryAttempt(NamedTuple):
     """One attempt: which way to drive (1 forwards, -1 back), which way to turn (1 left)."""
 
     words: str
@@ -33,16 +33,16 @@ class Way(NamedTuple):
 SUGGESTED = None
 """Turn to the side that a stalled wheel or an obstacle suggests."""
 WAYS = (
-    Way("back and turn", -1, SUGGESTED),
-    Way("forward and turn", 1, SUGGESTED),
-    Way("back", -1),
-    Way("forward", 1),
-    Way("turn left", 0, 1),
-    Way("turn right", 0, -1),
-    Way("back and left", -1, 1),
-    Way("back and right", -1, -1),
-    Way("forward and left", 1, 1),
-    Way("forward and right", 1, -1),
+    RecoveryAttempt("back and turn", -1, SUGGESTED),
+    RecoveryAttempt("forward and turn", 1, SUGGESTED),
+    RecoveryAttempt("back", -1),
+    RecoveryAttempt("forward", 1),
+    RecoveryAttempt("turn left", 0, 1),
+    RecoveryAttempt("turn right", 0, -1),
+    RecoveryAttempt("back and left", -1, 1),
+    RecoveryAttempt("back and right", -1, -1),
+    RecoveryAttempt("forward and left", 1, 1),
+    RecoveryAttempt("forward and right", 1, -1),
 )
 """In this order (facts.md 7.6)."""
 
@@ -78,7 +78,7 @@ class StallRecover(Action):
     clear: float = 0.1
     enabled: bool = True
     name: str = "stall recover"
-    _way: Way | None = field(default=None, init=False)
+    _way: RecoveryAttempt | None = field(default=None, init=False)
     _next: int = field(default=0, init=False)
     _end: float = field(default=-inf, init=False)
     _last: float = field(default=-inf, init=False)

@@ -14,7 +14,7 @@ RIGHT_BEAM = 1 << 1
 
 
 @dataclass(frozen=True, slots=True)
-class Table:
+class TableSensors:
     """Sensors of table edges, left and right; true where one sees an edge."""
 
     left: bool = False
@@ -29,12 +29,12 @@ class Table:
         return f"a table on the {' and '.join(sides)}" if sides else "no table"
 
 
-def table_seen(situation: Situation) -> Table:
+def table_seen(situation: Situation) -> TableSensors:
     """Return the state of the table sensors; no table without such sensors."""
     if not situation.model.table_irs:
-        return Table()
+        return TableSensors()
     bits = situation.snapshot.inputs.digital_in
-    return Table(not bits & LEFT_BEAM, not bits & RIGHT_BEAM)
+    return TableSensors(not bits & LEFT_BEAM, not bits & RIGHT_BEAM)
 
 
 BLIND = "no range sensor works"

@@ -49,7 +49,7 @@ class Choices:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Parameter:
+class ModeParameter:
     """One parameter of a mode: a number with a unit, or a word.
 
     Attributes:
@@ -137,7 +137,7 @@ class Described(
         return " ".join(cleandoc(cls.__doc__ or "").partition("\n")[2].split())
 
     @classmethod
-    def parameters(cls) -> tuple[Parameter, ...]:
+    def parameters(cls) -> tuple[ModeParameter, ...]:
         """Return its own parameters, in their order; not the time, which every mode has."""
         hints = get_type_hints(cls, include_extras=True)
         fields = [field for field in msgspec.structs.fields(cls) if field.name != "seconds"]
@@ -160,12 +160,12 @@ class Mode(Described, frozen=True):
         raise NotImplementedError
 
 
-def _parameter(field: msgspec.structs.FieldInfo, hint: Any) -> Parameter:
+def _parameter(field: msgspec.structs.FieldInfo, hint: Any) -> ModeParameter:
     notes = list(_annotations(hint))
     metas = [note for note in notes if isinstance(note, Meta)]
     lows = [meta.ge for meta in metas if meta.ge is not None]
     highs = [meta.le for meta in metas if meta.le is not None]
-    return Parameter(
+    return ModeParameter(
         name=field.name,
         title=next((meta.title for meta in metas if meta.title), field.name.capitalize()),
         help=next((meta.description for meta in metas if meta.description), ""),

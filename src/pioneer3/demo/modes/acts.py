@@ -4,11 +4,11 @@ import asyncio
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
-from pioneer3.acts import Picture
+from pioneer3.acts import BlobPicture
 from pioneer3.behaviors.action import Stack
-from pioneer3.behaviors.actions import Blob, ColorFollow
+from pioneer3.behaviors.actions import ColorFollow, ColorPatch
 from pioneer3.behaviors.modes import by_hand as stacks
-from pioneer3.demo.columns import Row
+from pioneer3.demo.columns import ColumnRow
 from pioneer3.demo.mode import Context, DemoMode, Description
 from pioneer3.errors import DeviceError
 from pioneer3.robot.devices import Presence
@@ -38,19 +38,19 @@ class LatestBlobs:
     """The blobs of the last picture, as actions want them."""
 
     def __init__(self) -> None:
-        self._picture: Picture | None = None
+        self._picture: BlobPicture | None = None
         self._stamp = 0.0
 
-    def take(self, picture: Picture | None, stamp: float) -> None:
+    def take(self, picture: BlobPicture | None, stamp: float) -> None:
         """Look at another picture, taken at `stamp` [s]; `None` is none."""
         self._picture, self._stamp = picture, stamp
 
-    def largest(self, channel: int) -> Blob | None:
+    def largest(self, channel: int) -> ColorPatch | None:
         """Return the largest blob of a channel, or `None`."""
         blobs = self._picture.channel(channel) if self._picture else ()
         if not blobs:
             return None
-        return Blob(
+        return ColorPatch(
             x=(blobs[0].x + 0.5) / WIDTH * 2 - 1,
             y=1 - (blobs[0].y + 0.5) / HEIGHT * 2,
             area=blobs[0].area / (WIDTH * HEIGHT),
@@ -92,10 +92,10 @@ class _ColorMode:
                 return False
         return True
 
-    def row(self) -> Row:
+    def row(self) -> ColumnRow:
         follow = self._follow
         seen = self._eyes.largest(follow.channel) is not None
-        return Row(
+        return ColumnRow(
             tail=(
                 f"Channel: {follow.channel}"
                 f"  movement {'on' if self._context.drives(self._stack) else 'off'}"

@@ -1,7 +1,7 @@
 """The gripper, the compass and the input and output lines (facts.md 8.5, 8.10, 8.14)."""
 
 from pioneer3.arcos.commands import Tcm2Mode
-from pioneer3.demo.columns import Cell, Row, bits, degrees_tenths, hundredths, tenths
+from pioneer3.demo.columns import ColumnCell, ColumnRow, bits, degrees_tenths, hundredths, tenths
 from pioneer3.demo.mode import Context, DemoMode, Description
 from pioneer3.robot.devices.compass import CompassReading
 from pioneer3.robot.devices.gripper import GripperReading
@@ -44,16 +44,16 @@ def gripper(context: Context, about: Description) -> DemoMode:
     )
 
 
-def gripper_row(reading: GripperReading) -> Row:
+def gripper_row(reading: GripperReading) -> ColumnRow:
     """Return beams, paddles and lift."""
-    return Row(
+    return ColumnRow(
         (
-            Cell("BB outer", WIDTH, _beam(broken=reading.outer_beam_broken)),
-            Cell("BB inner", WIDTH, _beam(broken=reading.inner_beam_broken)),
-            Cell("Paddles", WIDTH, reading.paddles),
-            Cell("Lift", WIDTH, "maxed" if reading.lift_at_limit else "clear"),
-            Cell("LeftPaddle", WIDTH, _paddle(touches=reading.left_touches)),
-            Cell("RightPaddle", WIDTH, _paddle(touches=reading.right_touches)),
+            ColumnCell("BB outer", WIDTH, _beam(broken=reading.outer_beam_broken)),
+            ColumnCell("BB inner", WIDTH, _beam(broken=reading.inner_beam_broken)),
+            ColumnCell("Paddles", WIDTH, reading.paddles),
+            ColumnCell("Lift", WIDTH, "maxed" if reading.lift_at_limit else "clear"),
+            ColumnCell("LeftPaddle", WIDTH, _paddle(touches=reading.left_touches)),
+            ColumnCell("RightPaddle", WIDTH, _paddle(touches=reading.right_touches)),
         )
     )
 
@@ -89,21 +89,21 @@ def tcm2(context: Context, about: Description) -> DemoMode:
     )
 
 
-def tcm2_row(reading: CompassReading, rate: float) -> Row:
+def tcm2_row(reading: CompassReading, rate: float) -> ColumnRow:
     """Return the fields of a packet, and the number of packets in the last second."""
     magnetic = zip(("magX", "magY", "magZ"), reading.magnetic, strict=True)
-    return Row(
+    return ColumnRow(
         (
-            Cell("comp", 6, degrees_tenths(reading.heading)),
-            Cell("pitch", 5, degrees_tenths(reading.pitch)),
-            Cell("roll", 5, degrees_tenths(reading.roll)),
-            *(Cell(name, 6, hundredths(value)) for name, value in magnetic),
-            Cell("temp", 6, tenths(reading.temperature)),
-            Cell("error", 10, f"0x{reading.error:x}"),
-            Cell("calH", 4, str(reading.calibration_h)),
-            Cell("calV", 4, str(reading.calibration_v)),
-            Cell("calM", 6, hundredths(reading.calibration_m)),
-            Cell("cnt", 3, str(round(rate))),
+            ColumnCell("comp", 6, degrees_tenths(reading.heading)),
+            ColumnCell("pitch", 5, degrees_tenths(reading.pitch)),
+            ColumnCell("roll", 5, degrees_tenths(reading.roll)),
+            *(ColumnCell(name, 6, hundredths(value)) for name, value in magnetic),
+            ColumnCell("temp", 6, tenths(reading.temperature)),
+            ColumnCell("error", 10, f"0x{reading.error:x}"),
+            ColumnCell("calH", 4, str(reading.calibration_h)),
+            ColumnCell("calV", 4, str(reading.calibration_v)),
+            ColumnCell("calM", 6, hundredths(reading.calibration_m)),
+            ColumnCell("cnt", 3, str(round(rate))),
         ),
         gap=" ",  # the widths alone would let names touch each other
     )
@@ -127,24 +127,24 @@ def io(context: Context, about: Description) -> DemoMode:
     )
 
 
-def io_row(words: Words, reading: LinesReading | None) -> Row:
+def io_row(words: Words, reading: LinesReading | None) -> ColumnRow:
     """Return flags, fault flags if there are any, and the lines once they are known."""
-    cells = [Cell("flags", FLAGS, bits(words.flags, 16, group=BYTE))]
+    cells = [ColumnCell("flags", FLAGS, bits(words.flags, 16, group=BYTE))]
     if words.faults is not None:
-        cells.append(Cell("fault_flags", FLAGS, bits(words.faults, 16, group=BYTE)))
+        cells.append(ColumnCell("fault_flags", FLAGS, bits(words.faults, 16, group=BYTE)))
     if reading is not None:
         cells += _bytes("digin", reading.digital_in)
         cells += _bytes("digout", reading.digital_out)
         cells += [
-            Cell(f"a/d{port}", VOLTS, hundredths(volts))
+            ColumnCell(f"a/d{port}", VOLTS, hundredths(volts))
             for port, volts in enumerate(reading.analog)
         ]
-    return Row(tuple(cells))
+    return ColumnRow(tuple(cells))
 
 
-def _bytes(name: str, lines: tuple[bool, ...]) -> list[Cell]:
+def _bytes(name: str, lines: tuple[bool, ...]) -> list[ColumnCell]:
     groups = [lines[at : at + BYTE] for at in range(0, len(lines), BYTE)]
     return [
-        Cell(f"{name}{number}", BYTE + 2, "".join("1" if high else "0" for high in group))
+        ColumnCell(f"{name}{number}", BYTE + 2, "".join("1" if high else "0" for high in group))
         for number, group in enumerate(groups)
     ]

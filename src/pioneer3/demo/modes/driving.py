@@ -7,7 +7,14 @@ from pioneer3.behaviors.action import Stack
 from pioneer3.behaviors.actions import RatioInput
 from pioneer3.behaviors.modes import Mode
 from pioneer3.behaviors.modes import by_hand as stacks
-from pioneer3.demo.columns import Cell, Row, degrees_tenths, millimetres, tenths, whole_degrees
+from pioneer3.demo.columns import (
+    ColumnCell,
+    ColumnRow,
+    degrees_tenths,
+    millimetres,
+    tenths,
+    whole_degrees,
+)
 from pioneer3.demo.mode import Context, DemoMode, Description, Gauge
 from pioneer3.geometry import Pose2
 from pioneer3.state import Snapshot
@@ -16,28 +23,28 @@ from pioneer3.units import DEGREE
 WIDTH = 10
 
 
-def motion(snapshot: Snapshot, pose: Pose2) -> tuple[Cell, ...]:
+def motion(snapshot: Snapshot, pose: Pose2) -> tuple[ColumnCell, ...]:
     """Return `transVel rotVel x y th volts`, each ten wide."""
     twist = snapshot.odometry.twist
     return (
-        Cell("transVel", WIDTH, millimetres(twist.v)),
-        Cell("rotVel", WIDTH, whole_degrees(twist.w)),
-        Cell("x", WIDTH, millimetres(pose.x)),
-        Cell("y", WIDTH, millimetres(pose.y)),
-        Cell("th", WIDTH, degrees_tenths(pose.theta)),
-        Cell("volts", WIDTH, tenths(snapshot.battery.voltage)),
+        ColumnCell("transVel", WIDTH, millimetres(twist.v)),
+        ColumnCell("rotVel", WIDTH, whole_degrees(twist.w)),
+        ColumnCell("x", WIDTH, millimetres(pose.x)),
+        ColumnCell("y", WIDTH, millimetres(pose.y)),
+        ColumnCell("th", WIDTH, degrees_tenths(pose.theta)),
+        ColumnCell("volts", WIDTH, tenths(snapshot.battery.voltage)),
     )
 
 
-def motion_row(context: Context) -> Row | None:
+def motion_row(context: Context) -> ColumnRow | None:
     """Return the columns of a mode that drives by itself."""
     snapshot = context.snapshot
-    return Row(motion(snapshot, context.pose(snapshot))) if snapshot else None
+    return ColumnRow(motion(snapshot, context.pose(snapshot))) if snapshot else None
 
 
 def driving_row(
     snapshot: Snapshot, pose: Pose2, *, has_charge: bool = False, emergency: bool = False
-) -> Row:
+) -> ColumnRow:
     """Return the columns of the teleop modes.
 
     Args:
@@ -48,13 +55,13 @@ def driving_row(
     """
     cells = motion(snapshot, pose)
     if has_charge:
-        cells += (Cell("soc", WIDTH, tenths(100 * (snapshot.battery.charge or 0.0))),)
+        cells += (ColumnCell("soc", WIDTH, tenths(100 * (snapshot.battery.charge or 0.0))),)
     flags = {
         "[ESTOP]": snapshot.motors.stop_button or emergency,
         "[STALL]": snapshot.motors.stalled,
         "[DISABLED]": not snapshot.motors.enabled,
     }
-    return Row(cells, tail="".join(f" {flag}" for flag, up in flags.items() if up))
+    return ColumnRow(cells, tail="".join(f" {flag}" for flag, up in flags.items() if up))
 
 
 def speed_gauges(context: Context) -> tuple[Gauge, ...]:
@@ -145,7 +152,7 @@ class _Hand:
         {"up": ratios.up, "down": ratios.down, "left": ratios.left, "right": ratios.right}[key]()
         self._context.tell(self._context.robot.arbiter.decide())
 
-    def _row(self) -> Row | None:
+    def _row(self) -> ColumnRow | None:
         snapshot = self._context.snapshot
         if snapshot is None:
             return None

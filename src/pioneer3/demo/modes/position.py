@@ -9,8 +9,8 @@ from pioneer3.behaviors.action import MODE, Action, Desire, Ranked, Situation, S
 from pioneer3.behaviors.engine import approach
 from pioneer3.demo.columns import (
     MISSING,
-    Cell,
-    Row,
+    ColumnCell,
+    ColumnRow,
     degrees_tenths,
     hundredths,
     millimetres,
@@ -146,7 +146,7 @@ class _Position:
                 return False
         return True
 
-    def row(self) -> Row | None:
+    def row(self) -> ColumnRow | None:
         snapshot, gyro = self._context.snapshot, self._context.robot.devices.gyro.latest
         if snapshot is None:
             return None
@@ -193,24 +193,24 @@ class _Position:
 
 def position_row(
     snapshot: Snapshot, pose: Pose2, mode: str, gyro: GyroMode, reading: GyroReading | None
-) -> Row:
+) -> ColumnRow:
     """Return where the robot is; the gyro's columns only if it says anything."""
     inputs, raw = snapshot.inputs, snapshot.odometry.robot_in_encoder
     compass = MISSING if inputs.compass is None else whole_degrees(inputs.compass)
     cells = [
-        Cell("x", 7, millimetres(pose.x)),
-        Cell("y", 7, millimetres(pose.y)),
-        Cell("th", 9, hundredths(pose.theta / DEGREE)),
-        Cell("comp", 7, compass),
-        Cell("volts", 8, hundredths(snapshot.battery.voltage)),
-        Cell("mpacs", 7, str(round(snapshot.link.rate))),
-        Cell("mode", 8, mode),
+        ColumnCell("x", 7, millimetres(pose.x)),
+        ColumnCell("y", 7, millimetres(pose.y)),
+        ColumnCell("th", 9, hundredths(pose.theta / DEGREE)),
+        ColumnCell("comp", 7, compass),
+        ColumnCell("volts", 8, hundredths(snapshot.battery.voltage)),
+        ColumnCell("mpacs", 7, str(round(snapshot.link.rate))),
+        ColumnCell("mode", 8, mode),
     ]
     if reading is not None:
         cells += [
-            Cell("gyro", 6, gyro.name.lower()),
-            Cell("gyro_th", 10, hundredths(reading.heading / DEGREE)),
-            Cell("robot_th", 10, hundredths(raw.theta / DEGREE)),
+            ColumnCell("gyro", 6, gyro.name.lower()),
+            ColumnCell("gyro_th", 10, hundredths(reading.heading / DEGREE)),
+            ColumnCell("robot_th", 10, hundredths(raw.theta / DEGREE)),
         ]
     place = f"{millimetres(raw.x)},{millimetres(raw.y)},{degrees_tenths(raw.theta)}"
-    return Row((*cells, Cell("raw", 10, f" {place}")))
+    return ColumnRow((*cells, ColumnCell("raw", 10, f" {place}")))

@@ -7,7 +7,7 @@ from itertools import groupby
 from math import isfinite
 
 from pioneer3.arcos.reports import Config
-from pioneer3.demo.columns import MISSING, Cell, Row, tenths
+from pioneer3.demo.columns import MISSING, ColumnCell, ColumnRow, tenths
 from pioneer3.demo.mode import Context, DemoMode, Description
 from pioneer3.errors import CommandError, PioneerError
 from pioneer3.models import RobotModel
@@ -108,29 +108,31 @@ def status(context: Context, about: Description) -> DemoMode:
     )
 
 
-def status_row(snapshot: Snapshot) -> Row:
+def status_row(snapshot: Snapshot) -> ColumnRow:
     """Return everything, flag words in binary with the highest bit first."""
     words, motors, battery = snapshot.words, snapshot.motors, snapshot.battery
     detail = detailed_status(snapshot)
     temperature = snapshot.inputs.temperature
     cycle = f"{1000 * detail.cycle:.0f}" if isfinite(detail.cycle) else MISSING
-    return Row(
+    return ColumnRow(
         (
-            Cell("volt", 5, tenths(battery.voltage)),
-            Cell("soc", 5, MISSING if battery.charge is None else f"{100 * battery.charge:.0f}%"),
-            Cell("temp", 5, MISSING if temperature is None else str(temperature)),
-            Cell("mot.enable", 12, "yes" if motors.enabled else "NO"),
-            Cell("estop", 6, _loud(up=motors.stop_button)),
-            Cell("stall l", 7, _loud(up=motors.left_stalled)),
-            Cell("stall r", 7, _loud(up=motors.right_stalled)),
-            Cell("stallval", 16, _word(words.stalls, 16)),
-            Cell("sips/sec", 9, str(round(snapshot.link.rate))),
-            Cell("cycletime", 10, cycle),
-            Cell("flags", 16, _word(words.flags, 16)),
-            Cell("faults", 16, _word(words.faults, 16)),
-            Cell("flags3", 32, _word(words.flags3, 32)),
-            Cell("chargestate", 13, CHARGE_STATES.get(battery.charging, battery.charging)),
-            Cell("chargepower", 13, _loud(up=detail.charger_power)),
+            ColumnCell("volt", 5, tenths(battery.voltage)),
+            ColumnCell(
+                "soc", 5, MISSING if battery.charge is None else f"{100 * battery.charge:.0f}%"
+            ),
+            ColumnCell("temp", 5, MISSING if temperature is None else str(temperature)),
+            ColumnCell("mot.enable", 12, "yes" if motors.enabled else "NO"),
+            ColumnCell("estop", 6, _loud(up=motors.stop_button)),
+            ColumnCell("stall l", 7, _loud(up=motors.left_stalled)),
+            ColumnCell("stall r", 7, _loud(up=motors.right_stalled)),
+            ColumnCell("stallval", 16, _word(words.stalls, 16)),
+            ColumnCell("sips/sec", 9, str(round(snapshot.link.rate))),
+            ColumnCell("cycletime", 10, cycle),
+            ColumnCell("flags", 16, _word(words.flags, 16)),
+            ColumnCell("faults", 16, _word(words.faults, 16)),
+            ColumnCell("flags3", 32, _word(words.flags3, 32)),
+            ColumnCell("chargestate", 13, CHARGE_STATES.get(battery.charging, battery.charging)),
+            ColumnCell("chargepower", 13, _loud(up=detail.charger_power)),
         ),
         gap=" ",  # the widths alone would let the flag words touch each other
     )
@@ -163,7 +165,7 @@ def command(context: Context, about: Description) -> DemoMode:
     return DemoMode(
         about,
         on_key=prompt.on_key,
-        row=lambda: Row(tail=f"> {prompt.text}"),
+        row=lambda: ColumnRow(tail=f"> {prompt.text}"),
         details=lambda: tuple(prompt.sent),
     )
 

@@ -5,7 +5,7 @@ from contextlib import ExitStack, contextmanager
 from math import atan2, cos, hypot, isfinite, isnan, pi, sin
 from types import MappingProxyType
 
-from pioneer3.demo.columns import Cell, Row, millimetres
+from pioneer3.demo.columns import ColumnCell, ColumnRow, millimetres
 from pioneer3.demo.mode import Context, DemoMode, Description, Gauge
 from pioneer3.robot.devices import Presence
 from pioneer3.state import Bumpers, Scan, Sonar
@@ -57,10 +57,12 @@ def sonar(context: Context, about: Description) -> DemoMode:
     )
 
 
-def sonar_row(ranges: Sequence[float], shown: range) -> Row:
+def sonar_row(ranges: Sequence[float], shown: range) -> ColumnRow:
     """Return numbers and ranges of the sonars in `shown` that there are."""
     numbers = [number for number in shown if number < len(ranges)]
-    return Row(tuple(Cell(str(n), SONAR_WIDTH, millimetres(_bounded(ranges[n]))) for n in numbers))
+    return ColumnRow(
+        tuple(ColumnCell(str(n), SONAR_WIDTH, millimetres(_bounded(ranges[n]))) for n in numbers)
+    )
 
 
 def _gauges(ranges: Sequence[float], shown: range) -> list[Gauge]:
@@ -81,7 +83,7 @@ def _bounded(distance: float) -> float:
 
 
 BUMPER_WIDTH = 6
-SEPARATOR = Cell(" |", 2, " |")
+SEPARATOR = ColumnCell(" |", 2, " |")
 
 
 def bumps(context: Context, about: Description) -> DemoMode:
@@ -106,14 +108,14 @@ def bumps(context: Context, about: Description) -> DemoMode:
     )
 
 
-def bumps_row(bumpers: Bumpers) -> Row:
+def bumps_row(bumpers: Bumpers) -> ColumnRow:
     """Return front and rear segments, `trig` or `clear`."""
-    return Row((*_segments(bumpers.front), SEPARATOR, *_segments(bumpers.rear)))
+    return ColumnRow((*_segments(bumpers.front), SEPARATOR, *_segments(bumpers.rear)))
 
 
-def _segments(segments: tuple[bool, ...]) -> tuple[Cell, ...]:
+def _segments(segments: tuple[bool, ...]) -> tuple[ColumnCell, ...]:
     return tuple(
-        Cell(str(number), BUMPER_WIDTH, "trig" if pressed else "clear")
+        ColumnCell(str(number), BUMPER_WIDTH, "trig" if pressed else "clear")
         for number, pressed in enumerate(segments, 1)
     )
 
@@ -157,12 +159,12 @@ def laser(context: Context, about: Description) -> DemoMode:
         held.close()
         held.enter_context(device.wanted())
 
-    def row() -> Row | None:
+    def row() -> ColumnRow | None:
         scan = device.latest
         if scan is None or context.snapshot is None:
             return None
         told = raw_line(scan) if raw else buffer_line(scan)
-        return Row(tail=f"{told}   LOST" if device.lost else told)
+        return ColumnRow(tail=f"{told}   LOST" if device.lost else told)
 
     def points() -> list[Point]:
         return points_in_robot(device.latest) if device.latest else []

@@ -18,15 +18,15 @@ Facts: cola.md 1.4, 2, 6.1.
 from math import inf
 from typing import Final
 
-from pioneer3.lasers.client import Event, Lost, Measured, Patience, Remarked, ScanSettings
-from pioneer3.lasers.cola.clock import DeviceClock
+from pioneer3.lasers.client import Event, Measured, Patience, Remarked, ScanSettings, ScansLost
+from pioneer3.lasers.cola.clock import ColaClock
 from pioneer3.lasers.cola.readings import geometry, raw_scan
 from pioneer3.lasers.cola.scan import NAME, decode
-from pioneer3.lasers.cola.script import ErrorAnswer, Request, Session, set_up
+from pioneer3.lasers.cola.script import ErrorAnswer, ScriptState, TelegramRequest, set_up
 from pioneer3.lasers.cola.wire import (
+    ColaTelegramReader,
     TelegramError,
-    TelegramReader,
-    Words,
+    TelegramWords,
     encode,
     parse_number,
 )
@@ -70,18 +70,18 @@ class ColaClient:
         round_trip: float = 0.0,
     ) -> None:
         self.deadline = now
-        self.reader = TelegramReader()
+        self.reader = ColaTelegramReader()
         self.refused = 0
         self._patience = patience or Patience()
         self._round_trip = round_trip
-        self._session = Session(settings or ScanSettings(), now)
-        self._dialogue: Dialogue[Request, Words | ErrorAnswer, None] = Dialogue(
+        self._session = ScriptState(settings or ScanSettings(), now)
+        self._dialogue: Dialogue[TelegramRequest, TelegramWords | ErrorAnswer, None] = Dialogue(
             set_up(self._session)
         )
         self._answered = self._running = self._closed = False
         self._asked_at = self._repeat = self._scan_due = now
         self._surplus = self._refused_since = 0
-        self._clock = DeviceClock()
+        self._clock = ColaClock()
         self._events: list[Event] = []
         self._told: set[str] = set()
         self._outbox: list[bytes] = []
@@ -100,7 +100,7 @@ class ColaClient:
             return []
         if self._running:
             self._lose(self._reason_for_no_scans())
-        elif isinstance(step := self._dialogue.step, Request):
+        elif isinstance(step := self._dialogue.step, TelegramRequest):
             self._ask_again(step, max(now, self.deadline))
         else:
             self._resume(None, now)
@@ -127,10 +127,10 @@ class ColaClient:
         if words[:2] == ["sSN", NAME]:
             if self._running:
                 self._measure(words, now)
-        elif isinstance(step := self._dialogue.step, Request):
+        elif isinstance(step := self._dialogue.step, TelegramRequest):
             self._answer(step, words, now)
 
-    def _answer(self, request: Request, words: list[str], now: float) -> None:
+    def _answer(self, request: TelegramRequest, words: list[str], now: float) -> None:
         """Take a telegram that may be the answer to `request`."""
         if words[0] == "sFA":
             if self._surplus:  # perhaps that of the request before, which was repeated
@@ -139,11 +139,11 @@ class ColaClient:
                 self._resume(_refusal(words), now)
         elif tuple(words[:2]) == request.answer:
             rest = words[2:-1] if words[-1] == "" else words[2:]  # some lasers end with a space
-            self._resume(Words(rest), now)
+            self._resume(TelegramWords(rest), now)
         elif self._surplus and words[0] in {"sRA", "sWA", "sAN", "sEA"}:
             self._surplus -= 1
 
-    def _resume(self, reply: Words | ErrorAnswer | None, now: float) -> None:
+    def _resume(self, reply: TelegramWords | ErrorAnswer | None, now: float) -> None:
         """Go on with the script until it asks or waits again, or is over."""
         self._session.now = now
         self._answered = self._answered or reply is not None
@@ -153,7 +153,7 @@ class ColaClient:
                 self._tell(event.text, event.text)
             else:
                 self._events.append(event)
-        if isinstance(step, Request):
+        if isinstance(step, TelegramRequest):
             self._asked_at = now
             self._repeat = max(self._patience.answer, step.patience) + self._round_trip
             self._send(step, now)
@@ -165,11 +165,11 @@ class ColaClient:
         else:
             self._close()
 
-    def _send(self, request: Request, now: float) -> None:
+    def _send(self, request: TelegramRequest, now: float) -> None:
         self._outbox.append(encode(request.text))
         self.deadline = min(now + self._repeat, self._give_up_at(request))
 
-    def _ask_again(self, request: Request, now: float) -> None:
+    def _ask_again(self, request: TelegramRequest, now: float) -> None:
         if now >= self._give_up_at(request) - ROUNDING:
             fallen_silent = f"the laser answered at first, but not to `{request.text}`"
             self._lose(fallen_silent if self._answered else NO_ANSWER)
@@ -178,14 +178,14 @@ class ColaClient:
         self._surplus += 1
         self._send(request, now)
 
-    def _give_up_at(self, request: Request) -> float:
+    def _give_up_at(self, request: TelegramRequest) -> float:
         return self._asked_at + max(self._patience.give_up, 2 * request.patience) + self._round_trip
 
     def _measure(self, words: list[str], now: float) -> None:
         """Take a scan."""
         session = self._session
         try:
-            scan = decode(Words(words[2:]))
+            scan = decode(TelegramWords(words[2:]))
             at = geometry(scan)
             stamp = now - at.span
             if session.wishes.calibrate_time:
@@ -224,7 +224,7 @@ class ColaClient:
 
     def _lose(self, reason: str) -> None:
         self._close()
-        self._events.append(Lost(reason))
+        self._events.append(ScansLost(reason))
 
     def _close(self) -> None:
         self._closed, self._running, self._dialogue.step = True, False, None

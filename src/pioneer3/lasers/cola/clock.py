@@ -15,7 +15,7 @@ LONGEST_US: Final = 60_000_000
 """A scan that claims to be older than this when it was sent has no valid time."""
 
 
-class DeviceClock:
+class ColaClock:
     """Map the times in scans, of 32 bits in microseconds, to the host's clock."""
 
     def __init__(self) -> None:

@@ -8,7 +8,7 @@ from typing import Final, Self
 
 from pioneer3.lasers.cola.wire import (
     TelegramError,
-    Words,
+    TelegramWords,
     decimal_word,
     hex_word,
     long_word,
@@ -73,7 +73,7 @@ class Measuring(IntEnum):
     MEASURING = 7
 
 
-class Access(IntEnum):
+class AccessMode(IntEnum):
     """Levels of SetAccessMode (cola.md 2.2)."""
 
     RUN = 0
@@ -84,9 +84,9 @@ class Access(IntEnum):
 
 PASSWORDS: Final[Mapping[int, int]] = MappingProxyType(
     {
-        Access.MAINTENANCE: 0xB21ACE26,
-        Access.AUTHORISED: 0xF4724744,
-        Access.SERVICE: 0x81BE23AA,
+        AccessMode.MAINTENANCE: 0xB21ACE26,
+        AccessMode.AUTHORISED: 0xF4724744,
+        AccessMode.SERVICE: 0x81BE23AA,
     }
 )
 """Hashes of the passwords at delivery."""
@@ -111,7 +111,7 @@ class ScanConfig:
     sectors: int = 1
 
     @classmethod
-    def parse(cls, words: Words) -> Self:
+    def parse(cls, words: TelegramWords) -> Self:
         """Return the settings in `words`.
 
         Raises:
@@ -148,7 +148,7 @@ class OutputRange:
     last_tick: int
 
     @classmethod
-    def parse(cls, words: Words) -> Self:
+    def parse(cls, words: TelegramWords) -> Self:
         """Return the settings in `words`.
 
         Raises:
@@ -196,7 +196,7 @@ class DataConfig:
     interval: int = 1
 
     @classmethod
-    def parse(cls, words: Words) -> Self:
+    def parse(cls, words: TelegramWords) -> Self:
         """Return the settings in `words`.
 
         Raises:
@@ -235,7 +235,7 @@ class DataConfig:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Settings:
+class LaserSettings:
     """All settings of a laser that mEEwriteall stores.
 
     Attributes:

@@ -17,18 +17,18 @@ from typing import Final, Protocol
 from pioneer3.lasers.cola.configuration import (
     PASSWORDS,
     U16,
-    Access,
+    AccessMode,
     DataConfig,
     Error,
     OutputRange,
     ScanConfig,
 )
 from pioneer3.lasers.cola.scan import NAME
-from pioneer3.lasers.cola.unit import RefusedError, Unit
+from pioneer3.lasers.cola.unit import ColaUnit, RefusedError
 from pioneer3.lasers.cola.wire import (
+    ColaTelegramReader,
     TelegramError,
-    TelegramReader,
-    Words,
+    TelegramWords,
     encode,
     hex_word,
 )
@@ -64,12 +64,12 @@ class ColaConnection:
         reader: Counts telegrams and noise.
     """
 
-    def __init__(self, unit: Unit, owner: Owner) -> None:
+    def __init__(self, unit: ColaUnit, owner: Owner) -> None:
         self.subscribed = False
         self.polling = 0
-        self.reader = TelegramReader()
+        self.reader = ColaTelegramReader()
         self._unit, self._owner = unit, owner
-        self._access = Access.RUN
+        self._access = AccessMode.RUN
         self._dead = False
         self._answers: list[bytes] = []
         self._scans: list[bytes] = []
@@ -128,7 +128,7 @@ class ColaConnection:
 
     def _answer(self, words: list[str], now: float) -> str:
         """Return the answer to one request, empty for one that is answered later."""
-        kind, rest = words[0], Words(words[1:])
+        kind, rest = words[0], TelegramWords(words[1:])
         try:
             if kind == "sRI0":
                 return f"sRA 0 {self._unit.ident}"
@@ -140,7 +140,7 @@ class ColaConnection:
         except TelegramError:
             return _refusal(Error.INVALID_CHARACTER)
 
-    def _read(self, words: Words, now: float) -> str:
+    def _read(self, words: TelegramWords, now: float) -> str:
         name = words.word()
         if name == NAME:
             latest = self._unit.latest_scan(now)
@@ -155,28 +155,28 @@ class ColaConnection:
             raise RefusedError(Error.UNKNOWN_VARIABLE)
         return f"sRA {name} {variable}"
 
-    def _write(self, words: Words, now: float) -> str:
+    def _write(self, words: TelegramWords, now: float) -> str:
         name = words.word()
         write = WRITES.get(name)
         if write is None:
             raise RefusedError(Error.UNKNOWN_VARIABLE)
-        if self._access < Access.AUTHORISED:
+        if self._access < AccessMode.AUTHORISED:
             raise RefusedError(Error.WRITE_ACCESS_DENIED)
         write(self, words)
         return f"sWA {name}"
 
-    def _write_output(self, words: Words) -> None:
+    def _write_output(self, words: TelegramWords) -> None:
         self._unit.set_output(OutputRange.parse(words))
 
-    def _write_data(self, words: Words) -> None:
+    def _write_data(self, words: TelegramWords) -> None:
         self._unit.set_data(DataConfig.parse(words))
 
-    def _write_echo_filter(self, words: Words) -> None:
+    def _write_echo_filter(self, words: TelegramWords) -> None:
         echo_filter = words.number()
         words.end()
         self._unit.set_echo_filter(echo_filter)
 
-    def _subscribe(self, words: Words, now: float) -> str:
+    def _subscribe(self, words: TelegramWords, now: float) -> str:
         if words.word() != NAME:
             raise RefusedError(Error.UNKNOWN_EVENT)
         self.subscribed = words.flag()
@@ -189,69 +189,69 @@ class ColaConnection:
         unwanted = f"sSN {NAME} ".encode()
         self._answers = [a for a in self._answers if not a.startswith(unwanted, 1)]
 
-    def _call(self, words: Words, now: float) -> str:
+    def _call(self, words: TelegramWords, now: float) -> str:
         name = words.word()
         method = METHODS.get(name)
         if method is None:
             raise RefusedError(Error.UNKNOWN_METHOD)
-        if name not in OPEN_METHODS and self._access < Access.AUTHORISED:
+        if name not in OPEN_METHODS and self._access < AccessMode.AUTHORISED:
             raise RefusedError(Error.METHOD_ACCESS_DENIED)
         answer = method(self, words, now)
         return f"sAN {name} {answer}".rstrip()
 
-    def _set_access(self, words: Words, now: float) -> str:
+    def _set_access(self, words: TelegramWords, now: float) -> str:
         level, password = words.number(), words.number()
         words.end()
         accepted = PASSWORDS.get(level) == password
         if accepted:
-            self._access = Access(level)
+            self._access = AccessMode(level)
         return f"{accepted:d}"
 
-    def _run(self, words: Words, now: float) -> str:
+    def _run(self, words: TelegramWords, now: float) -> str:
         words.end()
-        self._access = Access.RUN
+        self._access = AccessMode.RUN
         self._unit.measure(on=True)
         return "1"
 
-    def _set_scan(self, words: Words, now: float) -> str:
+    def _set_scan(self, words: TelegramWords, now: float) -> str:
         code = self._unit.set_scan(ScanConfig.parse(words))
         return f"{code:X} {self._unit.settings.scan.answer()}"
 
-    def _store(self, words: Words, now: float) -> str:
+    def _store(self, words: TelegramWords, now: float) -> str:
         words.end()
         self._unit.store()
         return "1"
 
-    def _start(self, words: Words, now: float) -> str:
+    def _start(self, words: TelegramWords, now: float) -> str:
         words.end()
         self._unit.measure(on=True)
         return "0"
 
-    def _stop(self, words: Words, now: float) -> str:
+    def _stop(self, words: TelegramWords, now: float) -> str:
         words.end()
         self._unit.measure(on=False)
         return "0"
 
-    def _set_date(self, words: Words, now: float) -> str:
+    def _set_date(self, words: TelegramWords, now: float) -> str:
         numbers = [words.number(U16) for _ in range(6)]
         micros = words.number(999_999)
         words.end()
         return f"{self._unit.set_date(numbers, micros, now):d}"
 
-    def _reboot(self, words: Words, now: float) -> str:
+    def _reboot(self, words: TelegramWords, now: float) -> str:
         words.end()
         self._owner.switch_on(now)
         return ""
 
 
-Handler = Callable[[ColaConnection, Words, float], str]
+Handler = Callable[[ColaConnection, TelegramWords, float], str]
 HANDLERS: Final[Mapping[str, Handler]] = {
     "sRN": ColaConnection._read,
     "sWN": ColaConnection._write,
     "sMN": ColaConnection._call,
     "sEN": ColaConnection._subscribe,
 }
-WRITES: Final[Mapping[str, Callable[[ColaConnection, Words], None]]] = {
+WRITES: Final[Mapping[str, Callable[[ColaConnection, TelegramWords], None]]] = {
     "LMPoutputRange": ColaConnection._write_output,
     "LMDscandatacfg": ColaConnection._write_data,
     "FREchoFilter": ColaConnection._write_echo_filter,

@@ -15,8 +15,8 @@ from math import inf
 from typing import Final
 
 from pioneer3.lasers.cola.connection import ColaConnection
-from pioneer3.lasers.cola.unit import Unit
-from pioneer3.lasers.device import Sweep, Turn
+from pioneer3.lasers.cola.unit import ColaUnit
+from pioneer3.lasers.device import MirrorTurn, Sweep
 from pioneer3.models.lasers import LaserModel
 
 DEFAULT_SERIAL: Final = 10_010_001
@@ -47,12 +47,12 @@ class ColaDevice:
     ) -> None:
         self.speed: int | None = None
         self.deadline = inf
-        self.unit = Unit(model, spin_up=spin_up, serial=serial)
+        self.unit = ColaUnit(model, spin_up=spin_up, serial=serial)
         self._connections: list[ColaConnection] = []
         self.plan(0.0)
 
     @property
-    def turn(self) -> Turn | None:
+    def turn(self) -> MirrorTurn | None:
         """The next turn of the mirror, or `None` while nobody wants readings."""
         wanted = any(c.subscribed or c.polling for c in self._connections)
         return self.unit.turn() if wanted else None

@@ -6,7 +6,7 @@ from typing import Final
 
 from pioneer3.lasers.client import RawScan, ScanSettings
 from pioneer3.lasers.cola.families import FRONT_TICK, FULL_TURN_TICK, exact_step
-from pioneer3.lasers.cola.scan import Channel, ScanData
+from pioneer3.lasers.cola.scan import ReadingChannel, ScanData
 from pioneer3.lasers.cola.wire import TelegramError
 
 CODES: Final = 16
@@ -90,14 +90,14 @@ def raw_scan(
     )
 
 
-def _distances(scan: ScanData) -> Channel:
+def _distances(scan: ScanData) -> ReadingChannel:
     ranges = scan.channel("DIST1")
     if ranges is None:
         raise TelegramError("there are no ranges of the first echo")
     return ranges
 
 
-def _metres(channel: Channel, near: float) -> tuple[float, ...]:
+def _metres(channel: ReadingChannel, near: float) -> tuple[float, ...]:
     scale, offset = channel.scale, channel.offset
     least = max((near * 1000 - offset) / scale, CODES)
     return tuple(
@@ -113,7 +113,7 @@ def _special(value: int) -> float:
     return nan if value < CODES else -inf
 
 
-def _remissions(channel: Channel) -> tuple[int, ...]:
+def _remissions(channel: ReadingChannel) -> tuple[int, ...]:
     if channel.scale == 1 and not channel.offset:
         return channel.values
     return tuple(round(value * channel.scale + channel.offset) for value in channel.values)

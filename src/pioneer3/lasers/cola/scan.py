@@ -11,7 +11,7 @@ from typing import Final
 
 from pioneer3.lasers.cola.wire import (
     TelegramError,
-    Words,
+    TelegramWords,
     hex_word,
     long_word,
     real_word,
@@ -45,7 +45,7 @@ class Encoder:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Channel:
+class ReadingChannel:
     """Values of all readings.
 
     Attributes:
@@ -154,15 +154,15 @@ class ScanData:
     frequency_chz: int
     pulses: int
     encoders: tuple[Encoder, ...] = ()
-    channels: tuple[Channel, ...]
-    narrow_channels: tuple[Channel, ...] = ()
+    channels: tuple[ReadingChannel, ...]
+    narrow_channels: tuple[ReadingChannel, ...] = ()
     position: Position | None = None
     name: str | None = None
     comment: str | None = None
     moment: Moment | None = None
     event: InputEvent | None = None
 
-    def channel(self, content: str) -> Channel | None:
+    def channel(self, content: str) -> ReadingChannel | None:
         """Return the channel of this content, of either width."""
         for channel in (*self.channels, *self.narrow_channels):
             if channel.content == content:
@@ -170,7 +170,7 @@ class ScanData:
         return None
 
 
-def decode(words: Words) -> ScanData:
+def decode(words: TelegramWords) -> ScanData:
     """Return the scan whose words, those after the name, are `words`.
 
     Raises:
@@ -219,11 +219,11 @@ def _check(scan: ScanData) -> None:
         raise TelegramError("the channels differ in their angles")
 
 
-def _channels(words: Words, most: int) -> tuple[Channel, ...]:
+def _channels(words: TelegramWords, most: int) -> tuple[ReadingChannel, ...]:
     return tuple(_channel(words, most) for _ in range(words.number(MAX_CHANNELS)))
 
 
-def _channel(words: Words, most: int) -> Channel:
+def _channel(words: TelegramWords, most: int) -> ReadingChannel:
     content = words.word()
     if not _CONTENT.fullmatch(content):
         raise TelegramError(f"{content[:20]!r} is no known channel")
@@ -231,7 +231,7 @@ def _channel(words: Words, most: int) -> Channel:
     step, count = words.number(U16), words.number(MAX_COUNT)
     if scale <= 0 or not step or not count:
         raise TelegramError("a channel has no scale, no step or no values")
-    return Channel(
+    return ReadingChannel(
         content=content,
         scale=scale,
         offset=offset,
@@ -255,7 +255,7 @@ def _values(words: Sequence[str], most: int) -> tuple[int, ...]:
     return values
 
 
-def _position(words: Words) -> Position:
+def _position(words: TelegramWords) -> Position:
     return Position(
         x=words.real(),
         y=words.real(),
@@ -267,7 +267,7 @@ def _position(words: Words) -> Position:
     )
 
 
-def _moment(words: Words) -> Moment:
+def _moment(words: TelegramWords) -> Moment:
     return Moment(
         year=words.number(U16),
         month=words.number(12),
@@ -279,7 +279,7 @@ def _moment(words: Words) -> Moment:
     )
 
 
-def _event(words: Words) -> InputEvent:
+def _event(words: TelegramWords) -> InputEvent:
     return InputEvent(
         kind=words.word(),
         encoder=words.number(),
@@ -303,7 +303,7 @@ def encode(scan: ScanData) -> str:
     return " ".join(words)
 
 
-def _channel_words(channel: Channel) -> list[str]:
+def _channel_words(channel: ReadingChannel) -> list[str]:
     return [
         channel.content,
         real_word(channel.scale),

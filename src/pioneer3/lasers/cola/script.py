@@ -1,7 +1,7 @@
 """The host's requests up to the first scan, in order: a script that waits for each answer.
 
-:func:`set_up` yields a :class:`Request` or a :class:`Pause`, and is resumed with the answer. The
-client that runs it repeats requests that are not answered.
+:func:`set_up` yields a :class:`TelegramRequest` or a :class:`Pause`, and is resumed with the
+answer. The client that runs it repeats requests that are not answered.
 
 Facts: cola.md 2, 6.1.
 """
@@ -15,7 +15,7 @@ from pioneer3.lasers.client import Identified, LaserIdentity, Remarked, ScanSett
 from pioneer3.lasers.cola.configuration import (
     ERRORS,
     PASSWORDS,
-    Access,
+    AccessMode,
     DataConfig,
     Measuring,
     OutputRange,
@@ -24,7 +24,7 @@ from pioneer3.lasers.cola.configuration import (
 )
 from pioneer3.lasers.cola.families import FRONT_TICK, Family, exact_step, family_of, limits_of
 from pioneer3.lasers.cola.scan import NAME
-from pioneer3.lasers.cola.wire import TelegramError, Words, hex_word
+from pioneer3.lasers.cola.wire import TelegramError, TelegramWords, hex_word
 from pioneer3.lasers.dialogue import HopelessError, Pause, Script
 
 _ALMOST: Final = 1e-3
@@ -109,7 +109,7 @@ STATES: Final[Mapping[int, str]] = {
 
 
 @dataclass(frozen=True, slots=True)
-class Request:
+class TelegramRequest:
     """A telegram to send.
 
     Attributes:
@@ -134,11 +134,11 @@ class ErrorAnswer:
         return ERRORS.get(self.number, f"error {self.number:X}")
 
 
-ColaScript = Script[Request, Words | ErrorAnswer, T]
+ColaScript = Script[TelegramRequest, TelegramWords | ErrorAnswer, T]
 
 
 @dataclass(slots=True)
-class Session:
+class ScriptState:
     """The state that the script shares with the client that runs it.
 
     Attributes:
@@ -156,33 +156,33 @@ class Session:
     interval: int = 1
 
 
-def set_up(session: Session) -> ColaScript[None]:
+def set_up(session: ScriptState) -> ColaScript[None]:
     """Bring the laser to send scans.
 
     Raises:
         HopelessError: it cannot be.
     """
-    yield from _ask(f"sEN {NAME} 0", Words.rest)
+    yield from _ask(f"sEN {NAME} 0", TelegramWords.rest)
     product = yield from _identify()
     session.family, session.limits = family_of(product), limits_of(product)
     if session.family is not None:
         yield from _configure(session, session.family)
     yield from _await_mirror(session)
     for _ in range(MOST_MISREAD):  # a late answer to the first request is of the same kind
-        if (yield from _ask(f"sEN {NAME} 1", Words.number)) == 1:
+        if (yield from _ask(f"sEN {NAME} 1", TelegramWords.number)) == 1:
             return
     raise HopelessError("the laser refuses to send scans: end other programs that use it")
 
 
 def _ask(
-    text: str, parse: Callable[[Words], T], *, patience: float = 0.0
+    text: str, parse: Callable[[TelegramWords], T], *, patience: float = 0.0
 ) -> ColaScript[T | ErrorAnswer]:
     """Send `text` and return its answer as `parse` reads it; a refusal where it cannot be read."""
     kind, _, rest = text.partition(" ")
     name = rest.partition(" ")[0]
     if kind.startswith("sRI"):  # by index: the index is in the first word, without a space
         kind, name = kind[:3], kind[3:]
-    request = Request(text, (ANSWERS[kind], name), patience)
+    request = TelegramRequest(text, (ANSWERS[kind], name), patience)
     for _ in range(MOST_MISREAD):
         reply = yield request
         if isinstance(reply, ErrorAnswer):
@@ -215,7 +215,7 @@ def _identify() -> ColaScript[str]:
     return product
 
 
-def _configure(session: Session, family: Family) -> ColaScript[None]:
+def _configure(session: ScriptState, family: Family) -> ColaScript[None]:
     """Read the settings, and write those that are not as wished."""
     wishes = session.wishes
     scan = yield from _ask("sRN LMPscancfg", ScanConfig.parse)
@@ -236,7 +236,7 @@ def _configure(session: Session, family: Family) -> ColaScript[None]:
         if content != data:
             changes.append(f"sWN LMDscandatacfg {content.request()}")
     if wishes.multi_echo and family.echo_filter:
-        present = yield from _ask("sRN FREchoFilter", Words.number)
+        present = yield from _ask("sRN FREchoFilter", TelegramWords.number)
         if present != 1:
             changes.append("sWN FREchoFilter 1")
     if changes:
@@ -252,7 +252,7 @@ def _change(changes: list[str]) -> ColaScript[None]:
     for change in changes:
         name = change.split(" ")[1]
         by_method = name == "mLMPsetscancfg"
-        parse = Words.number if by_method else _nothing
+        parse = TelegramWords.number if by_method else _nothing
         code = yield from _ask(change, parse, patience=SLOW if by_method else 0.0)
         if code != ScanConfigCode.OK:
             reason = code if isinstance(code, ErrorAnswer) else CODES.get(code, f"code {code}")
@@ -260,14 +260,14 @@ def _change(changes: list[str]) -> ColaScript[None]:
     yield from _run()
 
 
-def _read_interval(session: Session) -> ColaScript[None]:
+def _read_interval(session: ScriptState) -> ColaScript[None]:
     data = yield from _ask("sRN LMDscandatacfg", DataConfig.parse)
     if not isinstance(data, ErrorAnswer):
         session.interval = max(data.interval, 1)
 
 
 def _log_in() -> ColaScript[bool]:
-    level = Access.AUTHORISED
+    level = AccessMode.AUTHORISED
     login = f"sMN SetAccessMode {level:02X} {hex_word(PASSWORDS[level])}"
     accepted = yield from _ask(login, _success)
     if accepted is True:
@@ -278,12 +278,12 @@ def _log_in() -> ColaScript[bool]:
 
 def _run() -> ColaScript[None]:
     """Log out and measure; some lasers answer 0, and measure all the same (cola.md 6.3)."""
-    answer = yield from _ask("sMN Run", Words.rest, patience=SLOW)
+    answer = yield from _ask("sMN Run", TelegramWords.rest, patience=SLOW)
     if isinstance(answer, ErrorAnswer):
         yield Remarked(f"the laser refuses to run: {answer}")
 
 
-def _await_mirror(session: Session) -> ColaScript[None]:
+def _await_mirror(session: ScriptState) -> ColaScript[None]:
     """Wait until the laser measures; start one that has been stopped."""
     began = session.now
     stopped = started = 0
@@ -301,7 +301,7 @@ def _await_mirror(session: Session) -> ColaScript[None]:
         if stopped > 1 and not started:
             started = 1
             if (yield from _log_in()):
-                yield from _ask("sMN LMCstartmeas", Words.rest, patience=SLOW)
+                yield from _ask("sMN LMCstartmeas", TelegramWords.rest, patience=SLOW)
                 yield from _run()
         yield Pause(POLL)
 
@@ -310,7 +310,7 @@ def _trouble(family: Family | None) -> ColaScript[str]:
     """Return the reason why the laser does not measure, empty if it does or does not tell."""
     first = family.state_request if family else "STlms"
     for variable in (first, "SCdevicestate" if first == "STlms" else "STlms"):
-        state = yield from _ask(f"sRN {variable}", Words.number)
+        state = yield from _ask(f"sRN {variable}", TelegramWords.number)
         if isinstance(state, ErrorAnswer):
             continue
         if variable == "STlms":
@@ -321,23 +321,23 @@ def _trouble(family: Family | None) -> ColaScript[str]:
     return ""
 
 
-def _success(words: Words) -> bool:
+def _success(words: TelegramWords) -> bool:
     """Return whether a method was carried out; some lasers do not tell (cola.md 6.3)."""
     success = words.flag() if len(words) else True
     words.end()
     return success
 
 
-def _nothing(words: Words) -> int:
+def _nothing(words: TelegramWords) -> int:
     """Take the answer to a written variable, which has no words."""
     words.end()
     return ScanConfigCode.OK
 
 
-def _text(words: Words) -> str:
+def _text(words: TelegramWords) -> str:
     """Return a text with its length before it, or as it stands where that does not fit."""
     everything = words.rest()
-    again = Words(everything.split(" "))
+    again = TelegramWords(everything.split(" "))
     try:
         text = again.text()
         again.end()
@@ -346,7 +346,7 @@ def _text(words: Words) -> str:
     return text.strip()
 
 
-def _two_texts(words: Words) -> tuple[str, str]:
+def _two_texts(words: TelegramWords) -> tuple[str, str]:
     """Return the product and the version of its program."""
     product = words.text().strip()
     return product, _text(words)

@@ -5,10 +5,10 @@ from math import degrees, inf, isfinite
 from typing import Final
 
 from pioneer3.geometry import TURN
-from pioneer3.lasers.cola.configuration import DataConfig, Settings
+from pioneer3.lasers.cola.configuration import DataConfig, LaserSettings
 from pioneer3.lasers.cola.families import FRONT_TICK, Family
 from pioneer3.lasers.cola.readings import CODES
-from pioneer3.lasers.cola.scan import MAX_ENCODERS, Channel, Encoder, ScanData
+from pioneer3.lasers.cola.scan import MAX_ENCODERS, Encoder, ReadingChannel, ScanData
 from pioneer3.lasers.device import Sweep
 
 WHITE: Final = {8: 200, 16: 51_200}
@@ -24,7 +24,7 @@ LAST_ECHO = 2
 """Value of FREchoFilter for the last echo."""
 
 
-def scan_data(sweep: Sweep, family: Family, settings: Settings) -> ScanData:
+def scan_data(sweep: Sweep, family: Family, settings: LaserSettings) -> ScanData:
     """Return the readings and angles of `sweep` as `settings` have them, without times and names.
 
     The angles are those of the turn: the settings may have changed since it began.
@@ -41,14 +41,14 @@ def scan_data(sweep: Sweep, family: Family, settings: Settings) -> ScanData:
 
 
 def _channels(
-    sweep: Sweep, family: Family, settings: Settings
-) -> tuple[tuple[Channel, ...], tuple[Channel, ...]]:
+    sweep: Sweep, family: Family, settings: LaserSettings
+) -> tuple[tuple[ReadingChannel, ...], tuple[ReadingChannel, ...]]:
     """Return the channels of 16 and of 8 bits."""
     first_tick = round(degrees(sweep.turn.first) * 1e4) + FRONT_TICK
     step_tick = round(degrees(sweep.turn.step) * 1e4)
 
-    def channel(content: str, values: Iterable[int], scale: float = 1.0) -> Channel:
-        return Channel(
+    def channel(content: str, values: Iterable[int], scale: float = 1.0) -> ReadingChannel:
+        return ReadingChannel(
             content=content,
             scale=scale,
             first_tick=first_tick,

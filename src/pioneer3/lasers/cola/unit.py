@@ -20,11 +20,11 @@ from pioneer3.lasers.cola.configuration import (
     U16,
     DataConfig,
     Error,
+    LaserSettings,
     Measuring,
     OutputRange,
     ScanConfig,
     ScanConfigCode,
-    Settings,
 )
 from pioneer3.lasers.cola.families import (
     FRONT_TICK,
@@ -36,7 +36,7 @@ from pioneer3.lasers.cola.families import (
 from pioneer3.lasers.cola.scan import Moment, Position, ScanData, encode
 from pioneer3.lasers.cola.sweeps import LAST_ECHO, scan_data
 from pioneer3.lasers.cola.wire import hex_word, text_words
-from pioneer3.lasers.device import Sweep, Turn
+from pioneer3.lasers.device import MirrorTurn, Sweep
 from pioneer3.models.lasers import LaserModel
 
 FIRMWARE: Final = "V1.36-21.10.2010"
@@ -59,7 +59,7 @@ class RefusedError(Exception):
         self.number = number
 
 
-class Unit:
+class ColaUnit:
     """One laser, which has run for long until :meth:`switch_on` is called.
 
     Args:
@@ -88,7 +88,7 @@ class Unit:
         whole = OutputRange(
             step_tick=scan.step_tick, first_tick=scan.first_tick, last_tick=scan.last_tick
         )
-        self.settings = self._stored = Settings(scan=scan, output=whole)
+        self.settings = self._stored = LaserSettings(scan=scan, output=whole)
         self._power_ups = -1
         self.switch_on(0.0)
         self.up, self.ready_at = True, 0.0
@@ -120,7 +120,7 @@ class Unit:
         """Product and version with their lengths, the answer to sRI0."""
         return f"{text_words(self._model.product)} {text_words(FIRMWARE)}"
 
-    def turn(self) -> Turn | None:
+    def turn(self) -> MirrorTurn | None:
         """Return the next turn of the mirror, `None` while nothing is measured."""
         if self.state is not Measuring.MEASURING:
             return None
@@ -132,7 +132,7 @@ class Unit:
         if count < 1:
             return None
         period = 100 / scan.frequency_chz
-        return Turn(
+        return MirrorTurn(
             first=radians((first - FRONT_TICK) / 1e4),
             step=radians(step / 1e4),
             count=count,

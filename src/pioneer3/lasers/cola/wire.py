@@ -40,7 +40,7 @@ def encode(text: str) -> bytes:
         raise TelegramError(f"{text[error.start]!r} cannot be sent") from error
 
 
-class TelegramReader:
+class ColaTelegramReader:
     """Incremental decoder: feed it bytes in any chunks, get the texts of telegrams back.
 
     It never raises on bad input. A telegram goes from the last STX before an ETX to that ETX, so
@@ -157,7 +157,7 @@ def text_words(text: str) -> str:
     return f"{len(text):X} {text}"
 
 
-class Words:
+class TelegramWords:
     """The words of a telegram, taken one by one.
 
     All methods raise :exc:`TelegramError` where the next word is missing, or is something else.

@@ -8,12 +8,12 @@ from functools import cache
 from struct import Struct
 from typing import Annotated, Final, Self, TypeVar, get_type_hints
 
-from pioneer3.lasers.lms2xx.commands import Mode
+from pioneer3.lasers.lms2xx.commands import OperatingMode
 from pioneer3.lasers.lms2xx.measuring import MEASURING_MODES, Units, Variant
 
 T = TypeVar("T")
 REAL_TIME_INDICES: Final = 0x02
-"""Bit of :attr:`Config.availability`: scans end with two indices."""
+"""Bit of :attr:`UnitConfig.availability`: scans end with two indices."""
 PARTIAL_SIZES: Final = frozenset({7, 8, 32})
 """Sizes of configurations that hosts write beside the whole one (lms2xx.md 1.7)."""
 
@@ -64,7 +64,7 @@ def _pack(block: object, size: int) -> bytes:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Config:
+class UnitConfig:
     """The configuration, which the unit keeps in its EEPROM; as delivered, unless told.
 
     Attributes:
@@ -117,7 +117,7 @@ class Config:
         """Return the block of `size` bytes."""
         return _pack(self, size)
 
-    def overwritten(self, data: bytes) -> "Config | None":
+    def overwritten(self, data: bytes) -> "UnitConfig | None":
         """Return this configuration with its first bytes replaced by `data`.
 
         `None` if the size is unusual or a unit cannot measure so.
@@ -136,7 +136,7 @@ _SPEED_OF_CODE: Final = {code: baud for baud, code in SPEED_CODES.items()}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Status:
+class UnitStatus:
     """The answer to STATUS, as far as it is of use. Offsets count from the code of the answer.
 
     Attributes:
@@ -157,7 +157,7 @@ class Status:
     """Bytes between code and status byte."""
 
     version: Annotated[bytes, At(1, "7s")]
-    mode: Annotated[int, _u8(8)] = Mode.ON_REQUEST
+    mode: Annotated[int, _u8(8)] = OperatingMode.ON_REQUEST
     defective: Annotated[int, _u8(9)] = 0
     revolutions: Annotated[int, _u16(67)] = 0
     measuring_mode: Annotated[int, _u8(102)]

@@ -17,11 +17,19 @@ from collections.abc import Sequence
 from math import ceil, floor, inf
 from typing import Final
 
-from pioneer3.lasers.client import Event, Lost, Measured, Patience, RawScan, Remarked, ScanSettings
+from pioneer3.lasers.client import (
+    Event,
+    Measured,
+    Patience,
+    RawScan,
+    Remarked,
+    ScanSettings,
+    ScansLost,
+)
 from pioneer3.lasers.dialogue import Dialogue, Pause
 from pioneer3.lasers.line import ROUNDING, duration
 from pioneer3.lasers.lms2xx import commands
-from pioneer3.lasers.lms2xx.commands import MODE_OF_SPEED, Mode, Unasked
+from pioneer3.lasers.lms2xx.commands import MODE_OF_SPEED, OperatingMode, Unasked
 from pioneer3.lasers.lms2xx.measuring import MIRROR_TURN, VARIANT_OF_COUNT, Variant
 from pioneer3.lasers.lms2xx.scans import VALUES, Measurement
 from pioneer3.lasers.lms2xx.setup import SetUp, Wait
@@ -29,9 +37,9 @@ from pioneer3.lasers.lms2xx.telegram import (
     FRAME,
     UNITS,
     Item,
+    LmsTelegramReader,
     Sign,
     Telegram,
-    TelegramReader,
 )
 
 USUAL_SPEED: Final = 38400
@@ -74,7 +82,7 @@ class LmsClient:
         self.deadline = now
         self._settings = settings or ScanSettings()
         self._patience = patience or Patience()
-        self._reader = TelegramReader(UNITS)
+        self._reader = LmsTelegramReader(UNITS)
         possible = [speed for speed in speeds if speed in MODE_OF_SPEED]
         target = max((s for s in possible if s <= target_speed), default=None)
         self._setup = SetUp(
@@ -137,9 +145,9 @@ class LmsClient:
     def leave(self, now: float) -> None:
         """Queue the requests to stop, and for 9600 baud, at which other programs begin."""
         if self._step is not None or self._lost_at < inf:  # else nothing has been sent, or all ends
-            self._outbox.append(commands.mode(Mode.ON_REQUEST))
+            self._outbox.append(commands.mode(OperatingMode.ON_REQUEST))
             if self._setup.speed is not None:
-                self._outbox.append(commands.mode(Mode.SPEED_9600))
+                self._outbox.append(commands.mode(OperatingMode.SPEED_9600))
         self._end()
 
     def _end(self) -> None:
@@ -148,9 +156,9 @@ class LmsClient:
         self._reader.discard()
         self._schedule()
 
-    def _lose(self, reason: str) -> Lost:
+    def _lose(self, reason: str) -> ScansLost:
         self._end()
-        return Lost(reason)
+        return ScansLost(reason)
 
     @property
     def _silence(self) -> float:

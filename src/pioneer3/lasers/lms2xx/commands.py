@@ -21,7 +21,7 @@ MODE_WRONG_PASSWORD: Final = 0x01
 PASSWORD: Final = b"SICK_LMS"
 
 
-class Command(IntEnum):
+class CommandCode(IntEnum):
     """Codes of requests."""
 
     RESET = 0x10
@@ -45,7 +45,7 @@ class Unasked(IntEnum):
     REFUSED = 0x92
 
 
-class Mode(IntEnum):
+class OperatingMode(IntEnum):
     """Operating modes, the first byte of MODE (lms2xx.md 1.6)."""
 
     INSTALLATION = 0x00
@@ -63,41 +63,41 @@ class Mode(IntEnum):
 
 
 MODE_OF_SPEED: Final = {
-    9600: Mode.SPEED_9600,
-    19200: Mode.SPEED_19200,
-    38400: Mode.SPEED_38400,
-    500000: Mode.SPEED_500000,
+    9600: OperatingMode.SPEED_9600,
+    19200: OperatingMode.SPEED_19200,
+    38400: OperatingMode.SPEED_38400,
+    500000: OperatingMode.SPEED_500000,
 }
 """By baud; only these exist."""
 SPEED_OF_MODE: Final[dict[int, int]] = {mode: baud for baud, mode in MODE_OF_SPEED.items()}
 STREAMS: Final = frozenset(
     {
-        Mode.ALL_VALUES,
-        Mode.MEAN,
-        Mode.SUBRANGE,
-        Mode.MEAN_OF_SUBRANGE,
-        Mode.PARTIAL_SCANS,
-        Mode.RANGE_AND_REFLECTIVITY,
+        OperatingMode.ALL_VALUES,
+        OperatingMode.MEAN,
+        OperatingMode.SUBRANGE,
+        OperatingMode.MEAN_OF_SUBRANGE,
+        OperatingMode.PARTIAL_SCANS,
+        OperatingMode.RANGE_AND_REFLECTIVITY,
     }
 )
 """Modes in which a unit sends scans unasked."""
 
-MEANS: Final = frozenset({Mode.MEAN, Mode.MEAN_OF_SUBRANGE})
+MEANS: Final = frozenset({OperatingMode.MEAN, OperatingMode.MEAN_OF_SUBRANGE})
 """Modes in which each telegram is the mean of several scans."""
-PARTS: Final = frozenset({Mode.SUBRANGE, Mode.MEAN_OF_SUBRANGE})
+PARTS: Final = frozenset({OperatingMode.SUBRANGE, OperatingMode.MEAN_OF_SUBRANGE})
 """Modes in which a part of the field is sent."""
 SAMPLES: Final = range(2, 251)
 """Scans that a mean may be of."""
 
 
-def mode(wanted: Mode, data: bytes = b"") -> bytes:
+def mode(wanted: OperatingMode, data: bytes = b"") -> bytes:
     """Return the request for a mode, with the data that it needs."""
-    return encode(Command.MODE, bytes((wanted,)) + data)
+    return encode(CommandCode.MODE, bytes((wanted,)) + data)
 
 
 def variant(wanted: Variant) -> bytes:
     """Return the request for a field and a step."""
-    return encode(Command.VARIANT, variant_data(wanted))
+    return encode(CommandCode.VARIANT, variant_data(wanted))
 
 
 def variant_data(wanted: Variant) -> bytes:

@@ -21,22 +21,30 @@ from math import inf
 from types import MappingProxyType
 from typing import Final
 
-from pioneer3.lasers.device import Connection, Sweep, Turn
-from pioneer3.lasers.line import ROUNDING, Line
+from pioneer3.lasers.device import DeviceConnection, MirrorTurn, Sweep
+from pioneer3.lasers.line import ROUNDING, SerialLine
 from pioneer3.lasers.lms2xx.blocks import REAL_TIME_INDICES
-from pioneer3.lasers.lms2xx.commands import ANSWER, MEANS, PARTS, STREAMS, Command, Mode, Unasked
+from pioneer3.lasers.lms2xx.commands import (
+    ANSWER,
+    MEANS,
+    PARTS,
+    STREAMS,
+    CommandCode,
+    OperatingMode,
+    Unasked,
+)
 from pioneer3.lasers.lms2xx.measuring import MEASURING_MODES, Units
-from pioneer3.lasers.lms2xx.mirror import Mirror, Readings, mean_of
+from pioneer3.lasers.lms2xx.mirror import Mirror, TurnReadings, mean_of
 from pioneer3.lasers.lms2xx.scans import TELEGRAMS, VALUES, Measurement
 from pioneer3.lasers.lms2xx.telegram import (
     ANY_UNIT,
     USUAL_STATUS,
+    LmsTelegramReader,
     Sign,
     Telegram,
-    TelegramReader,
     encode,
 )
-from pioneer3.lasers.lms2xx.unit import DELIVERED_SPEED, Unit
+from pioneer3.lasers.lms2xx.unit import DELIVERED_SPEED, LmsUnit
 from pioneer3.models.lasers import LaserModel
 
 BOOT: Final = 30.0
@@ -75,27 +83,27 @@ class LmsDevice:
     ) -> None:
         self.speed: int | None = start_speed
         self.deadline = inf
-        self.unit = Unit(model, address, start_speed)
+        self.unit = LmsUnit(model, address, start_speed)
         self._boot = boot
         self._delays = delays
-        self._reader = TelegramReader({ANY_UNIT, address - ANSWER})
-        self._line = Line(start_speed)
+        self._reader = LmsTelegramReader({ANY_UNIT, address - ANSWER})
+        self._line = SerialLine(start_speed)
         self._mirror = Mirror(self.unit.variant)
         self._requests: deque[Telegram] = deque()
         self._answer_at: float | None = None
         self._ready_at: float | None = None
         self._scan_wanted = False
         self._partial_number = 0
-        self._sampled: list[Readings] = []
+        self._sampled: list[TurnReadings] = []
         self._scans = self._telegrams = 0
 
     @property
-    def turn(self) -> Turn | None:
+    def turn(self) -> MirrorTurn | None:
         """The next turn of the mirror, or `None` while no host wants scans."""
         wanted = self._scan_wanted or self.unit.mode in STREAMS
         return self._mirror.turn if wanted and self._ready_at is None else None
 
-    def connect(self, *, network: bool = False) -> Connection:
+    def connect(self, *, network: bool = False) -> DeviceConnection:
         """Return the serial connection; all of them are one."""
         if network:
             self._reader.discard()
@@ -145,10 +153,10 @@ class LmsDevice:
             if scan is not None:
                 self._scan_wanted = False
                 self._send_scan(scan, now)
-        elif self.unit.mode is Mode.PARTIAL_SCANS:
+        elif self.unit.mode is OperatingMode.PARTIAL_SCANS:
             if is_free and number == self._partial_number:
                 self._partial_number = self._mirror.number
-                self._send_turn(Readings([*sweep.ranges], [*sweep.intensities]), number, now)
+                self._send_turn(TurnReadings([*sweep.ranges], [*sweep.intensities]), number, now)
         elif scan is not None and is_free:
             self._send_scan(scan, now)
         self._schedule()
@@ -202,11 +210,15 @@ class LmsDevice:
             self._answer(request.code, request.data, now)
 
     def _answer(self, code: int, data: bytes, now: float) -> None:
-        if code == Command.RESET:
+        if code == CommandCode.RESET:
             self._send(Unasked.RESETTING, b"", now)
             self._line.then_change_to(self.unit.power_on_speed)
             self._restart(self._line.free_at)
-        elif code == Command.SCAN and data == b"\x01" and self.unit.mode is Mode.ON_REQUEST:
+        elif (
+            code == CommandCode.SCAN
+            and data == b"\x01"
+            and self.unit.mode is OperatingMode.ON_REQUEST
+        ):
             self._begin_measuring()
             self._scan_wanted = True  # the scan is the answer
         elif (body := self.unit.answer(code, data)) is None:
@@ -215,10 +227,10 @@ class LmsDevice:
             self._send(code + ANSWER, body, now)
             if (baud := self.unit.speed_after(code, data)) is not None:
                 self._line.then_change_to(baud)
-            elif code in {Command.MODE, Command.VARIANT}:
+            elif code in {CommandCode.MODE, CommandCode.VARIANT}:
                 self._begin_measuring()
 
-    def _sample(self, scan: Readings | None) -> Readings | None:
+    def _sample(self, scan: TurnReadings | None) -> TurnReadings | None:
         """Keep a scan; return the mean of all that are kept once they are enough."""
         if scan is not None:
             self._sampled.append(scan)
@@ -227,7 +239,7 @@ class LmsDevice:
         sampled, self._sampled = self._sampled, []
         return mean_of(sampled)
 
-    def _send_scan(self, scan: Readings, now: float) -> None:
+    def _send_scan(self, scan: TurnReadings, now: float) -> None:
         unit, values = self.unit, self._values(scan)
         first, last = unit.subrange if unit.mode in PARTS else (1, len(values))
         telegram = Measurement(
@@ -240,7 +252,7 @@ class LmsDevice:
         )
         self._send_values(telegram, now)
 
-    def _send_turn(self, readings: Readings, number: int, now: float) -> None:
+    def _send_turn(self, readings: TurnReadings, number: int, now: float) -> None:
         telegram = Measurement(
             code=VALUES,
             values=self._values(readings),
@@ -254,7 +266,7 @@ class LmsDevice:
     def _units(self) -> Units:
         return Units(self.unit.config.units)
 
-    def _values(self, readings: Readings) -> tuple[int, ...]:
+    def _values(self, readings: TurnReadings) -> tuple[int, ...]:
         mode = MEASURING_MODES[self.unit.config.measuring_mode]
         return tuple(mode.values(readings.ranges, readings.intensities, self._units))
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from struct import Struct, error, pack, unpack_from
 from typing import Final
 
-from pioneer3.lasers.lms2xx.commands import ANSWER, Command, Mode
+from pioneer3.lasers.lms2xx.commands import ANSWER, CommandCode, OperatingMode
 from pioneer3.lasers.lms2xx.measuring import Units
 
 COUNT: Final = 0x3FF
@@ -17,16 +17,16 @@ OFFSET_MASK: Final = 0x3
 PARTIAL: Final = 0x2000
 UNITS_SHIFT: Final = 14
 
-VALUES: Final = Command.SCAN + ANSWER
+VALUES: Final = CommandCode.SCAN + ANSWER
 MEAN_VALUES: Final = 0xB6
 SUBRANGE_VALUES: Final = 0xB7
 MEAN_SUBRANGE_VALUES: Final = 0xBF
 RANGES_AND_REFLECTIVITIES: Final = 0xC4
 
 TELEGRAMS: Final = {
-    Mode.MEAN: MEAN_VALUES,
-    Mode.SUBRANGE: SUBRANGE_VALUES,
-    Mode.MEAN_OF_SUBRANGE: MEAN_SUBRANGE_VALUES,
+    OperatingMode.MEAN: MEAN_VALUES,
+    OperatingMode.SUBRANGE: SUBRANGE_VALUES,
+    OperatingMode.MEAN_OF_SUBRANGE: MEAN_SUBRANGE_VALUES,
 }
 """Codes of the telegrams of modes that do not send VALUES."""
 _LAYOUTS: Final[dict[int, tuple[Struct, tuple[str, ...]]]] = {

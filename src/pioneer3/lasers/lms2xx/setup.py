@@ -27,16 +27,16 @@ from typing import Final, TypeVar
 from pioneer3.lasers.client import (
     Identified,
     LaserIdentity,
+    LineSpeedWanted,
     Patience,
     Remarked,
     ScanSettings,
-    SpeedWanted,
 )
 from pioneer3.lasers.dialogue import HopelessError, Pause, Script
 from pioneer3.lasers.line import duration
 from pioneer3.lasers.lms2xx import commands
-from pioneer3.lasers.lms2xx.blocks import Config, Status
-from pioneer3.lasers.lms2xx.commands import ANSWER, Command, Mode, Unasked
+from pioneer3.lasers.lms2xx.blocks import UnitConfig, UnitStatus
+from pioneer3.lasers.lms2xx.commands import ANSWER, CommandCode, OperatingMode, Unasked
 from pioneer3.lasers.lms2xx.measuring import MEASURING_MODES, VARIANTS, Units, Variant
 from pioneer3.lasers.lms2xx.scans import VALUES
 from pioneer3.lasers.lms2xx.telegram import Telegram, encode
@@ -162,7 +162,7 @@ class SetUp:
 
     def _set_speed(self, speed: int | None) -> LmsScript[None]:
         if speed is not None and speed != self.speed:
-            yield SpeedWanted(speed)
+            yield LineSpeedWanted(speed)
         self.speed = speed
 
     def _search(self) -> LmsScript[Telegram | None]:
@@ -177,11 +177,11 @@ class SetUp:
                 if found is None and self.heard:
                     self._ever_heard = True
                     limit = duration(LONGEST, speed) + ACKNOWLEDGE + self._round_trip
-                    found = yield Wait(request=commands.mode(Mode.ON_REQUEST), limit=limit)
+                    found = yield Wait(request=commands.mode(OperatingMode.ON_REQUEST), limit=limit)
                     if found is None and self.has_begun:
                         found = yield Wait(limit=limit)
                 elif found is None:
-                    found = yield self._ask(Command.TYPE, tries=1, any_telegram=True)
+                    found = yield self._ask(CommandCode.TYPE, tries=1, any_telegram=True)
                 if found is not None:
                     self._prefer(speed)
                     return found
@@ -192,7 +192,7 @@ class SetUp:
 
     def _ask(
         self,
-        command: Command,
+        command: CommandCode,
         data: bytes = b"",
         *,
         tries: int = TRIES,
@@ -200,7 +200,7 @@ class SetUp:
         any_telegram: bool = False,
     ) -> Wait:
         """Return the step that asks `command`; REFUSED is an answer too."""
-        transfer = duration(LONGEST if command is Command.STATUS else 64, self.speed)
+        transfer = duration(LONGEST if command is CommandCode.STATUS else 64, self.speed)
         return Wait(
             request=encode(command, data),
             limit=(self._answer_limit if limit is None else limit + self._round_trip) + transfer,
@@ -208,9 +208,11 @@ class SetUp:
             tries=tries,
         )
 
-    def _ask_mode(self, mode: Mode, data: bytes = b"", *, scans_answer: bool = False) -> Wait:
+    def _ask_mode(
+        self, mode: OperatingMode, data: bytes = b"", *, scans_answer: bool = False
+    ) -> Wait:
         """Return the step that asks for a mode, once (rule 2)."""
-        step = self._ask(Command.MODE, bytes((mode,)) + data, tries=1, limit=MODE_LIMIT)
+        step = self._ask(CommandCode.MODE, bytes((mode,)) + data, tries=1, limit=MODE_LIMIT)
         assert step.codes is not None
         return replace(step, codes=step.codes | {VALUES}) if scans_answer else step
 
@@ -219,7 +221,7 @@ class SetUp:
         status = yield from self._stop(found)
         if status is None or not (yield from self._change_speed()):
             return False
-        text = yield self._ask(Command.TYPE)
+        text = yield self._ask(CommandCode.TYPE)
         if text is None:
             return False
         self.line_speed = self.speed or status.speed
@@ -229,16 +231,16 @@ class SetUp:
         set_up = (yield from self._set_variant(status)) and (yield from self._configure(status))
         if not set_up:
             return False
-        answer = yield self._ask_mode(Mode.ALL_VALUES, scans_answer=True)
+        answer = yield self._ask_mode(OperatingMode.ALL_VALUES, scans_answer=True)
         return answer is not None and (answer.code == VALUES or _is_mode_taken(answer))
 
-    def _stop(self, found: Telegram) -> LmsScript[Status | None]:
+    def _stop(self, found: Telegram) -> LmsScript[UnitStatus | None]:
         """Make the unit idle, with no answer outstanding; return its status."""
-        stopped = found.code == Command.MODE + ANSWER
+        stopped = found.code == CommandCode.MODE + ANSWER
         for _ in range(TRIES):
             if not stopped:
-                yield self._ask_mode(Mode.ON_REQUEST)
-            answer = yield self._ask(Command.STATUS, limit=MODE_LIMIT, tries=2)
+                yield self._ask_mode(OperatingMode.ON_REQUEST)
+            answer = yield self._ask(CommandCode.STATUS, limit=MODE_LIMIT, tries=2)
             status = _status(answer)
             if status is None:
                 return None
@@ -261,19 +263,19 @@ class SetUp:
             return True
         yield from self._set_speed(target)
         yield Pause(SETTLE)
-        if (yield self._ask(Command.TYPE)) is not None:
+        if (yield self._ask(CommandCode.TYPE)) is not None:
             self._prefer(target)
             return True
         yield Remarked(f"the laser does not answer at {target} baud; back to {before}")
         self._target = before
         return False
 
-    def _set_variant(self, status: Status) -> LmsScript[bool]:
+    def _set_variant(self, status: UnitStatus) -> LmsScript[bool]:
         """Set field and step, where they differ; return whether the unit answers."""
         self.variant = status.variant
         if self.variant == self._wanted:
             return True
-        answer = yield self._ask(Command.VARIANT, commands.variant_data(self._wanted))
+        answer = yield self._ask(CommandCode.VARIANT, commands.variant_data(self._wanted))
         if answer is not None and _is_taken(answer):
             self.variant = self._wanted
         elif answer is not None:
@@ -281,11 +283,11 @@ class SetUp:
             yield Remarked(told)
         return answer is not None
 
-    def _configure(self, status: Status) -> LmsScript[bool]:
+    def _configure(self, status: UnitStatus) -> LmsScript[bool]:
         """Set measuring mode and units, where they differ; return whether the unit can scan."""
         numbers = WITH_INTENSITIES if self._settings.intensities else WITHOUT_INTENSITIES
         if status.measuring_mode not in numbers or status.units != Units.MILLIMETRES:
-            answer = yield self._ask(Command.CONFIG)
+            answer = yield self._ask(CommandCode.CONFIG)
             if answer is None:
                 return False
             config = _config(answer)
@@ -310,10 +312,10 @@ class SetUp:
 
     def _write(self, block: bytes) -> LmsScript[bool | None]:
         """Write the configuration; return whether it is taken, or `None` without an answer."""
-        opened = yield self._ask_mode(Mode.INSTALLATION, commands.PASSWORD)
+        opened = yield self._ask_mode(OperatingMode.INSTALLATION, commands.PASSWORD)
         if opened is None or not _is_mode_taken(opened):
             return None if opened is None else False
-        answer = yield self._ask(Command.CONFIGURE, block, tries=1, limit=WRITE_LIMIT)
+        answer = yield self._ask(CommandCode.CONFIGURE, block, tries=1, limit=WRITE_LIMIT)
         return None if answer is None else _is_taken(answer)
 
 
@@ -325,7 +327,7 @@ def _is_mode_taken(answer: Telegram) -> bool:
     return answer.code != Unasked.REFUSED and answer.data[0] == commands.MODE_ACCEPTED
 
 
-def _change(before: Config, after: Config) -> str:
+def _change(before: UnitConfig, after: UnitConfig) -> str:
     """Return the text that tells what has been written."""
     return (
         f"the laser's EEPROM now has measuring mode {after.measuring_mode} in millimetres; it had "
@@ -333,21 +335,21 @@ def _change(before: Config, after: Config) -> str:
     )
 
 
-def _status(answer: Telegram | None) -> Status | None:
+def _status(answer: Telegram | None) -> UnitStatus | None:
     try:
-        return None if answer is None else Status.from_bytes(answer.body)
+        return None if answer is None else UnitStatus.from_bytes(answer.body)
     except ValueError:
         return None
 
 
-def _config(answer: Telegram | None) -> Config | None:
+def _config(answer: Telegram | None) -> UnitConfig | None:
     try:
-        return None if answer is None else Config.from_bytes(answer.body)
+        return None if answer is None else UnitConfig.from_bytes(answer.body)
     except ValueError:
         return None
 
 
-def _identity(text: Telegram, status: Status) -> LaserIdentity:
+def _identity(text: Telegram, status: UnitStatus) -> LaserIdentity:
     """Return the identity in the answer to TYPE, such as `LMS200;301061;V02.30`."""
     letters = "" if text.code == Unasked.REFUSED else text.body.decode("ascii", "replace")
     product, _, firmware = letters.rpartition(";")

@@ -97,7 +97,7 @@ def encode(code: int, data: bytes = b"", address: int = ANY_UNIT) -> bytes:
     return frame + checksum(frame).to_bytes(2, "little")
 
 
-class TelegramReader:
+class LmsTelegramReader:
     """Incremental decoder: feed it bytes in any chunks, get telegrams, ACK and NAK back.
 
     It never raises on bad input. A rejected telegram is searched for the true beginning inside it,

@@ -7,8 +7,8 @@ from struct import unpack
 from typing import Final
 
 from pioneer3.lasers.lms2xx import commands
-from pioneer3.lasers.lms2xx.blocks import SPEED_CODES, Config, Status
-from pioneer3.lasers.lms2xx.commands import ANSWER, Command, Mode
+from pioneer3.lasers.lms2xx.blocks import SPEED_CODES, UnitConfig, UnitStatus
+from pioneer3.lasers.lms2xx.commands import ANSWER, CommandCode, OperatingMode
 from pioneer3.lasers.lms2xx.measuring import AT_POWER_ON, VARIANTS
 from pioneer3.models.lasers import LaserModel
 
@@ -19,7 +19,7 @@ NOT_TAKEN: Final = bytes((commands.NOT_ACCEPTED,))
 MODE_TAKEN: Final = bytes((commands.MODE_ACCEPTED,))
 
 
-class Unit:
+class LmsUnit:
     """The settings of one unit.
 
     Attributes:
@@ -38,7 +38,7 @@ class Unit:
     def __init__(self, model: LaserModel, address: int, speed: int) -> None:
         self.model = model
         self.address = address
-        self.config = Config()
+        self.config = UnitConfig()
         self.config_writes = 0
         self.power_on_speed = DELIVERED_SPEED
         self.speed = speed
@@ -46,7 +46,7 @@ class Unit:
 
     def restart(self) -> None:
         """Forget what no EEPROM keeps; the speed is the caller's business."""
-        self.mode = Mode.ON_REQUEST
+        self.mode = OperatingMode.ON_REQUEST
         self.variant = AT_POWER_ON
         self.subrange = (1, self.variant.count)
         self.sample = commands.SAMPLES[0]
@@ -55,21 +55,24 @@ class Unit:
         """Obey a request; return the body of the answer, or `None` to refuse it."""
         body: bytes | None = None
         match code:
-            case Command.MODE:
+            case CommandCode.MODE:
                 body = self._change_mode(data)
-            case Command.STATUS:
+            case CommandCode.STATUS:
                 body = self._status().to_bytes()
-            case Command.ERRORS:
+            case CommandCode.ERRORS:
                 body = b""
-            case Command.TYPE:
+            case CommandCode.TYPE:
                 body = self.type_text
-            case Command.VARIANT:
+            case CommandCode.VARIANT:
                 body = self._change_variant(data)
-            case Command.CONFIG:
+            case CommandCode.CONFIG:
                 body = self.config.to_bytes()
-            case Command.CONFIGURE if self.mode is Mode.INSTALLATION:
+            case CommandCode.CONFIGURE if self.mode is OperatingMode.INSTALLATION:
                 body = self._configure(data)
-            case Command.KEEP_SPEED if self.mode is Mode.INSTALLATION and data in {b"\0", b"\1"}:
+            case CommandCode.KEEP_SPEED if self.mode is OperatingMode.INSTALLATION and data in {
+                b"\0",
+                b"\1",
+            }:
                 self.power_on_speed = self.speed if data[0] else DELIVERED_SPEED
                 body = TAKEN
         return body
@@ -82,20 +85,20 @@ class Unit:
     def _change_mode(self, data: bytes) -> bytes | None:
         match data[:1], data[1:]:
             case b"\x00", commands.PASSWORD:
-                self.mode = Mode.INSTALLATION
+                self.mode = OperatingMode.INSTALLATION
             case b"\x00", _:
                 return bytes((commands.MODE_WRONG_PASSWORD,))
             case b"\x24" | b"\x25" | b"\x2a", b"":
-                self.mode = Mode(data[0])
+                self.mode = OperatingMode(data[0])
             case b"\x26", count if len(count) == 1 and count[0] in commands.SAMPLES:
-                self.mode, self.sample = Mode.MEAN, count[0]
+                self.mode, self.sample = OperatingMode.MEAN, count[0]
             case b"\x27", part if len(part) == 4 and self._choose(part):
-                self.mode = Mode.SUBRANGE
+                self.mode = OperatingMode.SUBRANGE
             case b"\x28", part if (
                 len(part) == 5 and part[0] in commands.SAMPLES and self._choose(part[1:])
             ):
-                self.mode, self.sample = Mode.MEAN_OF_SUBRANGE, part[0]
-            case _, b"" if data and self.speed_after(Command.MODE, data) is not None:
+                self.mode, self.sample = OperatingMode.MEAN_OF_SUBRANGE, part[0]
+            case _, b"" if data and self.speed_after(CommandCode.MODE, data) is not None:
                 pass
             case _:
                 return None
@@ -111,11 +114,11 @@ class Unit:
 
     def speed_after(self, code: int, data: bytes) -> int | None:
         """Return the speed that a request asks for [baud], or `None`."""
-        baud = commands.SPEED_OF_MODE.get(data[0]) if code == Command.MODE and data else None
+        baud = commands.SPEED_OF_MODE.get(data[0]) if code == CommandCode.MODE and data else None
         return baud if baud in self.model.speeds else None
 
-    def _status(self) -> Status:
-        return Status(
+    def _status(self) -> UnitStatus:
+        return UnitStatus(
             version=self.type_text.rpartition(b";")[2],
             mode=self.mode,
             measuring_mode=self.config.measuring_mode,

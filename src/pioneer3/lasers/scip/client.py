@@ -19,12 +19,20 @@ from collections.abc import Sequence
 from math import inf
 from typing import Final
 
-from pioneer3.lasers.client import Event, Lost, Measured, Patience, RawScan, Remarked, ScanSettings
+from pioneer3.lasers.client import (
+    Event,
+    Measured,
+    Patience,
+    RawScan,
+    Remarked,
+    ScanSettings,
+    ScansLost,
+)
 from pioneer3.lasers.dialogue import Dialogue, Pause
 from pioneer3.lasers.line import ROUNDING
-from pioneer3.lasers.scip.scans import Readings, decode, ranges_of
+from pioneer3.lasers.scip.scans import ScanReadings, decode, ranges_of
 from pioneer3.lasers.scip.start import NOTHING, OK, Ask, Reply, Start
-from pioneer3.lasers.scip.stream import Stream
+from pioneer3.lasers.scip.stream import ScanStream
 from pioneer3.lasers.scip.wire import Answer, AnswerReader, decode_stamp
 from pioneer3.units import MM
 
@@ -67,10 +75,10 @@ class ScipClient:
         self._patience = patience or Patience()
         self._answer_time = self._patience.answer + round_trip
         self._start = Start(speeds, settings or ScanSettings())
-        self._dialogue: Dialogue[Ask, Reply, Stream] | None = None
+        self._dialogue: Dialogue[Ask, Reply, ScanStream] | None = None
         self._asked: Ask | None = None
         self._asked_at = self._sent_at = now
-        self._stream: Stream | None = None
+        self._stream: ScanStream | None = None
         self._interval = 0.0
         self._scanned_at = now
         self._answered_at = inf
@@ -198,7 +206,7 @@ class ScipClient:
         reply = Reply(found.status, found.lines[2:], self._asked_at, now)
         return self._go_on(reply, now)
 
-    def _watch(self, stream: Stream, now: float) -> None:
+    def _watch(self, stream: ScanStream, now: float) -> None:
         """Wait for scans from now on."""
         self._stream, self._dialogue = stream, None
         self._interval = stream.period
@@ -264,7 +272,7 @@ class ScipClient:
         return self._begin_again(now, reason)
 
     def _scan_from(
-        self, stream: Stream, lines: Sequence[bytes], arrived: float | None
+        self, stream: ScanStream, lines: Sequence[bytes], arrived: float | None
     ) -> RawScan | None:
         """Return the scan in `lines`, whose first byte `arrived` then, or `None`."""
         if len(lines) < 3 or lines[0] != stream.command:
@@ -284,7 +292,11 @@ class ScipClient:
         return self._scan_of(stream, readings, date, self._start.clock.unwrap(stamp_ms))
 
     def _scan_of(
-        self, stream: Stream, readings: Readings, date: float | None, device_time: float | None
+        self,
+        stream: ScanStream,
+        readings: ScanReadings,
+        date: float | None,
+        device_time: float | None,
     ) -> RawScan | None:
         """Return the scan of `readings`, dated with the time of step 0, or `None` without that."""
         if date is None:
@@ -309,9 +321,9 @@ class ScipClient:
             device_time=device_time,
         )
 
-    def _lose(self, reason: str) -> Lost:
+    def _lose(self, reason: str) -> ScansLost:
         self._end()
-        return Lost(reason)
+        return ScansLost(reason)
 
     def _end(self) -> None:
         self._ended, self.deadline = True, inf

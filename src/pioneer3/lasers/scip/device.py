@@ -12,9 +12,9 @@ Facts: scip.md 1 to 6.
 
 from math import inf
 
-from pioneer3.lasers.device import Sweep, Turn
-from pioneer3.lasers.scip.session import Session
-from pioneer3.lasers.scip.unit import WELL, Unit
+from pioneer3.lasers.device import MirrorTurn, Sweep
+from pioneer3.lasers.scip.session import HostSession
+from pioneer3.lasers.scip.unit import WELL, ScipUnit
 from pioneer3.models.lasers import LaserModel
 
 SCIP1_KIND = "urg"
@@ -57,7 +57,7 @@ class ScipDevice:
             start_speed = model.speeds[0]
         if scip1 is None:
             scip1 = SCIP1_KIND in model.kinds
-        self.unit = Unit(
+        self.unit = ScipUnit(
             model,
             serial=serial,
             firmware=firmware,
@@ -70,16 +70,16 @@ class ScipDevice:
         self.speed = start_speed
         self.deadline = inf
         self._boots = 0
-        self._sessions: list[Session] = []
+        self._sessions: list[HostSession] = []
         if start_speed is not None:
             self._add_session()
 
     @property
-    def turn(self) -> Turn | None:
+    def turn(self) -> MirrorTurn | None:
         """The mirror's next turn, or `None` while nobody wants readings."""
         return self.unit.turn if any(s.wants_readings for s in self._sessions) else None
 
-    def connect(self, *, network: bool = False) -> Session:
+    def connect(self, *, network: bool = False) -> HostSession:
         """Return the connection of one more host; on a serial line it is always the same."""
         if self.unit.start_speed is None:
             return self._add_session()
@@ -104,8 +104,8 @@ class ScipDevice:
             session.cut_off()
         self._plan()
 
-    def _add_session(self) -> Session:
-        session = Session(self.unit, changed=self._plan)
+    def _add_session(self) -> HostSession:
+        session = HostSession(self.unit, changed=self._plan)
         self._sessions.append(session)
         return session
 

@@ -30,13 +30,13 @@ class ScanRequest:
 
 
 @dataclass(frozen=True, slots=True)
-class Refused:
+class BadParameters:
     """The status for a command with wrong parameters."""
 
     status: str
 
 
-def read_request(command: str, text: str, steps: Steps) -> ScanRequest | Refused:
+def read_request(command: str, text: str, steps: Steps) -> ScanRequest | BadParameters:
     """Return the scans that `command` asks for in SCIP 2.0.
 
     Args:
@@ -47,7 +47,7 @@ def read_request(command: str, text: str, steps: Steps) -> ScanRequest | Refused
     letters = command[:2]
     streamed = FORMATS[letters].streamed
     if len(command) != (15 if streamed else 12):
-        return Refused("0C")
+        return BadParameters("0C")
     start, end, cluster = command[2:6], command[6:10], command[10:12]
     skip, scans = (command[12:13], command[13:15]) if streamed else ("0", "0")
     for status, digits in (
@@ -58,11 +58,11 @@ def read_request(command: str, text: str, steps: Steps) -> ScanRequest | Refused
         ("07", scans),
     ):
         if not (digits.isascii() and digits.isdecimal()):
-            return Refused(status)
+            return BadParameters(status)
     if int(end) > steps.last:
-        return Refused("04")
+        return BadParameters("04")
     if int(end) < int(start):
-        return Refused("05")
+        return BadParameters("05")
     return ScanRequest(
         letters=letters,
         text=text,

@@ -59,7 +59,7 @@ FORMATS: Final = {
 
 
 @dataclass(frozen=True, slots=True)
-class Readings:
+class ScanReadings:
     """The numbers of one scan.
 
     Attributes:
@@ -75,7 +75,7 @@ class Readings:
 
 def decode(
     lines: Sequence[bytes], format_: Format, count: int, *, summed: bool = True
-) -> Readings | None:
+) -> ScanReadings | None:
     """Return the readings in the data lines of a scan, or `None` if they are not `count` good ones.
 
     Args:
@@ -98,11 +98,11 @@ def decode(
         return None
     values = decode_values(text, format_.width)
     if format_.intensities:
-        return Readings(values[0::2], values[1::2], [])
-    return Readings(values, [], [])
+        return ScanReadings(values[0::2], values[1::2], [])
+    return ScanReadings(values, [], [])
 
 
-def _decode_echoes(text: bytes, format_: Format, count: int) -> Readings | None:
+def _decode_echoes(text: bytes, format_: Format, count: int) -> ScanReadings | None:
     """Return the readings of multi-echo data: each `&` joins an echo to the step before it."""
     per_echo = 2 if format_.intensities else 1
     echoes: list[list[int]] = []
@@ -119,7 +119,7 @@ def _decode_echoes(text: bytes, format_: Format, count: int) -> Readings | None:
             intensities += values[3 if number else 1 :: 2]
     if len(echoes) != count:
         return None
-    return Readings([step[0] for step in echoes], intensities, echoes)
+    return ScanReadings([step[0] for step in echoes], intensities, echoes)
 
 
 def ranges_of(values: Sequence[int], steps: Steps) -> tuple[float, ...]:

@@ -7,11 +7,16 @@ from collections.abc import Callable, Mapping
 from typing import Final
 
 from pioneer3.lasers.device import Sweep
-from pioneer3.lasers.line import Line
-from pioneer3.lasers.scip.requests import Refused, ScanRequest, read_request, read_scip1_request
+from pioneer3.lasers.line import SerialLine
+from pioneer3.lasers.scip.requests import (
+    BadParameters,
+    ScanRequest,
+    read_request,
+    read_scip1_request,
+)
 from pioneer3.lasers.scip.scans import FORMATS, WIDE_RANGE
 from pioneer3.lasers.scip.sweeps import data_lines
-from pioneer3.lasers.scip.unit import MULTI_ECHO, Unit
+from pioneer3.lasers.scip.unit import MULTI_ECHO, ScipUnit
 from pioneer3.lasers.scip.wire import STAMP, encode_values, pair, seal
 
 LONGEST_COMMAND: Final = 128
@@ -27,7 +32,7 @@ REBOOT_WITHIN: Final = 1.0
 UNKNOWN: Final = "0E"
 
 
-class Session:
+class HostSession:
     """The connection of one host.
 
     Args:
@@ -39,8 +44,8 @@ class Session:
         closed: Whether the host is gone for good.
     """
 
-    def __init__(self, unit: Unit, changed: Callable[[], None]) -> None:
-        self.line = Line(unit.start_speed)
+    def __init__(self, unit: ScipUnit, changed: Callable[[], None]) -> None:
+        self.line = SerialLine(unit.start_speed)
         self.closed = False
         self._unit = unit
         self._changed = changed
@@ -273,7 +278,7 @@ class Session:
     def _measure(self, command: str, text: str) -> str:
         """Begin to measure; return the status, empty where the scan itself is the answer."""
         request = read_request(command, text, self._unit.steps)
-        if isinstance(request, Refused):
+        if isinstance(request, BadParameters):
             return request.status
         if self._unit.fault:
             return self._unit.fault

@@ -24,11 +24,17 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final, TypeVar
 
-from pioneer3.lasers.client import Identified, LaserIdentity, Remarked, ScanSettings, SpeedWanted
+from pioneer3.lasers.client import (
+    Identified,
+    LaserIdentity,
+    LineSpeedWanted,
+    Remarked,
+    ScanSettings,
+)
 from pioneer3.lasers.dialogue import HopelessError, Pause, Script
 from pioneer3.lasers.scip.identity import FIRST_URG, identity_from, is_healthy, steps_from
-from pioneer3.lasers.scip.stream import Stream, fits, streams
-from pioneer3.lasers.scip.timing import DeviceClock
+from pioneer3.lasers.scip.stream import ScanStream, fits, streams
+from pioneer3.lasers.scip.timing import ScipClock
 from pioneer3.lasers.scip.wire import decode_stamp, from_pairs
 from pioneer3.models.lasers import Steps
 
@@ -106,7 +112,7 @@ class Start:
     """
 
     def __init__(self, speeds: Sequence[int], settings: ScanSettings) -> None:
-        self.clock = DeviceClock()
+        self.clock = ScipClock()
         self.identity: LaserIdentity | None = None
         self.started_at: int | None = None
         self.refused = 0
@@ -124,7 +130,7 @@ class Start:
         """The speed in use, or `None` on links without one."""
         return self._baud
 
-    def run(self) -> ScipScript[Stream]:
+    def run(self) -> ScipScript[ScanStream]:
         """Return the stream that has been started."""
         while True:
             if self._in_vain:
@@ -134,7 +140,7 @@ class Start:
                 yield from self._find()
                 steps = yield from self._get_acquainted()
                 yield from self._speed_up(steps)
-                self.clock = DeviceClock()
+                self.clock = ScipClock()
                 if self._settings.calibrate_time and not self._scip1:
                     yield from self._compare_clocks()
                 stream = yield from self._measure(steps)
@@ -163,7 +169,7 @@ class Start:
         while True:
             if self._speeds:
                 self._baud = self._speeds[number % len(self._speeds)]
-                yield SpeedWanted(self._baud)
+                yield LineSpeedWanted(self._baud)
             if (yield from self._wake()):
                 return
             number += 1
@@ -223,7 +229,7 @@ class Start:
             if reply.status in OK:
                 self._baud = baud
                 self.started_at = self.started_at or slow
-                yield SpeedWanted(baud)
+                yield LineSpeedWanted(baud)
                 yield Pause(BREATH)
                 if (yield from self._wake()):
                     return
@@ -250,7 +256,7 @@ class Start:
         if not self.clock.compared:
             yield Remarked("the laser does not tell its time: scans are dated as they come")
 
-    def _measure(self, steps: Steps) -> ScipScript[Stream | None]:
+    def _measure(self, steps: Steps) -> ScipScript[ScanStream | None]:
         """Switch the laser on and start scans; return `None` if it has to be found again."""
         if self._scip1:
             yield from self._ask(b"L1")

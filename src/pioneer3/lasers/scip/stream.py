@@ -20,7 +20,7 @@ SHORT_VALUE: Final = 4095
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Stream:
+class ScanStream:
     """Scans of one kind.
 
     Attributes:
@@ -95,7 +95,7 @@ class Stream:
 
 def streams(
     steps: Steps, settings: ScanSettings, baud: int | None, *, scip1: bool = False
-) -> Iterator[Stream]:
+) -> Iterator[ScanStream]:
     """Yield the streams that fulfil `settings`, the best first; lasers do not know all of them."""
     start = _step_at(steps, settings.first, steps.first)
     end = max(_step_at(steps, settings.last, steps.last), start)
@@ -105,8 +105,8 @@ def streams(
     cluster = min(max(cluster, 1), MAX_CLUSTER)
     skip = min(max(settings.skip, 0), MAX_SKIP)
 
-    def stream(letters: str) -> Stream:
-        return Stream(
+    def stream(letters: str) -> ScanStream:
+        return ScanStream(
             letters=letters, steps=steps, start=start, end=end, cluster=cluster, skip=skip
         )
 
@@ -124,7 +124,7 @@ def streams(
     yield stream("MD")
 
 
-def fits(stream: Stream, baud: int | None) -> bool:
+def fits(stream: ScanStream, baud: int | None) -> bool:
     """Tell whether a serial line at `baud` carries each scan before the next one is measured."""
     return baud is None or stream.size * 10 / baud <= stream.period
 

@@ -21,7 +21,7 @@ SETTLING: Final = 3.0
 """Time in which a scan comes without delays [s]."""
 
 
-class DeviceClock:
+class ScipClock:
     """Maps the laser's stamps onto our time.
 
     Attributes:

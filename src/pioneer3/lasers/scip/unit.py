@@ -6,7 +6,7 @@ Facts: scip.md 4, 5.1.
 from math import inf
 from typing import Final
 
-from pioneer3.lasers.device import Turn
+from pioneer3.lasers.device import MirrorTurn
 from pioneer3.lasers.scip.sweeps import codes_of
 from pioneer3.lasers.scip.timing import WRAP
 from pioneer3.models.lasers import LaserModel
@@ -21,7 +21,7 @@ MULTI_ECHO: Final = {"utm-30lx"}
 """Models that send several echoes, over Ethernet as the UTM-30LX-EW."""
 
 
-class Unit:
+class ScipUnit:
     """The state that all hosts of a laser share.
 
     Args:
@@ -84,11 +84,11 @@ class Unit:
         return (*self.model.speeds, self.start_speed, *OTHER_SPEEDS)
 
     @property
-    def turn(self) -> Turn:
+    def turn(self) -> MirrorTurn:
         """One turn of the mirror."""
         steps = self.steps
         rpm = steps.rpm * (1 - self.slower / 100)
-        return Turn(
+        return MirrorTurn(
             first=self.model.first,
             step=self.model.step,
             count=steps.last - steps.first + 1,

@@ -28,7 +28,7 @@ FRAME_ID: Final = "gz_frame_id"
 """Element of a sensor with the frame of its messages."""
 
 
-class Direction(StrEnum):
+class BridgeDirection(StrEnum):
     """Direction of messages over ros_gz_bridge."""
 
     TO_ROS = "GZ_TO_ROS"
@@ -50,11 +50,11 @@ class Exchange:
     topic: str
     ros_type: str
     gazebo_type: str
-    direction: Direction = Direction.TO_ROS
+    direction: BridgeDirection = BridgeDirection.TO_ROS
 
 
 COMMAND: Final = Exchange(
-    "cmd_vel", "geometry_msgs/msg/Twist", "gz.msgs.Twist", Direction.TO_GAZEBO
+    "cmd_vel", "geometry_msgs/msg/Twist", "gz.msgs.Twist", BridgeDirection.TO_GAZEBO
 )
 ODOMETRY: Final = Exchange("odom", "nav_msgs/msg/Odometry", "gz.msgs.Odometry")
 TRANSFORMS: Final = Exchange("/tf", "tf2_msgs/msg/TFMessage", "gz.msgs.Pose_V")

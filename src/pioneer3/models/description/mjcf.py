@@ -4,9 +4,9 @@ from collections.abc import Iterator
 from typing import Final
 from xml.etree import ElementTree as ET
 
-from pioneer3.models import BodyPhysics, RobotModel, Shape, physics_of, shape_of
-from pioneer3.models.description.solids import COLORS, Solid, solids_of
-from pioneer3.models.description.tree import Frames, Joint, Place, Tree, body_tree
+from pioneer3.models import BodyPhysics, BodyShape, RobotModel, physics_of, shape_of
+from pioneer3.models.description.solids import COLORS, LinkSolid, solids_of
+from pioneer3.models.description.tree import Frames, FrameTree, Joint, LinkPose, body_tree
 from pioneer3.models.description.xml import AXES, MAKER, document, quaternion, row
 from pioneer3.models.physics import Inertia
 
@@ -24,7 +24,7 @@ BELT: Final = (0.004, 1.0)
 """The `solref` that couples the wheels of a side: two steps is the stiffest."""
 REACH: Final = 0.01
 """A bumper feels what is this close to it [m]; nothing pushes it before it touches."""
-HERE: Final = Place(0.0, 0.0, 0.0, 0.0)
+HERE: Final = LinkPose(0.0, 0.0, 0.0, 0.0)
 CAMERA: Final = "camera"
 """Name of the camera."""
 CAMERA_VIEW: Final = 37.0
@@ -97,10 +97,10 @@ def _floor(world: ET.Element) -> None:
 
 def _base(
     world: ET.Element,
-    tree: Tree,
+    tree: FrameTree,
     frames: Frames,
     physics: BodyPhysics,
-    solids: dict[str, tuple[Solid, ...]],
+    solids: dict[str, tuple[LinkSolid, ...]],
 ) -> ET.Element:
     """Add the body, with the solids of all links that never move, and a site for each of these."""
     base = ET.SubElement(world, "body", name=tree.base)
@@ -117,7 +117,7 @@ def _base(
     return base
 
 
-def _camera(base: ET.Element, place: Place) -> None:
+def _camera(base: ET.Element, place: LinkPose) -> None:
     """Add a camera that looks forward."""
     ET.SubElement(
         base, "camera", name=CAMERA, pos=row(*place[:3]), xyaxes="0 -1 0 0 0 1",
@@ -126,7 +126,11 @@ def _camera(base: ET.Element, place: Place) -> None:
 
 
 def _wheel(
-    base: ET.Element, joint: Joint, shape: Shape, physics: BodyPhysics, solids: tuple[Solid, ...]
+    base: ET.Element,
+    joint: Joint,
+    shape: BodyShape,
+    physics: BodyPhysics,
+    solids: tuple[LinkSolid, ...],
 ) -> None:
     wheel = _body(base, joint, armature=physics.armature)
     _inertial(wheel, physics.wheel_mass, physics.wheel_inertia(shape))
@@ -138,9 +142,9 @@ def _wheel(
 def _caster(
     base: ET.Element,
     joints: tuple[Joint, ...],
-    shape: Shape,
+    shape: BodyShape,
     physics: BodyPhysics,
-    solids: dict[str, tuple[Solid, ...]],
+    solids: dict[str, tuple[LinkSolid, ...]],
 ) -> None:
     """Add the swivel, and the wheel on it."""
     parent = base
@@ -187,8 +191,8 @@ def _tire(
 def _geoms(
     body: ET.Element,
     link: str,
-    solids: tuple[Solid, ...],
-    place: Place = HERE,
+    solids: tuple[LinkSolid, ...],
+    place: LinkPose = HERE,
     *,
     touching: bool = True,
 ) -> None:
@@ -215,8 +219,8 @@ def _geoms(
 
 
 def _names(
-    link: str, solids: tuple[Solid, ...], *, touching: bool
-) -> Iterator[tuple[str, tuple[Solid, str]]]:
+    link: str, solids: tuple[LinkSolid, ...], *, touching: bool
+) -> Iterator[tuple[str, tuple[LinkSolid, str]]]:
     """Yield the name of each geom of a link, its solid, and whether it is seen or touches."""
     kinds = [(solid, "visual") for solid in solids]
     kinds += [(solid, COLLIDES) for solid in solids if solid.hits and touching]
@@ -224,7 +228,7 @@ def _names(
         yield f"{link}_{kind}_{number}", (solid, kind)
 
 
-def _motors(root: ET.Element, tree: Tree, physics: BodyPhysics) -> None:
+def _motors(root: ET.Element, tree: FrameTree, physics: BodyPhysics) -> None:
     """Add a wheel-speed loop a side; over a tendon where a belt couples two wheels."""
     tendons, belts = ET.Element("tendon"), ET.Element("equality")
     actuators = ET.SubElement(root, "actuator")

@@ -3,10 +3,10 @@
 from typing import Final
 from xml.etree import ElementTree as ET
 
-from pioneer3.models import LaserMount, RobotModel, Shape, physics_of, shape_of
+from pioneer3.models import BodyShape, LaserMount, RobotModel, physics_of, shape_of
 from pioneer3.models.description import gazebo
-from pioneer3.models.description.solids import COLORS, Solid, solids_of
-from pioneer3.models.description.tree import Frames, Joint, Tree, body_tree
+from pioneer3.models.description.solids import COLORS, LinkSolid, solids_of
+from pioneer3.models.description.tree import Frames, FrameTree, Joint, body_tree
 from pioneer3.models.description.xml import AXES, MAKER, Inertial, document, inertials_of, row
 from pioneer3.models.lasers import LASERS, LaserModel
 
@@ -122,7 +122,7 @@ def _link(
     return link
 
 
-def _solids(link: ET.Element, name: str, solids: tuple[Solid, ...], on: str = "") -> None:
+def _solids(link: ET.Element, name: str, solids: tuple[LinkSolid, ...], on: str = "") -> None:
     """Add solids in the coordinates of the frame `on`, the link's own if that is empty."""
     for number, solid in enumerate(solids):
         visual = _solid(link, "visual", f"{name}_visual_{number}", solid, on)
@@ -133,7 +133,7 @@ def _solids(link: ET.Element, name: str, solids: tuple[Solid, ...], on: str = ""
         _solid(link, "collision", f"{name}_collision_{number}", solid, on)
 
 
-def _solid(link: ET.Element, kind: str, name: str, solid: Solid, on: str) -> ET.Element:
+def _solid(link: ET.Element, kind: str, name: str, solid: LinkSolid, on: str) -> ET.Element:
     part = ET.SubElement(link, kind, name=name)
     _pose(part, solid.at, solid.turned, relative_to=on)
     geometry = ET.SubElement(part, "geometry")
@@ -195,7 +195,7 @@ def _across(scan: ET.Element, direction: str, count: int, first: float, last: fl
         _text(rays, name, number)
 
 
-def _touch(base: ET.Element, frames: Frames, bumpers: tuple[Solid, ...]) -> None:
+def _touch(base: ET.Element, frames: Frames, bumpers: tuple[LinkSolid, ...]) -> None:
     """Add a contact sensor for each piece of the bumpers; all have one topic."""
     for number in range(sum(solid.hits for solid in bumpers)):
         collision = f"{frames.bumper_link}_collision_{number}"
@@ -207,7 +207,7 @@ def _touch(base: ET.Element, frames: Frames, bumpers: tuple[Solid, ...]) -> None
         _text(contact, "topic", gazebo.BUMPERS.topic)
 
 
-def _drive(robot: ET.Element, model: RobotModel, tree: Tree, shape: Shape) -> None:
+def _drive(robot: ET.Element, model: RobotModel, tree: FrameTree, shape: BodyShape) -> None:
     drive = ET.SubElement(robot, "plugin", gazebo.DRIVE._asdict())
     for number, joint in enumerate(tree.wheels):
         _text(drive, "right_joint" if number % 2 else "left_joint", joint.name)

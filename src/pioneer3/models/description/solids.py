@@ -8,12 +8,12 @@ from types import MappingProxyType
 from typing import Final
 
 from pioneer3.geometry import Pose2
-from pioneer3.models import LaserMount, RobotModel, Shape, shape_of
+from pioneer3.models import BodyShape, LaserMount, RobotModel, shape_of
 from pioneer3.models.description.tree import (
     BUMPER_HEIGHT,
     SCAN_HEIGHT,
     Frames,
-    Tree,
+    FrameTree,
     bumper_corners,
 )
 
@@ -43,7 +43,7 @@ ARM: Final = 0.05
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Solid:
+class LinkSolid:
     """A box, or a cylinder that stands on its z axis, in the frame of its link.
 
     Attributes:
@@ -64,8 +64,8 @@ class Solid:
 
 
 def solids_of(
-    model: RobotModel, tree: Tree, frames: Frames, *, bumpers: tuple[int, int], laser: bool
-) -> dict[str, tuple[Solid, ...]]:
+    model: RobotModel, tree: FrameTree, frames: Frames, *, bumpers: tuple[int, int], laser: bool
+) -> dict[str, tuple[LinkSolid, ...]]:
     """Return the solids of each link of `tree` that has any.
 
     Args:
@@ -106,18 +106,18 @@ def _ends(model: RobotModel) -> tuple[float, float]:
     return rear - short, front + short
 
 
-def _body(model: RobotModel, shape: Shape) -> tuple[Solid, ...]:
+def _body(model: RobotModel, shape: BodyShape) -> tuple[LinkSolid, ...]:
     """The hull between the wheels; above it, set back, the rows of sonars."""
     rear, front = _ends(model)
     between = shape.track - shape.wheel_width - 0.02
     top = min(shape.sonar_height - ARRAY / 2, shape.height - PLATE)
-    hull = Solid(
+    hull = LinkSolid(
         color="red",
         size=(front - rear - 0.05, between, top - shape.clearance),
         at=((front + rear) / 2, 0.0, (top + shape.clearance) / 2),
         hits=True,
     )
-    deck = Solid(
+    deck = LinkSolid(
         color="black",
         size=(front - rear - 0.10, 0.22, shape.height - top),
         at=((front + rear) / 2, 0.0, (shape.height + top) / 2),
@@ -126,7 +126,7 @@ def _body(model: RobotModel, shape: Shape) -> tuple[Solid, ...]:
     return hull, deck
 
 
-def _top(model: RobotModel) -> tuple[Solid, ...]:
+def _top(model: RobotModel) -> tuple[LinkSolid, ...]:
     """An octagon that covers the sonars: a cross, and a square on each of its inner corners."""
     rear, front = _ends(model)
     length, width = front - rear + 0.03, min(model.width, 0.38)
@@ -134,10 +134,10 @@ def _top(model: RobotModel) -> tuple[Solid, ...]:
     at, low = (front + rear) / 2, -PLATE / 2
     x, y, side = length / 2 - cut, width / 2 - cut, cut * 2**0.5
     return (
-        Solid(color="black", size=(length, 2 * y, PLATE), at=(at, 0.0, low), hits=True),
-        Solid(color="black", size=(2 * x, width, PLATE), at=(at, 0.0, low), hits=True),
+        LinkSolid(color="black", size=(length, 2 * y, PLATE), at=(at, 0.0, low), hits=True),
+        LinkSolid(color="black", size=(2 * x, width, PLATE), at=(at, 0.0, low), hits=True),
         *(
-            Solid(
+            LinkSolid(
                 color="black",
                 size=(side, side, PLATE),
                 at=(at + ahead * x, left * y, low),
@@ -149,43 +149,45 @@ def _top(model: RobotModel) -> tuple[Solid, ...]:
     )
 
 
-def _wheel(shape: Shape) -> tuple[Solid, ...]:
+def _wheel(shape: BodyShape) -> tuple[LinkSolid, ...]:
     """A tyre and its hub, about the link's y axis."""
     lying, width = (pi / 2, 0.0, 0.0), shape.wheel_width
     across, hub = 2 * shape.wheel_radius, shape.wheel_radius
     spoke = (hub * 1.5, width + 0.006, hub * 0.2)  # shows that it turns
     return (
-        Solid(color="black", size=(across, across, width), turned=lying, is_round=True, hits=True),
-        Solid(color="grey", size=(hub, hub, width + 0.004), turned=lying, is_round=True),
-        Solid(color="grey", size=spoke),
+        LinkSolid(
+            color="black", size=(across, across, width), turned=lying, is_round=True, hits=True
+        ),
+        LinkSolid(color="grey", size=(hub, hub, width + 0.004), turned=lying, is_round=True),
+        LinkSolid(color="grey", size=spoke),
     )
 
 
-def _caster(shape: Shape) -> tuple[Solid, ...]:
+def _caster(shape: BodyShape) -> tuple[LinkSolid, ...]:
     across = 2 * shape.caster_radius
     arm = max(shape.clearance + 0.01 - shape.caster_radius, 0.01)
     return (
-        Solid(
+        LinkSolid(
             color="black", size=(across, across, 0.025), turned=(pi / 2, 0.0, 0.0), is_round=True
         ),
-        Solid(color="grey", size=(0.03, 0.035, arm), at=(shape.caster_trail, 0.0, arm / 2)),
+        LinkSolid(color="grey", size=(0.03, 0.035, arm), at=(shape.caster_trail, 0.0, arm / 2)),
     )
 
 
-def _transducer() -> tuple[Solid, ...]:
+def _transducer() -> tuple[LinkSolid, ...]:
     """A facet with a golden disc that looks along x."""
     return (
-        Solid(color="black", size=(0.02, 0.06, ARRAY), at=(-0.011, 0.0, 0.0)),
-        Solid(
+        LinkSolid(color="black", size=(0.02, 0.06, ARRAY), at=(-0.011, 0.0, 0.0)),
+        LinkSolid(
             color="gold", size=(2 * DISC, 2 * DISC, 0.002), turned=(0.0, pi / 2, 0.0), is_round=True
         ),
     )
 
 
-def _bumpers(model: RobotModel, front: int, rear: int) -> tuple[Solid, ...]:
+def _bumpers(model: RobotModel, front: int, rear: int) -> tuple[LinkSolid, ...]:
     """A row of straight pieces around each end, and its supports."""
     ends = _ends(model)
-    solids: list[Solid] = []
+    solids: list[LinkSolid] = []
     for corners, end in (
         (bumper_corners(model, front), ends[1]),
         (bumper_corners(model, rear, rear=True), ends[0]),
@@ -196,16 +198,16 @@ def _bumpers(model: RobotModel, front: int, rear: int) -> tuple[Solid, ...]:
         if corners and arm > 0:
             middle = copysign(reach - arm / 2, end)
             solids += (
-                Solid(color="grey", size=(arm, 0.02, 0.02), at=(middle, y, BUMPER_HEIGHT))
+                LinkSolid(color="grey", size=(arm, 0.02, 0.02), at=(middle, y, BUMPER_HEIGHT))
                 for y in (-0.08, 0.08)
             )
     return tuple(solids)
 
 
-def _between(one: Pose2, other: Pose2) -> Solid:
+def _between(one: Pose2, other: Pose2) -> LinkSolid:
     """A piece of a bumper that leads from one point to the other."""
     across, along = other.x - one.x, other.y - one.y
-    return Solid(
+    return LinkSolid(
         color="black",
         size=(BUMPER, hypot(across, along), 0.05),
         at=((one.x + other.x) / 2, (one.y + other.y) / 2, BUMPER_HEIGHT),
@@ -214,15 +216,17 @@ def _between(one: Pose2, other: Pose2) -> Solid:
     )
 
 
-def _laser(mount: LaserMount) -> tuple[Solid, ...]:
+def _laser(mount: LaserMount) -> tuple[LinkSolid, ...]:
     """A SICK is a box with its window in front, others are a small cylinder."""
     if not mount.kind.lower().startswith("lms"):
         high = SCAN_HEIGHT + 0.02
         return (
-            Solid(color="grey", size=(0.06, 0.06, high), at=(0, 0, 0.02 - high / 2), is_round=True),
+            LinkSolid(
+                color="grey", size=(0.06, 0.06, high), at=(0, 0, 0.02 - high / 2), is_round=True
+            ),
         )
     return (
-        Solid(color="blue", size=(0.155, 0.155, 0.085), at=(0.0, 0.0, -0.0735), hits=True),
-        Solid(color="black", size=(0.110, 0.135, 0.062), at=(0.0, 0.0, 0.0)),
-        Solid(color="blue", size=(0.155, 0.155, 0.045), at=(0.0, 0.0, 0.0535)),
+        LinkSolid(color="blue", size=(0.155, 0.155, 0.085), at=(0.0, 0.0, -0.0735), hits=True),
+        LinkSolid(color="black", size=(0.110, 0.135, 0.062), at=(0.0, 0.0, 0.0)),
+        LinkSolid(color="blue", size=(0.155, 0.155, 0.045), at=(0.0, 0.0, 0.0535)),
     )

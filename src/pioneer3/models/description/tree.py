@@ -98,7 +98,7 @@ OPTICAL: Final = Quaternion(-0.5, 0.5, -0.5, 0.5)
 """From x forward, y left, z up to z forward, x right, y down (REP 103)."""
 
 
-class Place(NamedTuple):
+class LinkPose(NamedTuple):
     """The pose of a link that stands upright [m, rad]."""
 
     x: float
@@ -148,7 +148,7 @@ class Joint:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Tree:
+class FrameTree:
     """The frames of one robot.
 
     Attributes:
@@ -175,16 +175,16 @@ class Tree:
         """Joints that turn: of wheels and casters."""
         return (*self.wheels, *self.caster)
 
-    def fixed_in_base(self) -> dict[str, Place]:
+    def fixed_in_base(self) -> dict[str, LinkPose]:
         """Return the place on the base of every link that never moves; the base's own is all 0.
 
         Fixed links turn about the z axis only; optical frames, which do not, are left out.
         """
-        places = {self.root: Place(0.0, 0.0, 0.0, 0.0)}
+        places = {self.root: LinkPose(0.0, 0.0, 0.0, 0.0)}
         for joint in (joint for joint in self.fixed if not joint.optical):
             x, y, z, yaw = places[joint.parent]
             c, s = cos(yaw), sin(yaw)
-            places[joint.child] = Place(
+            places[joint.child] = LinkPose(
                 x + c * joint.x - s * joint.y,
                 y + s * joint.x + c * joint.y,
                 z + joint.z,
@@ -201,7 +201,7 @@ def tree_of(
     lasers: Sequence[Pose2] | None = None,
     *,
     camera: bool = False,
-) -> Tree:
+) -> FrameTree:
     """Return the tree of a robot of this kind.
 
     Args:
@@ -222,7 +222,7 @@ def tree_of(
     if camera:
         fixed += tuple(_camera(model, frames))
     wheels = tuple(_wheels(model, frames, wheel_names))
-    tree = Tree(root=frames.root, base=frames.base, fixed=fixed, wheels=wheels)
+    tree = FrameTree(root=frames.root, base=frames.base, fixed=fixed, wheels=wheels)
     names = sorted([frames.root, frames.odom, *(joint.child for joint in tree.joints)])
     twice = [one for one, other in pairwise(names) if one == other]
     if twice:
@@ -230,7 +230,7 @@ def tree_of(
     return tree
 
 
-def body_tree(model: RobotModel, frames: Frames) -> Tree:
+def body_tree(model: RobotModel, frames: Frames) -> FrameTree:
     """Return the tree of a robot whose caster moves, for physics.
 
     The link `caster_swivel` turns about the vertical, and the wheel `caster` trails behind it.

@@ -4,8 +4,8 @@ from typing import Final
 from xml.etree import ElementTree as ET
 
 from pioneer3.models import RobotModel, physics_of, shape_of
-from pioneer3.models.description.solids import COLORS, Solid, solids_of
-from pioneer3.models.description.tree import Frames, Joint, Tree
+from pioneer3.models.description.solids import COLORS, LinkSolid, solids_of
+from pioneer3.models.description.tree import Frames, FrameTree, Joint
 from pioneer3.models.description.xml import AXES, MAKER, Inertial, document, inertials_of, row
 
 VELOCITY: Final = "hardware_interface/VelocityJointInterface"
@@ -14,7 +14,7 @@ VELOCITY: Final = "hardware_interface/VelocityJointInterface"
 
 def describe(
     model: RobotModel,
-    tree: Tree,
+    tree: FrameTree,
     frames: Frames,
     *,
     bumpers: tuple[int, int] | None = None,
@@ -59,7 +59,7 @@ def describe(
     return document(robot)
 
 
-def _link(robot: ET.Element, name: str, solids: tuple[Solid, ...]) -> ET.Element:
+def _link(robot: ET.Element, name: str, solids: tuple[LinkSolid, ...]) -> ET.Element:
     link = ET.SubElement(robot, "link", name=name)
     for solid in solids:
         visual = _solid(link, "visual", solid)
@@ -86,7 +86,7 @@ def _roller(link: ET.Element, radius: float) -> None:
     ET.SubElement(geometry, "sphere", radius=row(radius))
 
 
-def _solid(link: ET.Element, kind: str, solid: Solid) -> ET.Element:
+def _solid(link: ET.Element, kind: str, solid: LinkSolid) -> ET.Element:
     part = ET.SubElement(link, kind)
     ET.SubElement(part, "origin", xyz=row(*solid.at), rpy=row(*solid.turned))
     geometry = ET.SubElement(part, "geometry")

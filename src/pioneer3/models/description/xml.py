@@ -7,7 +7,7 @@ from typing import Final, NamedTuple
 from xml.etree import ElementTree as ET
 
 from pioneer3.models import RobotModel, physics_of, shape_of
-from pioneer3.models.description.tree import Tree
+from pioneer3.models.description.tree import FrameTree
 from pioneer3.models.physics import Inertia, box_inertia
 
 MAKER: Final = "Drawn by pioneer3 from the robot's model."
@@ -46,7 +46,7 @@ class Inertial(NamedTuple):
     at: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
 
-def inertials_of(model: RobotModel, tree: Tree) -> dict[str, Inertial]:
+def inertials_of(model: RobotModel, tree: FrameTree) -> dict[str, Inertial]:
     """Return the masses of the links that have one; a caster that is fixed is part of the base."""
     physics, shape = physics_of(model), shape_of(model)
     center = (physics.center_x, 0.0, physics.center_z)

@@ -4,7 +4,7 @@ import asyncio
 from collections.abc import AsyncGenerator
 from functools import partial
 
-from pioneer3.acts import PORT, REQUEST, Picture, PictureReader
+from pioneer3.acts import PORT, REQUEST, BlobPicture, PictureReader
 from pioneer3.errors import DeviceError, LinkError, PortNotFoundError
 from pioneer3.links import Link, Opener, open_link
 from pioneer3.robot.devices.presence import Presence
@@ -22,7 +22,7 @@ class Acts:
 
     def __init__(self, where: str | Opener = f"tcp://127.0.0.1:{PORT}") -> None:
         """`where` is a URL, or a function that opens a link."""
-        self.latest: Picture | None = None
+        self.latest: BlobPicture | None = None
         self._open = where if callable(where) else partial(open_link, where)
         self._where = "ACTS" if callable(where) else f"ACTS at {where}"
         self._failure = ""
@@ -36,7 +36,7 @@ class Acts:
             return Presence(False, self._failure)
         return Presence(None, f"Nobody has asked {self._where} yet.")
 
-    async def pictures(self) -> AsyncGenerator[Picture, None]:
+    async def pictures(self) -> AsyncGenerator[BlobPicture, None]:
         """Yield one picture after the other; a slow reader requests fewer.
 
         Raises:
@@ -62,7 +62,7 @@ class Acts:
         except ValueError as error:
             raise self._failed(f"What answers is not ACTS 1.2 or 2.0: {error}.") from None
 
-    async def _next(self, link: Link, reader: PictureReader) -> Picture:
+    async def _next(self, link: Link, reader: PictureReader) -> BlobPicture:
         async with asyncio.timeout(PATIENCE):
             await link.write(REQUEST)
             while data := await link.read():

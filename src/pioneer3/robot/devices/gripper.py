@@ -39,7 +39,7 @@ NEXT_ACTION = {
 """The next action of the exercise after each."""
 
 
-class Paddles(StrEnum):
+class PaddlePosition(StrEnum):
     """Positions of the paddles."""
 
     OPEN = "open"
@@ -64,7 +64,7 @@ class GripperReading:
     """
 
     stamp: float
-    paddles: Paddles
+    paddles: PaddlePosition
     lift_at_limit: bool
     left_touches: bool
     right_touches: bool
@@ -81,7 +81,11 @@ def read_switches(seen: GripperSwitch, stamp: float) -> GripperReading:
     is_open = GripperSwitch.OPEN_LOW not in seen
     return GripperReading(
         stamp=stamp,
-        paddles=Paddles.CLOSED if left and right else Paddles.OPEN if is_open else Paddles.BETWEEN,
+        paddles=PaddlePosition.CLOSED
+        if left and right
+        else PaddlePosition.OPEN
+        if is_open
+        else PaddlePosition.BETWEEN,
         lift_at_limit=GripperSwitch.LIFT_LIMIT_LOW not in seen,
         left_touches=left,
         right_touches=right,
@@ -121,9 +125,9 @@ class Exercise:
     def _done(self, gripper: GripperReading, passed: float) -> bool:
         match self._doing:
             case GripperAction.CLOSE:
-                return gripper.paddles is Paddles.CLOSED or passed >= GRIP_PATIENCE
+                return gripper.paddles is PaddlePosition.CLOSED or passed >= GRIP_PATIENCE
             case GripperAction.OPEN:
-                return gripper.paddles is Paddles.OPEN or passed >= GRIP_PATIENCE
+                return gripper.paddles is PaddlePosition.OPEN or passed >= GRIP_PATIENCE
         return (passed >= LIFT_LEAST and gripper.lift_at_limit) or passed >= LIFT_PATIENCE
 
 

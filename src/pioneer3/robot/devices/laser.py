@@ -21,7 +21,7 @@ NOTHING_MM = 0x7FFF
 """From here on a range means no echo."""
 
 
-class Sweep:
+class SweepCollector:
     """Collects packets into a whole sweep; drops a sweep with a gap.
 
     Args:
@@ -227,8 +227,8 @@ class Laser(Sensor[Scan]):
         if not self.presence.there:
             raise DeviceError(str(self.presence))
 
-    def _sweep_of(self, first: float, last: float) -> Sweep:
-        return Sweep(self.sensor_in_robot, first, last)
+    def _sweep_of(self, first: float, last: float) -> SweepCollector:
+        return SweepCollector(self.sensor_in_robot, first, last)
 
     def _add(self, report: Report, stamp: float) -> Scan | None:
         assert isinstance(report, SimLaser | SimLaserExtended)

@@ -13,24 +13,24 @@ from pioneer3.errors import DeviceError, LinkError, RecordingOverError
 from pioneer3.geometry import ORIGIN, Pose2
 from pioneer3.lasers.client import (
     AS_DELIVERED,
-    Client,
     Event,
     Identified,
+    LaserClient,
     LaserIdentity,
-    Lost,
+    LineSpeedWanted,
     Measured,
     Patience,
     RawScan,
     Remarked,
     ScanSettings,
-    SpeedWanted,
+    ScansLost,
 )
 from pioneer3.links import Link, Opener
 from pioneer3.models.lasers import LaserProtocol
 from pioneer3.robot.devices.presence import Presence
 from pioneer3.robot.lasers.mounting import Mounting, PoseAt
-from pioneer3.robot.lasers.search import Search, client_of
-from pioneer3.robot.supervisor import Connection, Feed, Status
+from pioneer3.robot.lasers.search import ProtocolSearch, client_of
+from pioneer3.robot.supervisor import Connection, ConnectionStatus, Feed
 from pioneer3.state import Scan
 
 log = logging.getLogger(__name__)
@@ -93,7 +93,7 @@ class LaserDriver:
         mounting: Callable[[], Mounting] = Mounting,
     ) -> None:
         self.config = config
-        self.status: Feed[Status] = Feed()
+        self.status: Feed[ConnectionStatus] = Feed()
         self.latest: Scan | None = None
         self.scans = 0
         self.losses = 0
@@ -248,7 +248,7 @@ class LaserDriver:
                     await link.write(client.outgoing())
             await link.close()
 
-    def _client(self, speeds: Sequence[int], round_trip: float) -> Client:
+    def _client(self, speeds: Sequence[int], round_trip: float) -> LaserClient:
         now, config = self._clock(), self.config
         if self._protocol is not None:
             return client_of(
@@ -260,7 +260,7 @@ class LaserDriver:
                 round_trip=round_trip,
                 first_speed=self._good_speed,
             )
-        return Search(
+        return ProtocolSearch(
             now,
             speeds,
             config.settings,
@@ -272,7 +272,7 @@ class LaserDriver:
     def _learn_protocol(self, protocol: LaserProtocol) -> None:
         self._protocol = protocol
 
-    async def _serve(self, link: Link, client: Client) -> None:
+    async def _serve(self, link: Link, client: LaserClient) -> None:
         """Pass bytes between `link` and `client` until it is lost.
 
         Raises:
@@ -295,12 +295,12 @@ class LaserDriver:
             raise LinkError(f"{link.url}: the laser closed the connection")
         return data
 
-    async def _obey(self, link: Link, client: Client, events: list[Event]) -> None:
+    async def _obey(self, link: Link, client: LaserClient, events: list[Event]) -> None:
         for event in events:
             match event:
                 case Measured(scan):
                     self._take(scan)
-                case SpeedWanted(baud):
+                case LineSpeedWanted(baud):
                     self._speed = baud
                     await link.set_speed(baud)
                 case Identified(identity):
@@ -310,7 +310,7 @@ class LaserDriver:
                     log.info("%s: %s", self.config.url, text)
                     if not self.connected:
                         self._publish(Connection.CONNECTING, text)
-                case Lost(reason):
+                case ScansLost(reason):
                     raise LinkError(f"{self.config.url}: {reason}")
         await self._write(link, client.outgoing())
 
@@ -345,7 +345,7 @@ class LaserDriver:
 
     def _publish(self, connection: Connection, message: str) -> None:
         latest = self.status.latest
-        status = Status(connection, message)
+        status = ConnectionStatus(connection, message)
         if latest != status and connection is not Connection.CONNECTING:
             log.info("%s: %s: %s", self.config.url, connection, message)
         self.status.publish(status)

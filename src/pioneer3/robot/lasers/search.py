@@ -18,13 +18,13 @@ from pioneer3.arcos.packet import PacketReader
 from pioneer3.arcos.reports import Sip, from_payload
 from pioneer3.errors import ConfigError
 from pioneer3.lasers.client import (
-    Client,
     Event,
-    Lost,
+    LaserClient,
+    LineSpeedWanted,
     Patience,
     Remarked,
     ScanSettings,
-    SpeedWanted,
+    ScansLost,
 )
 from pioneer3.lasers.cola.client import ColaClient
 from pioneer3.lasers.lms2xx.client import LmsClient
@@ -67,7 +67,7 @@ ECHO = "what was sent comes back: the line's two ends are joined"
 NOTHING = "nothing answers as a laser does: is it switched on, and is this its port?"
 
 
-class Search:
+class ProtocolSearch:
     """A client that becomes the one of the right protocol.
 
     Args:
@@ -100,7 +100,7 @@ class Search:
         self._asked = self._listened = True
         self._heard = bytearray()
         self._outbox = b""
-        self._client: Client | None = None
+        self._client: LaserClient | None = None
 
     def receive(self, data: bytes, now: float) -> list[Event]:
         """Process received bytes; return the events that follow."""
@@ -114,9 +114,9 @@ class Search:
         if protocol is not None:
             return self._speak(protocol, now)
         if self._is_robot():
-            return [Lost(ROBOT)]
+            return [ScansLost(ROBOT)]
         if self._outbox == b"" and self._asked and QUESTION in self._heard:
-            return [Lost(ECHO)]
+            return [ScansLost(ECHO)]
         return []
 
     def tick(self, now: float) -> list[Event]:
@@ -127,7 +127,7 @@ class Search:
             return []
         if now >= self._until:
             self.deadline = inf
-            return [Lost(NOTHING)]
+            return [ScansLost(NOTHING)]
         return self._try_next(now) if self._asked else self._end_listening(now)
 
     def _end_listening(self, now: float) -> list[Event]:
@@ -154,7 +154,7 @@ class Search:
         self._asked = self._listened = False
         self._heard.clear()
         self.deadline = now + LISTEN
-        return [SpeedWanted(self._speed)] if self._speed else []
+        return [LineSpeedWanted(self._speed)] if self._speed else []
 
     @property
     def _knows_lms(self) -> bool:
@@ -224,10 +224,10 @@ def client_of(
     *,
     round_trip: float = 0.0,
     first_speed: int | None = None,
-) -> Client:
+) -> LaserClient:
     """Return a new client of `protocol`, which tries `first_speed` [baud] before all others.
 
-    See :class:`Search` for the other arguments.
+    See :class:`ProtocolSearch` for the other arguments.
     """
     usual = [speed for speed in SPEEDS_OF.get(protocol, ()) if speed in speeds]
     if first_speed is not None and first_speed in speeds:

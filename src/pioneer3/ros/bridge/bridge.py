@@ -7,11 +7,11 @@ from typing import Final
 from pioneer3.errors import ConfigError
 from pioneer3.ros.bridge.conversion import Converter
 from pioneer3.ros.bridge.guard import CommandGuard
-from pioneer3.ros.bridge.relay import Relay, Sink
-from pioneer3.ros.bridge.rows import Row, ServiceRow, Side
+from pioneer3.ros.bridge.relay import Sink, TopicRelay
+from pioneer3.ros.bridge.rows import BridgedTopic, ServiceRow, Side
 from pioneer3.ros.bridge.services import ServiceBridge
-from pioneer3.ros.bridge.sources import Bridges, Ros1Source, Ros2Source, Source
-from pioneer3.ros.ros2.backend import LATCHED, Backend, Closable, Graph, Kind, Qos
+from pioneer3.ros.bridge.sources import Bridges, Ros1Source, Ros2Source, TopicSource
+from pioneer3.ros.ros2.backend import LATCHED, Backend, Closable, EndpointKind, Graph, Qos
 from pioneer3.ros.ros2.client import DISCOVERY
 from pioneer3.ros.ros2.mismatches import Own, OwnKey, mismatches
 from pioneer3.ros.tcpros.answers import SystemState
@@ -30,7 +30,7 @@ FAREWELL: Final = 0.1
 """Messages of ROS 2 are on their way after this time [s]."""
 
 
-class Bridge:
+class TopicBridge:
     """Passes on messages between two networks.
 
     Args:
@@ -53,7 +53,7 @@ class Bridge:
         name: str,
         converter: Converter,
         *,
-        rows: Iterable[Row],
+        rows: Iterable[BridgedTopic],
         services: Iterable[ServiceRow] = (),
         robot: Side = Side.ROS2,
         timeout: float = 0.5,
@@ -66,8 +66,8 @@ class Bridge:
         self._resumes = resumes
         self._loop = asyncio.get_running_loop()
         self._sinks: dict[tuple[Side, str], Sink] = {}
-        self._sources: dict[tuple[Side, str], Source] = {}
-        self._started: set[Row] = set()
+        self._sources: dict[tuple[Side, str], TopicSource] = {}
+        self._started: set[BridgedTopic] = set()
         self._own: dict[OwnKey, Own] = {}
         self._open: list[Closable] = []  # the backend closes them
         self._told: set[str] = set()
@@ -166,7 +166,7 @@ class Bridge:
 
     def _find_bridges(self, graph: Graph, state: SystemState) -> None:
         """Find other bridges, of which nothing is passed on."""
-        marks = [e.name for e in graph.endpoints if e.kind is Kind.PUBLISHER]
+        marks = [e.name for e in graph.endpoints if e.kind is EndpointKind.PUBLISHER]
         nodes = {Side.ROS1: list(state.publishers), Side.ROS2: marks}
         own = {Side.ROS1: self._node.name, Side.ROS2: self._name}
         known = {Side.ROS1: {n for of in state.publishers.values() for n in of}}
@@ -184,7 +184,7 @@ class Bridge:
                 )
 
     def _publishers_beside(
-        self, row: Row, graph: Graph, state: SystemState, alive: set[str]
+        self, row: BridgedTopic, graph: Graph, state: SystemState, alive: set[str]
     ) -> list[str]:
         """Return words for each publisher on the side that a row sends to, but ours."""
         if len(row.way.sources) > 1:
@@ -196,14 +196,15 @@ class Bridge:
             nodes = {
                 each.node
                 for each in graph.endpoints
-                if (each.kind, each.name) == (Kind.PUBLISHER, row.ros2) and each.node != self._name
+                if (each.kind, each.name) == (EndpointKind.PUBLISHER, row.ros2)
+                and each.node != self._name
             } - {""}
         if row.of_many:
             nodes &= set() if row.to_robot or row.commands else self._bridges.names[side]
         where = f"{side.words} {row.name(side)}"
         return [f"{name} publishes {where}" for name in sorted(nodes)]
 
-    async def _start(self, row: Row) -> None:
+    async def _start(self, row: BridgedTopic) -> None:
         """Begin to pass on messages of a topic."""
         self._started.add(row)
         for source in row.way.sources:
@@ -213,7 +214,7 @@ class Bridge:
             await topic.listen()
         self._tell(f"bridged: {row}")
 
-    def _source(self, row: Row, side: Side) -> Source:
+    def _source(self, row: BridgedTopic, side: Side) -> TopicSource:
         """Return the topic that a row takes messages from; rows share it."""
         key = (side, row.name(side))
         if key not in self._sources:
@@ -223,15 +224,15 @@ class Bridge:
             else:
                 type_ = self._converter.ros2.message_type(row.ros2_type)
                 made = Ros2Source(row, type_, self._backend, self._name, self._bridges)
-                own = Own(Kind.SUBSCRIBER, type_, made.qos)
-                self._own.setdefault((Kind.SUBSCRIBER, row.ros2), own)
+                own = Own(EndpointKind.SUBSCRIBER, type_, made.qos)
+                self._own.setdefault((EndpointKind.SUBSCRIBER, row.ros2), own)
                 self._sources[key] = made
         return self._sources[key]
 
-    async def _relay(self, row: Row, source: Side) -> Relay:
+    async def _relay(self, row: BridgedTopic, source: Side) -> TopicRelay:
         convert = self._converter
         make = convert.to_ros2 if source is Side.ROS1 else convert.to_ros1
-        relay = Relay(
+        relay = TopicRelay(
             row,
             source,
             convert.ros1 if source is Side.ROS1 else convert.ros2,
@@ -243,7 +244,7 @@ class Bridge:
         await asyncio.to_thread(relay.warm_up)
         return relay
 
-    async def _sink(self, row: Row, side: Side) -> Sink:
+    async def _sink(self, row: BridgedTopic, side: Side) -> Sink:
         """Return the topic that a row sends to; rows share it."""
         key = (side, row.name(side))
         if key not in self._sinks:
@@ -257,7 +258,9 @@ class Bridge:
                 type2 = self._converter.ros2.message_type(row.ros2_type)
                 qos = LATCHED if row.latched else Qos()
                 writer = await asyncio.to_thread(self._backend.advertise, row.ros2, type2, qos)
-                self._own[Kind.PUBLISHER, row.ros2] = Own(Kind.PUBLISHER, type2, qos)
+                self._own[EndpointKind.PUBLISHER, row.ros2] = Own(
+                    EndpointKind.PUBLISHER, type2, qos
+                )
                 self._open.append(writer)
                 ros2 = self._converter.ros2
                 self._sinks[key] = Sink(row.ros2, row.ros2_type, writer, ros2, guard)

@@ -20,7 +20,7 @@ Convert = Callable[[Any], Any]
 
 
 @dataclass(frozen=True, slots=True)
-class Frames:
+class FrameNames:
     """The names of frames on both sides.
 
     ROS 1 allows a leading slash, which tf2 refuses.
@@ -49,9 +49,11 @@ class Converter:
         frames: The names of frames.
     """
 
-    def __init__(self, ros1: Ros1Types, ros2: MessageTypes, frames: Frames | None = None) -> None:
+    def __init__(
+        self, ros1: Ros1Types, ros2: MessageTypes, frames: FrameNames | None = None
+    ) -> None:
         self.ros1, self.ros2 = ros1, ros2
-        self._frames = frames or Frames()
+        self._frames = frames or FrameNames()
 
     def to_ros2(self, ros1_type: str, ros2_type: str) -> Convert:
         """Return the function from messages of a type in ROS 1 to those of a type in ROS 2.

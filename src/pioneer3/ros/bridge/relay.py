@@ -13,7 +13,7 @@ from typing import Any, Final, Protocol
 from pioneer3.errors import Refusal
 from pioneer3.ros.bridge.conversion import Convert
 from pioneer3.ros.bridge.guard import ZERO, CommandGuard, is_finite
-from pioneer3.ros.bridge.rows import TRANSFORMS, Row, Side
+from pioneer3.ros.bridge.rows import TRANSFORMS, BridgedTopic, Side
 from pioneer3.ros.messages.update import NANO, nanoseconds
 
 log = logging.getLogger(__name__)
@@ -146,7 +146,7 @@ class Sink:
             self._timer = self._loop.call_at(self.guard.deadline, self._send_due)
 
 
-class Relay:
+class TopicRelay:
     """Passes on the messages of a topic.
 
     Args:
@@ -161,7 +161,7 @@ class Relay:
 
     def __init__(
         self,
-        row: Row,
+        row: BridgedTopic,
         source: Side,
         types: Types,
         convert: Convert,

@@ -43,7 +43,7 @@ class Side(StrEnum):
         return Side.ROS2 if self is Side.ROS1 else Side.ROS1
 
 
-class Way(StrEnum):
+class BridgeWay(StrEnum):
     """Where messages are passed on to."""
 
     TO_ROS1 = "to_ros1"
@@ -54,14 +54,14 @@ class Way(StrEnum):
     def sources(self) -> tuple[Side, ...]:
         """The networks that messages come from."""
         return {
-            Way.TO_ROS1: (Side.ROS2,),
-            Way.TO_ROS2: (Side.ROS1,),
-            Way.BOTH: (Side.ROS1, Side.ROS2),
+            BridgeWay.TO_ROS1: (Side.ROS2,),
+            BridgeWay.TO_ROS2: (Side.ROS1,),
+            BridgeWay.BOTH: (Side.ROS1, Side.ROS2),
         }[self]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Row:
+class BridgedTopic:
     """A topic that is bridged.
 
     Attributes:
@@ -80,7 +80,7 @@ class Row:
     ros2: str
     ros1_type: str
     ros2_type: str
-    way: Way
+    way: BridgeWay
     latched: bool = False
     reliable: bool = True
     when_lost: object = None
@@ -106,7 +106,7 @@ class Row:
         return self.ros1 if side is Side.ROS1 else self.ros2
 
     def __str__(self) -> str:
-        arrow = {Way.TO_ROS1: "<-", Way.TO_ROS2: "->", Way.BOTH: "<->"}[self.way]
+        arrow = {BridgeWay.TO_ROS1: "<-", BridgeWay.TO_ROS2: "->", BridgeWay.BOTH: "<->"}[self.way]
         type_name = self.ros1_type
         if self.ros2_type != self.ros1_type:
             type_name += f", {self.ros2_type}"
@@ -137,7 +137,7 @@ class ServiceRow:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Robot:
+class BridgedRobot:
     """The robot of a bridge.
 
     Attributes:
@@ -168,16 +168,16 @@ class Robot:
         return f"{space}/{self.ros1_node}/{name[1:]}" if name[0] == "~" else f"{space}/{name}"
 
 
-def rows_of(robot: Robot) -> tuple[Row, ...]:
+def rows_of(robot: BridgedRobot) -> tuple[BridgedTopic, ...]:
     """Return the topics of a robot that both sides can have."""
-    found: dict[tuple[str, str], Row] = {}
+    found: dict[tuple[str, str], BridgedTopic] = {}
     for topic in (*topics_of(robot.model, LASERS), *NAVIGATION_TOPICS):
         for row in _rows(robot, topic):
             found.setdefault((row.ros1, row.ros2), row)
     return tuple(found.values())
 
 
-def services_of(robot: Robot) -> tuple[ServiceRow, ...]:
+def services_of(robot: BridgedRobot) -> tuple[ServiceRow, ...]:
     """Return the services of a robot that both sides can have."""
     rows = []
     for service in (*SERVICES, *NAVIGATION_SERVICES):
@@ -197,7 +197,7 @@ def services_of(robot: Robot) -> tuple[ServiceRow, ...]:
     return tuple(rows)
 
 
-def chosen(rows: Iterable[Row], only: Sequence[str]) -> tuple[Row, ...]:
+def chosen(rows: Iterable[BridgedTopic], only: Sequence[str]) -> tuple[BridgedTopic, ...]:
     """Return the rows of which a name is in `only`, or all where that is empty.
 
     Raises:
@@ -216,7 +216,7 @@ def chosen(rows: Iterable[Row], only: Sequence[str]) -> tuple[Row, ...]:
     return tuple(row for row, names in known.items() if names & wanted)
 
 
-def _rows(robot: Robot, topic: Topic) -> Iterator[Row]:
+def _rows(robot: BridgedRobot, topic: Topic) -> Iterator[BridgedTopic]:
     """Yield the rows of a topic, one for each pair of its names."""
     published = topic.direction is Direction.PUBLISHED
     to_ros2 = (robot.side is Side.ROS1) == published
@@ -231,24 +231,24 @@ def _rows(robot: Robot, topic: Topic) -> Iterator[Row]:
         ros2_type = BUMPER_STATE[1]
     for ros1 in _names(robot, topic):
         for ros2 in names or _own_names(robot, ros1):
-            yield Row(
+            yield BridgedTopic(
                 ros1=robot.name(Side.ROS1, ros1),
                 ros2=robot.name(Side.ROS2, ros2),
                 ros1_type=ros1_type,
                 ros2_type=ros2_type,
-                way=Way.TO_ROS2 if to_ros2 else Way.TO_ROS1,
+                way=BridgeWay.TO_ROS2 if to_ros2 else BridgeWay.TO_ROS1,
                 latched=topic.latched,
                 when_lost=topic.when_lost,
                 to_robot=not published,
             )
 
 
-def _names(robot: Robot, thing: Topic | Service) -> tuple[str, ...]:
+def _names(robot: BridgedRobot, thing: Topic | Service) -> tuple[str, ...]:
     """Return the names in ROS 1."""
     return thing.names(robot.profile)
 
 
-def _ros2_names(robot: Robot, topic: Topic) -> tuple[str, ...]:
+def _ros2_names(robot: BridgedRobot, topic: Topic) -> tuple[str, ...]:
     if topic in {COMMANDS, STAMPED_COMMANDS}:
         return (_ros2_command(robot, stamped=topic is STAMPED_COMMANDS),)
     if topic.type_name == BUMPER_STATE[0]:
@@ -256,14 +256,14 @@ def _ros2_names(robot: Robot, topic: Topic) -> tuple[str, ...]:
     return topic.names(Profile.ROS2)
 
 
-def _ros2_command(robot: Robot, *, stamped: bool) -> str:
+def _ros2_command(robot: BridgedRobot, *, stamped: bool) -> str:
     """Return the name of the commands of one type in ROS 2, which depends on the distribution."""
     if stamped is robot.distro.stamped_commands:
         return "cmd_vel"
     return "cmd_vel_stamped" if stamped else UNSTAMPED_NAME
 
 
-def _own_names(robot: Robot, ros1: str) -> tuple[str, ...]:
+def _own_names(robot: BridgedRobot, ros1: str) -> tuple[str, ...]:
     """Return the name in ROS 2 of a topic that only RosAria has, and only where it runs."""
     if robot.side is Side.ROS2 or ros1.startswith("move_base"):
         return ()

@@ -4,11 +4,11 @@ import asyncio
 from collections.abc import Callable
 from typing import Final, Protocol
 
-from pioneer3.ros.bridge.relay import Inbox, Relay
-from pioneer3.ros.bridge.rows import Row, Side
-from pioneer3.ros.ros2.backend import Backend, Closable, Graph, Kind, MessageType, Qos
+from pioneer3.ros.bridge.relay import Inbox, TopicRelay
+from pioneer3.ros.bridge.rows import BridgedTopic, Side
+from pioneer3.ros.ros2.backend import Backend, Closable, EndpointKind, Graph, MessageType, Qos
 from pioneer3.ros.tcpros.node import Ros1Node
-from pioneer3.ros.tcpros.subscriber import Connection, TopicSubscription
+from pioneer3.ros.tcpros.subscriber import PublisherConnection, TopicSubscription
 from pioneer3.ros.tcpros.types import Definition
 
 SEVERAL: Final = 100
@@ -40,10 +40,10 @@ class Bridges:
         return True
 
 
-class Source(Protocol):
+class TopicSource(Protocol):
     """A topic that messages come from."""
 
-    relays: list[Relay]
+    relays: list[TopicRelay]
 
     @property
     def matched(self) -> bool:
@@ -63,8 +63,10 @@ class Ros1Source:
         bridges: The others.
     """
 
-    def __init__(self, row: Row, type_: Definition, node: Ros1Node, bridges: Bridges) -> None:
-        self.relays: list[Relay] = []
+    def __init__(
+        self, row: BridgedTopic, type_: Definition, node: Ros1Node, bridges: Bridges
+    ) -> None:
+        self.relays: list[TopicRelay] = []
         self._row, self._type, self._node, self._bridges = row, type_, node, bridges
         self._subscription: TopicSubscription | None = None
 
@@ -83,18 +85,18 @@ class Ros1Source:
             self._subscription = None
             await self._node.unsubscribe(self._row.ros1)
 
-    def _take(self, data: bytes, connection: Connection, old: bool) -> None:
+    def _take(self, data: bytes, connection: PublisherConnection, old: bool) -> None:
         node, marked = connection.node, connection.is_bridge
         if self._bridges.refuse(node, Side.ROS1, self._row.ros1, marked=marked):
             return
         for relay in self.relays:
             relay.take(data, self._sender(connection), node, old=old)
 
-    def _left(self, connection: Connection) -> None:
+    def _left(self, connection: PublisherConnection) -> None:
         for relay in self.relays:
             relay.left(self._sender(connection), connection.node, last=not self.matched)
 
-    def _sender(self, connection: Connection) -> tuple[str, str]:
+    def _sender(self, connection: PublisherConnection) -> tuple[str, str]:
         """Return the identity of a publisher, which it keeps when it connects again."""
         return connection.uri, self._row.ros1
 
@@ -111,9 +113,9 @@ class Ros2Source:
     """
 
     def __init__(
-        self, row: Row, type_: MessageType, backend: Backend, name: str, bridges: Bridges
+        self, row: BridgedTopic, type_: MessageType, backend: Backend, name: str, bridges: Bridges
     ) -> None:
-        self.relays: list[Relay] = []
+        self.relays: list[TopicRelay] = []
         self.qos = Qos(
             reliable=row.reliable or row.latched,
             transient_local=row.latched,
@@ -186,6 +188,6 @@ class Ros2Source:
 def is_published(name: str, graph: Graph, but: str) -> bool:
     """Return whether a node of ROS 2 publishes a topic, `but` for one node."""
     return any(
-        (each.kind, each.name) == (Kind.PUBLISHER, name) and each.node != but
+        (each.kind, each.name) == (EndpointKind.PUBLISHER, name) and each.node != but
         for each in graph.endpoints
     )

@@ -9,9 +9,18 @@ from pathlib import Path
 from pioneer3.errors import ConfigError
 from pioneer3.models import load_model
 from pioneer3.ros.addresses import addresses
-from pioneer3.ros.bridge.bridge import Bridge
-from pioneer3.ros.bridge.conversion import Converter, Frames
-from pioneer3.ros.bridge.rows import Robot, Row, ServiceRow, Side, Way, chosen, rows_of, services_of
+from pioneer3.ros.bridge.bridge import TopicBridge
+from pioneer3.ros.bridge.conversion import Converter, FrameNames
+from pioneer3.ros.bridge.rows import (
+    BridgedRobot,
+    BridgedTopic,
+    BridgeWay,
+    ServiceRow,
+    Side,
+    chosen,
+    rows_of,
+    services_of,
+)
 from pioneer3.ros.bridge.topic_file import parse_topic, read_topics, refuse_circles
 from pioneer3.ros.node.names import NODE, Profile
 from pioneer3.ros.node.parameter_reading import SHORTEST
@@ -88,7 +97,7 @@ class BridgeTable:
         converter: Of messages.
     """
 
-    rows: tuple[Row, ...]
+    rows: tuple[BridgedTopic, ...]
     services: tuple[ServiceRow, ...]
     converter: Converter
 
@@ -100,11 +109,11 @@ def table_of(options: BridgeOptions) -> BridgeTable:
         ConfigError: an option, or the file, is wrong.
     """
     distro = options.node.network.distro_here()
-    frames = Frames(options.frame_prefix)
+    frames = FrameNames(options.frame_prefix)
     converter = Converter(Ros1Types(), MessageTypes(distro), frames)
     namespace = node_name(options.node.name, options.namespace).namespace
     own = options.ros1_namespace
-    robot = Robot(
+    robot = BridgedRobot(
         side=options.robot,
         model=load_model(options.model),
         distro=distro,
@@ -114,8 +123,8 @@ def table_of(options: BridgeOptions) -> BridgeTable:
         ros1_node=node_name(options.ros1_node).name,
     )
     further = [
-        *(parse_topic(each, Way.TO_ROS1, converter) for each in options.to_ros1),
-        *(parse_topic(each, Way.TO_ROS2, converter) for each in options.to_ros2),
+        *(parse_topic(each, BridgeWay.TO_ROS1, converter) for each in options.to_ros1),
+        *(parse_topic(each, BridgeWay.TO_ROS2, converter) for each in options.to_ros2),
         *(read_topics(options.topics, converter) if options.topics is not None else ()),
     ]
     own_rows = {(row.ros1, row.ros2): row for row in rows_of(robot)}
@@ -173,7 +182,7 @@ async def serve(options: BridgeOptions, tell: Callable[[str], None]) -> int:
         extra = {BRIDGE_FIELD: "1"}
         async with ros1_node(f"/{name.name}", at, tell, extra) as node:
             tell(f"node {node.name} of ROS 1 on {at.master}")
-            bridge = Bridge(
+            bridge = TopicBridge(
                 node,
                 backend,
                 name.full,

@@ -21,7 +21,7 @@ from typing import Final, Literal
 
 from pioneer3.errors import ConfigError
 from pioneer3.ros.bridge.conversion import Converter
-from pioneer3.ros.bridge.rows import Row, Way
+from pioneer3.ros.bridge.rows import BridgedTopic, BridgeWay
 from pioneer3.ros.ros2.names import checked_topic
 from pioneer3.tables import Source, converted, load
 from pioneer3.text import decoded, read_bytes
@@ -50,7 +50,7 @@ class FileTable:
     topic: tuple[TopicTable, ...] = ()
 
 
-def read_topics(path: Path, converter: Converter) -> tuple[Row, ...]:
+def read_topics(path: Path, converter: Converter) -> tuple[BridgedTopic, ...]:
     """Return the rows of a file.
 
     Raises:
@@ -73,12 +73,12 @@ def read_topics(path: Path, converter: Converter) -> tuple[Row, ...]:
             except ConfigError as error:
                 raise source.wrong(f"topic[{index}].{key}", str(error)) from None
         rows.append(
-            Row(
+            BridgedTopic(
                 ros1=table.ros1,
                 ros2=ros2,
                 ros1_type=table.type,
                 ros2_type=table.type,
-                way=Way(table.way),
+                way=BridgeWay(table.way),
                 latched=table.latched,
                 reliable=table.reliable,
             )
@@ -86,7 +86,7 @@ def read_topics(path: Path, converter: Converter) -> tuple[Row, ...]:
     return tuple(rows)
 
 
-def parse_topic(text: str, way: Way, converter: Converter) -> Row:
+def parse_topic(text: str, way: BridgeWay, converter: Converter) -> BridgedTopic:
     """Return the row of an option such as `/joy:sensor_msgs/Joy`.
 
     Raises:
@@ -96,7 +96,7 @@ def parse_topic(text: str, way: Way, converter: Converter) -> Row:
     if match is None:
         raise ConfigError(f"a topic to bridge is such as /joy:sensor_msgs/Joy, not {text!r}")
     name, type_name = checked_topic(match[1]), checked_type(match[2], converter)
-    return Row(ros1=name, ros2=name, ros1_type=type_name, ros2_type=type_name, way=way)
+    return BridgedTopic(ros1=name, ros2=name, ros1_type=type_name, ros2_type=type_name, way=way)
 
 
 def checked_type(name: str, converter: Converter) -> str:
@@ -113,7 +113,7 @@ def checked_type(name: str, converter: Converter) -> str:
     return short
 
 
-def refuse_circles(rows: tuple[Row, ...]) -> None:
+def refuse_circles(rows: tuple[BridgedTopic, ...]) -> None:
     """Make sure that no topic has two rows, and none is passed on to one that is passed on back.
 
     Raises:

@@ -6,22 +6,28 @@ from dataclasses import replace
 from typing import Final
 
 from pioneer3.names import printable
-from pioneer3.ros.checks.endpoints import Sides, endpoint_faults, missing, service_rows, sides
+from pioneer3.ros.checks.endpoints import (
+    EndpointSides,
+    endpoint_faults,
+    missing,
+    service_rows,
+    sides,
+)
 from pioneer3.ros.checks.expectations import Expectation, expectations
 from pioneer3.ros.checks.facts import (
     ORDER,
-    Facts,
-    Fault,
-    Part,
-    Report,
-    Row,
+    CheckFault,
+    CheckReport,
+    CheckRow,
+    ReportPart,
+    RobotFacts,
     Sample,
     fail,
     warn,
 )
-from pioneer3.ros.checks.timing import Stamped, rate, rate_faults, stamp_faults
+from pioneer3.ros.checks.timing import StampedMessage, rate, rate_faults, stamp_faults
 from pioneer3.ros.checks.transforms import (
-    Tree,
+    TransformTree,
     child_faults,
     description_faults,
     fixed_faults,
@@ -38,7 +44,7 @@ SILENT: Final = "nothing came"
 ABSENT: Final = "absent"
 
 
-def check(facts: Facts) -> Report:
+def check(facts: RobotFacts) -> CheckReport:
     """Return the report of a robot."""
     table = list(expectations(facts))
     names = {each.row: each.name for each in table}
@@ -50,10 +56,10 @@ def check(facts: Facts) -> Report:
         *service_rows(facts),
     )
     seconds = max((facts.listened(name) for name in facts.heard), default=0.0)
-    return Report(node=printable(facts.node.full), seconds=seconds, rows=rows)
+    return CheckReport(node=printable(facts.node.full), seconds=seconds, rows=rows)
 
 
-def _node_row(facts: Facts) -> Row:
+def _node_row(facts: RobotFacts) -> CheckRow:
     count = facts.graph.nodes.count(facts.node.full)
     faults = []
     if count > 1:
@@ -68,8 +74,8 @@ def _node_row(facts: Facts) -> Row:
     ):
         faults.append(fail("it takes the time of /clock, and nobody publishes that"))
     clock = ", time of /clock" if facts.simulated_time else ""
-    return Row(
-        part=Part.NODE,
+    return CheckRow(
+        part=ReportPart.NODE,
         name=printable(facts.node.full),
         expected="one node of this name",
         found=f"{count}{clock}",
@@ -77,10 +83,12 @@ def _node_row(facts: Facts) -> Row:
     )
 
 
-def _topic_row(expected: Expectation, tree: Tree, known: set[str], facts: Facts) -> Row:
+def _topic_row(
+    expected: Expectation, tree: TransformTree, known: set[str], facts: RobotFacts
+) -> CheckRow:
     there = sides(expected, facts)
-    row = Row(
-        part=Part(expected.direction.value),
+    row = CheckRow(
+        part=ReportPart(expected.direction.value),
         name=expected.name,
         expected=_promise(expected),
         found=ABSENT,
@@ -103,8 +111,8 @@ def _topic_row(expected: Expectation, tree: Tree, known: set[str], facts: Facts)
 
 
 def _faults_heard(
-    expected: Expectation, samples: Sequence[Sample], tree: Tree, facts: Facts
-) -> Iterator[Fault]:
+    expected: Expectation, samples: Sequence[Sample], tree: TransformTree, facts: RobotFacts
+) -> Iterator[CheckFault]:
     """Yield the faults of messages that came."""
     stream = facts.heard.get(expected.name)
     if stream is not None and stream.unreadable:
@@ -131,8 +139,8 @@ def _faults_heard(
 
 
 def _silence(
-    expected: Expectation, samples: Sequence[Sample], there: Sides, facts: Facts
-) -> Iterator[Fault]:
+    expected: Expectation, samples: Sequence[Sample], there: EndpointSides, facts: RobotFacts
+) -> Iterator[CheckFault]:
     if samples or expected.may_be_silent:
         return
     longest = STARTING if expected.rate is None else 2 / expected.rate
@@ -145,7 +153,7 @@ def _silence(
     yield tell("it is silent", advice="has the node lost its robot, or the robot this part?")
 
 
-def _counted(expected: Expectation, there: Sides, facts: Facts) -> Sequence[Sample]:
+def _counted(expected: Expectation, there: EndpointSides, facts: RobotFacts) -> Sequence[Sample]:
     """Return the messages that count: of a topic that others share, those of the robot's node."""
     samples = facts.samples(expected.name)
     if not expected.own:
@@ -154,7 +162,9 @@ def _counted(expected: Expectation, there: Sides, facts: Facts) -> Sequence[Samp
     return [each for each in samples if each.sender in gids]
 
 
-def _timed(expected: Expectation, samples: Sequence[Sample], tree: Tree) -> Sequence[Sample]:
+def _timed(
+    expected: Expectation, samples: Sequence[Sample], tree: TransformTree
+) -> Sequence[Sample]:
     """Return the messages that the rate is that of: on `tf` those with the robot's pose."""
     if expected.row != "tf":
         return samples
@@ -164,16 +174,16 @@ def _timed(expected: Expectation, samples: Sequence[Sample], tree: Tree) -> Sequ
     return with_pose or samples
 
 
-def _stamps(samples: Iterable[Sample]) -> Iterator[Fault]:
-    by_sender: dict[bytes, list[Stamped]] = {}
+def _stamps(samples: Iterable[Sample]) -> Iterator[CheckFault]:
+    by_sender: dict[bytes, list[StampedMessage]] = {}
     for each in samples:
         if each.stamp is not None:
-            by_sender.setdefault(each.sender, []).append(Stamped(each.stamp, each.now))
+            by_sender.setdefault(each.sender, []).append(StampedMessage(each.stamp, each.now))
     for stamped in by_sender.values():
         yield from stamp_faults(stamped)
 
 
-def _counted_faults(samples: Sequence[Sample]) -> Iterator[Fault]:
+def _counted_faults(samples: Sequence[Sample]) -> Iterator[CheckFault]:
     """Yield the faults in fields, each once, with the number of messages that have it."""
     counts = Counter(fault for sample in samples for fault in sample.faults)
     for fault, count in counts.most_common(MOST):
@@ -184,7 +194,9 @@ def _counted_faults(samples: Sequence[Sample]) -> Iterator[Fault]:
         yield warn(f"{len(counts) - MOST} more faults in its fields")
 
 
-def _frames(expected: Expectation, samples: Sequence[Sample], tree: Tree) -> Iterator[Fault]:
+def _frames(
+    expected: Expectation, samples: Sequence[Sample], tree: TransformTree
+) -> Iterator[CheckFault]:
     if expected.frame is None:
         usual = []
     else:  # a robot's own name of its base counts as well
@@ -203,12 +215,14 @@ def _promise(expected: Expectation) -> str:
     return ", ".join(filter(None, (expected.type_name, latched, every)))
 
 
-def _subscribed(there: Sides) -> str:
+def _subscribed(there: EndpointSides) -> str:
     count = len(there.others)
     return f"subscribed, {count or 'no'} publisher{'' if count == 1 else 's'}"
 
 
-def _found(samples: Sequence[Sample], measured: float | None, there: Sides, facts: Facts) -> str:
+def _found(
+    samples: Sequence[Sample], measured: float | None, there: EndpointSides, facts: RobotFacts
+) -> str:
     if not samples:
         return SILENT
     parts = [f"{measured:.1f} Hz"] if measured is not None else [_messages(len(samples))]
@@ -223,7 +237,9 @@ def _messages(count: int) -> str:
     return f"{count} message{'' if count == 1 else 's'}"
 
 
-def _with(row: Row, faults: Iterable[Fault], *, found: str, rate: float | None = None) -> Row:
+def _with(
+    row: CheckRow, faults: Iterable[CheckFault], *, found: str, rate: float | None = None
+) -> CheckRow:
     """Return `row` with its faults, each once, the worst first."""
     once = sorted(dict.fromkeys(faults), key=lambda fault: -ORDER.index(fault.level))
     return replace(row, found=found, rate=rate, faults=tuple(once))

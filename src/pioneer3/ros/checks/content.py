@@ -10,7 +10,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from pioneer3.ros.checks.facts import Fault, fail, warn
+from pioneer3.ros.checks.facts import CheckFault, fail, warn
 
 NAN, INF = "NaN", "infinite"
 UNMEASURED: Final = frozenset({NAN})
@@ -53,14 +53,14 @@ ERROR: Final = 2
 """`DiagnosticStatus.ERROR`."""
 
 
-def faults_in(message: Any) -> tuple[Fault, ...]:
+def faults_in(message: Any) -> tuple[CheckFault, ...]:
     """Return the faults in the fields of a message."""
     name = message.__msgtype__
     special = SPECIAL.get(name)
     return (*_walk(message, "", name), *(special(message) if special else ()))
 
 
-def _walk(value: Any, path: str, top: str) -> Iterator[Fault]:
+def _walk(value: Any, path: str, top: str) -> Iterator[CheckFault]:
     """Yield the faults of all numbers, quaternions and covariances in `value`."""
     if isinstance(value, float | np.floating):
         yield from _number(float(value), path, top)
@@ -80,13 +80,13 @@ def _walk(value: Any, path: str, top: str) -> Iterator[Fault]:
             yield from _walk(getattr(value, each.name), below, top)
 
 
-def _number(value: float, path: str, top: str) -> Iterator[Fault]:
+def _number(value: float, path: str, top: str) -> Iterator[CheckFault]:
     kind = NAN if isnan(value) else INF if isinf(value) else ""
     if kind and kind not in ALLOWED.get(top, {}).get(path, frozenset()):
         yield fail(f"{path} is {kind}")
 
 
-def _array(value: Any, path: str, top: str) -> Iterator[Fault]:
+def _array(value: Any, path: str, top: str) -> Iterator[CheckFault]:
     if value.dtype.kind != "f" or not value.size:
         return
     allowed = ALLOWED.get(top, {}).get(path, frozenset())
@@ -101,7 +101,7 @@ def _array(value: Any, path: str, top: str) -> Iterator[Fault]:
             yield warn(f"{path} is all 0", advice="robot_localization takes that as certain")
 
 
-def _quaternion(value: Any, path: str) -> Iterator[Fault]:
+def _quaternion(value: Any, path: str) -> Iterator[CheckFault]:
     length = hypot(value.x, value.y, value.z, value.w)
     if isfinite(length) and abs(length - 1) > UNIT:
         yield fail(f"{path} is no unit quaternion", example=f"its length is {length:.3g}")
@@ -112,7 +112,7 @@ def _unmeasured(message: Any) -> bool:
     return covariance is not None and covariance[0] == NOT_MEASURED
 
 
-def _range(message: Any) -> Iterator[Fault]:
+def _range(message: Any) -> Iterator[CheckFault]:
     near, far, value = message.min_range, message.max_range, message.range
     if near > far:
         yield fail("min_range is larger than max_range", example=f"{near:g} m, {far:g} m")
@@ -126,7 +126,7 @@ def _range(message: Any) -> Iterator[Fault]:
         yield warn("field_of_view is 0", advice="costmaps mark nothing then")
 
 
-def _scan(message: Any) -> Iterator[Fault]:
+def _scan(message: Any) -> Iterator[CheckFault]:
     values, step = np.asarray(message.ranges), message.angle_increment
     if not len(values):
         yield fail("ranges is empty")
@@ -154,13 +154,13 @@ def _scan(message: Any) -> Iterator[Fault]:
         )
 
 
-def _battery(message: Any) -> Iterator[Fault]:
+def _battery(message: Any) -> Iterator[CheckFault]:
     share = message.percentage
     if isfinite(share) and not 0 <= share <= 1:
         yield fail("percentage is not from 0 to 1", example=f"{share:g}")
 
 
-def _joints(message: Any) -> Iterator[Fault]:
+def _joints(message: Any) -> Iterator[CheckFault]:
     for name in ("position", "velocity", "effort"):
         if len(getattr(message, name)) not in {0, len(message.name)}:
             yield fail(f"name and {name} differ in number")
@@ -170,7 +170,7 @@ def _joints(message: Any) -> Iterator[Fault]:
         yield fail("two joints have one name")
 
 
-def _cloud(message: Any) -> Iterator[Fault]:
+def _cloud(message: Any) -> Iterator[CheckFault]:
     rows, size = message.height * message.row_step, len(message.data)
     if rows != size or message.row_step < message.width * message.point_step:
         yield fail("its sizes do not agree", example=f"{rows} bytes by its sizes, {size} bytes")
@@ -200,12 +200,12 @@ def _cloud(message: Any) -> Iterator[Fault]:
             yield fail(f"is_dense, but {field.name} is not finite everywhere")
 
 
-def _image(message: Any) -> Iterator[Fault]:
+def _image(message: Any) -> Iterator[CheckFault]:
     if message.height * message.step != len(message.data):
         yield fail("height, step and data do not agree")
 
 
-def _transforms(message: Any) -> Iterator[Fault]:
+def _transforms(message: Any) -> Iterator[CheckFault]:
     for each in message.transforms:
         parent, child = each.header.frame_id, each.child_frame_id
         if not parent or not child:
@@ -217,13 +217,13 @@ def _transforms(message: Any) -> Iterator[Fault]:
                 yield fail(f"the frame {name} begins with a slash", advice="tf2 has none")
 
 
-def _diagnostics(message: Any) -> Iterator[Fault]:
+def _diagnostics(message: Any) -> Iterator[CheckFault]:
     for each in message.status:
         if each.level >= ERROR:
             yield warn(f"it says of {each.name}: {each.message}")
 
 
-SPECIAL: Final[Mapping[str, Callable[[Any], Iterator[Fault]]]] = {
+SPECIAL: Final[Mapping[str, Callable[[Any], Iterator[CheckFault]]]] = {
     "diagnostic_msgs/msg/DiagnosticArray": _diagnostics,
     "sensor_msgs/msg/BatteryState": _battery,
     "sensor_msgs/msg/Image": _image,

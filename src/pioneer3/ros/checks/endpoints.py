@@ -5,10 +5,18 @@ from dataclasses import dataclass
 from typing import Final
 
 from pioneer3.ros.checks.expectations import Expectation, full
-from pioneer3.ros.checks.facts import UNKNOWN, Facts, Fault, Part, Row, fail, warn
+from pioneer3.ros.checks.facts import (
+    UNKNOWN,
+    CheckFault,
+    CheckRow,
+    ReportPart,
+    RobotFacts,
+    fail,
+    warn,
+)
 from pioneer3.ros.node.names import Profile
 from pioneer3.ros.node.services import NAVIGATION_SERVICES, SERVICES, Service
-from pioneer3.ros.ros2.backend import Endpoint, Kind, MessageType
+from pioneer3.ros.ros2.backend import Endpoint, EndpointKind, MessageType
 from pioneer3.ros.ros2.mismatches import OTHER_SIDE, TWISTS, Own, incompatible
 from pioneer3.ros.ros2.remapping import Resource
 from pioneer3.ros.typestore import full_name
@@ -17,25 +25,27 @@ OTHER_DISTRO: Final = "it is of another distribution of ROS 2: say which with --
 
 
 @dataclass(frozen=True, slots=True)
-class Sides:
+class EndpointSides:
     """The endpoints on a topic: those of the robot, and those that they talk to."""
 
     robot: tuple[Endpoint, ...]
     others: tuple[Endpoint, ...]
 
 
-def sides(expected: Expectation, facts: Facts) -> Sides:
+def sides(expected: Expectation, facts: RobotFacts) -> EndpointSides:
     """Return the endpoints on a topic; whoever publishes a robot's topic counts as the robot."""
-    kind = Kind.PUBLISHER if expected.is_published else Kind.SUBSCRIBER
+    kind = EndpointKind.PUBLISHER if expected.is_published else EndpointKind.SUBSCRIBER
     there = [each for each in facts.graph.endpoints if each.name == expected.name]
     robot = (each for each in there if each.kind is kind)
-    return Sides(
+    return EndpointSides(
         tuple(each for each in robot if not expected.own or each.node == facts.node.full),
         tuple(each for each in there if each.kind is OTHER_SIDE[kind]),
     )
 
 
-def endpoint_faults(expected: Expectation, there: Sides, facts: Facts) -> Iterator[Fault]:
+def endpoint_faults(
+    expected: Expectation, there: EndpointSides, facts: RobotFacts
+) -> Iterator[CheckFault]:
     """Yield the faults of the endpoints on a topic that the robot has."""
     type_ = facts.types.message_type(expected.type_name)
     nodes = sorted({each.node or UNKNOWN for each in there.robot})
@@ -54,7 +64,7 @@ def endpoint_faults(expected: Expectation, there: Sides, facts: Facts) -> Iterat
             yield from _other_faults(other, Own(right.kind, type_, right.qos), facts)
 
 
-def missing(expected: Expectation, facts: Facts, known: set[str]) -> Fault:
+def missing(expected: Expectation, facts: RobotFacts, known: set[str]) -> CheckFault:
     """Return the fault that a topic is missing.
 
     Args:
@@ -62,7 +72,7 @@ def missing(expected: Expectation, facts: Facts, known: set[str]) -> Fault:
         facts: All that is known.
         known: Full names of all topics of the table.
     """
-    kind = Kind.PUBLISHER if expected.is_published else Kind.SUBSCRIBER
+    kind = EndpointKind.PUBLISHER if expected.is_published else EndpointKind.SUBSCRIBER
     similar = sorted(
         each.name
         for each in facts.graph.endpoints
@@ -78,18 +88,18 @@ def missing(expected: Expectation, facts: Facts, known: set[str]) -> Fault:
     return fail(f"nobody {verb} it", advice=advice)
 
 
-def service_rows(facts: Facts) -> Iterator[Row]:
+def service_rows(facts: RobotFacts) -> Iterator[CheckRow]:
     """Yield the services that the robot should have."""
     for service in (*SERVICES, *NAVIGATION_SERVICES):
         for name in service.names(Profile.ROS2):
             yield _service_row(service, full(name, facts, Resource.SERVICE), facts)
 
 
-def _service_row(service: Service, name: str, facts: Facts) -> Row:
+def _service_row(service: Service, name: str, facts: RobotFacts) -> CheckRow:
     type_name = full_name(service.type_in(Profile.ROS2), "srv")
     there = [each for each in facts.graph.endpoints if each.name == name]
-    servers = [each for each in there if each.kind is Kind.SERVER]
-    faults: list[Fault] = []
+    servers = [each for each in there if each.kind is EndpointKind.SERVER]
+    faults: list[CheckFault] = []
     found, absent = "offered", ""
     if len(servers) > 1:
         nodes = " and ".join(sorted(each.node or UNKNOWN for each in servers))
@@ -101,7 +111,7 @@ def _service_row(service: Service, name: str, facts: Facts) -> Row:
     if not servers:
         found = "absent"
         topic = full_name(service.topic_type) if service.topic_type else ""
-        listening = [each for each in there if each.kind is Kind.SUBSCRIBER]
+        listening = [each for each in there if each.kind is EndpointKind.SUBSCRIBER]
         if topic and any(each.type_name == topic for each in listening):
             found = f"topic of {topic}"
         elif listening:
@@ -111,8 +121,8 @@ def _service_row(service: Service, name: str, facts: Facts) -> Row:
             absent = service.optional
         else:
             faults.append(fail("nobody offers it"))
-    return Row(
-        part=Part.SERVICE,
+    return CheckRow(
+        part=ReportPart.SERVICE,
         name=name,
         expected=type_name,
         found=found,
@@ -121,7 +131,7 @@ def _service_row(service: Service, name: str, facts: Facts) -> Row:
     )
 
 
-def _type_faults(each: Endpoint, type_: MessageType, who: str) -> Iterator[Fault]:
+def _type_faults(each: Endpoint, type_: MessageType, who: str) -> Iterator[CheckFault]:
     named = f" of {who}" if who else ""
     if each.type_name != type_.name:
         yield fail(f"the type{named} is {each.type_name}, not {type_.name}")
@@ -129,7 +139,7 @@ def _type_faults(each: Endpoint, type_: MessageType, who: str) -> Iterator[Fault
         yield fail(f"the version{named} of {type_.name} is another", advice=OTHER_DISTRO)
 
 
-def _qos_faults(each: Endpoint, expected: Expectation, facts: Facts) -> Iterator[Fault]:
+def _qos_faults(each: Endpoint, expected: Expectation, facts: RobotFacts) -> Iterator[CheckFault]:
     if not expected.is_published:
         if each.qos.transient_local and facts.strict:
             yield fail(
@@ -150,9 +160,9 @@ def _qos_faults(each: Endpoint, expected: Expectation, facts: Facts) -> Iterator
         )
 
 
-def _other_faults(other: Endpoint, robots: Own, facts: Facts) -> Iterator[Fault]:
+def _other_faults(other: Endpoint, robots: Own, facts: RobotFacts) -> Iterator[CheckFault]:
     """Yield why an endpoint of others cannot talk to the robot's; commands matter most."""
-    commands = robots.kind is Kind.SUBSCRIBER
+    commands = robots.kind is EndpointKind.SUBSCRIBER
     tell = fail if commands else warn
     named = f"{other.kind} {other.node or UNKNOWN}"
     if other.type_name != robots.type.name:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from pioneer3.models.description.tree import Frames
-from pioneer3.ros.checks.facts import Facts
+from pioneer3.ros.checks.facts import RobotFacts
 from pioneer3.ros.messages.update import PictureUpdate, ScanUpdate, SensorUpdate
 from pioneer3.ros.node.names import Profile
 from pioneer3.ros.node.navigation_topics import NAVIGATION_TOPICS
@@ -20,7 +20,7 @@ from pioneer3.ros.node.topics import (
     laser_topic,
     transducer_topic,
 )
-from pioneer3.ros.ros2.backend import Kind
+from pioneer3.ros.ros2.backend import EndpointKind
 from pioneer3.ros.ros2.remapping import Resource, resolved
 from pioneer3.ros.ros2.start import OF_TF
 from pioneer3.ros.typestore import full_name
@@ -71,7 +71,7 @@ class Expectation:
         return self.direction is Direction.PUBLISHED
 
 
-def expectations(facts: Facts) -> Iterator[Expectation]:
+def expectations(facts: RobotFacts) -> Iterator[Expectation]:
     """Yield the topics that the robot should have, in the order of the table."""
     yield from _commands(facts)
     state = (topic for topic in TOPICS if topic not in {COMMANDS, STAMPED_COMMANDS})
@@ -80,17 +80,17 @@ def expectations(facts: Facts) -> Iterator[Expectation]:
     yield from _all(NAVIGATION_TOPICS, facts)
 
 
-def full(name: str, facts: Facts, resource: Resource = Resource.TOPIC) -> str:
+def full(name: str, facts: RobotFacts, resource: Resource = Resource.TOPIC) -> str:
     """Return the full name of a topic or service of the robot."""
     return resolved(name, facts.node, facts.rules, resource)
 
 
-def _commands(facts: Facts) -> Iterator[Expectation]:
+def _commands(facts: RobotFacts) -> Iterator[Expectation]:
     """Yield the topics of commands; `cmd_vel` may have either type."""
     (name,) = COMMANDS.names(Profile.ROS2)
     stamped = any(
         each.name == full(name, facts)
-        and each.kind is Kind.SUBSCRIBER
+        and each.kind is EndpointKind.SUBSCRIBER
         and each.type_name == full_name(STAMPED_COMMANDS.type_name)
         and each.node == facts.node.full
         for each in facts.graph.endpoints
@@ -106,14 +106,14 @@ def _commands(facts: Facts) -> Iterator[Expectation]:
         )
 
 
-def _lasers(facts: Facts) -> Iterator[Topic]:
+def _lasers(facts: RobotFacts) -> Iterator[Topic]:
     """Yield the topic of the first laser, and those of others that are there."""
     found = {match[1] for match in _matching(SCANS, "", facts)}
     for number in sorted(found | {""}, key=lambda text: (len(text), text)):
         yield laser_topic(f"laser{number}")
 
 
-def _transducers(facts: Facts) -> Iterator[Expectation]:
+def _transducers(facts: RobotFacts) -> Iterator[Expectation]:
     """Yield the topics of the transducers: those of the model, else those that are there."""
     found = [int(match[1]) for match in _matching(NUMBERED, "sonar/", facts)]
     count = facts.transducers
@@ -124,23 +124,23 @@ def _transducers(facts: Facts) -> Iterator[Expectation]:
         yield replace(each, required=count > 0)
 
 
-def _matching(pattern: re.Pattern[str], below: str, facts: Facts) -> Iterator[re.Match[str]]:
+def _matching(pattern: re.Pattern[str], below: str, facts: RobotFacts) -> Iterator[re.Match[str]]:
     """Yield the matches of the names of published topics below a name in the robot's namespace."""
     start = full(f"{below}x", facts).removesuffix("x")
     for each in facts.graph.endpoints:
-        if each.kind is Kind.PUBLISHER and each.name.startswith(start):
+        if each.kind is EndpointKind.PUBLISHER and each.name.startswith(start):
             match = pattern.fullmatch(each.name.removeprefix(start))
             if match:
                 yield match
 
 
-def _all(topics: Iterable[Topic], facts: Facts) -> Iterator[Expectation]:
+def _all(topics: Iterable[Topic], facts: RobotFacts) -> Iterator[Expectation]:
     for topic in topics:
         for name in topic.names(Profile.ROS2):
             yield _expected(topic, name, facts)
 
 
-def _expected(topic: Topic, name: str, facts: Facts) -> Expectation:
+def _expected(topic: Topic, name: str, facts: RobotFacts) -> Expectation:
     device = topic.source in DEVICES
     rate = topic.rate if topic.period is None else 1 / topic.period
     speaks = topic.has_data is always and (topic.latched or topic.changes is None)
@@ -161,8 +161,10 @@ def _expected(topic: Topic, name: str, facts: Facts) -> Expectation:
     )
 
 
-def _of_tree(name: str, facts: Facts) -> str:
+def _of_tree(name: str, facts: RobotFacts) -> str:
     """Return the topic of transforms in the robot's namespace, or that of all robots."""
     own, common = full(name, facts), f"/{name}"
-    publishers = {each.name for each in facts.graph.endpoints if each.kind is Kind.PUBLISHER}
+    publishers = {
+        each.name for each in facts.graph.endpoints if each.kind is EndpointKind.PUBLISHER
+    }
     return common if common in publishers and own not in publishers else own

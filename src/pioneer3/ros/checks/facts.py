@@ -18,7 +18,7 @@ UNKNOWN: Final = "an unknown node"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Fault:
+class CheckFault:
     """A fault.
 
     Attributes:
@@ -34,18 +34,18 @@ class Fault:
     advice: str = ""
 
 
-def fail(reason: str, *, example: str = "", advice: str = "") -> Fault:
+def fail(reason: str, *, example: str = "", advice: str = "") -> CheckFault:
     """Return a fault that a robot cannot be used with."""
     return _fault(Level.FAIL, reason, example, advice)
 
 
-def warn(reason: str, *, example: str = "", advice: str = "") -> Fault:
+def warn(reason: str, *, example: str = "", advice: str = "") -> CheckFault:
     """Return a fault that some programs can live with."""
     return _fault(Level.WARN, reason, example, advice)
 
 
-def _fault(level: Level, reason: str, example: str, advice: str) -> Fault:
-    return Fault(
+def _fault(level: Level, reason: str, example: str, advice: str) -> CheckFault:
+    return CheckFault(
         level=level,
         reason=printable(reason),
         example=printable(example),
@@ -86,11 +86,11 @@ class Sample:
     child: str = ""
     transforms: tuple[Transform, ...] = ()
     text: str = ""
-    faults: tuple[Fault, ...] = ()
+    faults: tuple[CheckFault, ...] = ()
 
 
 @dataclass(slots=True)
-class Stream:
+class TopicStream:
     """The messages of one topic.
 
     Attributes:
@@ -105,7 +105,7 @@ class Stream:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Facts:
+class RobotFacts:
     """All that is known of a robot after listening.
 
     Attributes:
@@ -122,7 +122,7 @@ class Facts:
 
     node: NodeName
     graph: Graph
-    heard: Mapping[str, Stream]
+    heard: Mapping[str, TopicStream]
     ended: float
     types: MessageTypes
     strict: bool
@@ -146,7 +146,7 @@ class Facts:
         return self.ended - stream.began if stream else 0.0
 
 
-class Part(StrEnum):
+class ReportPart(StrEnum):
     """The kinds of rows of a report."""
 
     NODE = "node"
@@ -156,7 +156,7 @@ class Part(StrEnum):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Row:
+class CheckRow:
     """One thing that a robot should have, and its faults.
 
     Attributes:
@@ -169,12 +169,12 @@ class Row:
         rate: Messages that came in a second [Hz]; `None` where that is not known.
     """
 
-    part: Part
+    part: ReportPart
     name: str
     expected: str
     found: str
     absent: str = ""
-    faults: tuple[Fault, ...] = ()
+    faults: tuple[CheckFault, ...] = ()
     rate: float | None = None
 
     @property
@@ -184,7 +184,7 @@ class Row:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Report:
+class CheckReport:
     """The outcome of a check.
 
     Attributes:
@@ -195,7 +195,7 @@ class Report:
 
     node: str
     seconds: float
-    rows: tuple[Row, ...]
+    rows: tuple[CheckRow, ...]
 
     def count(self, level: Level) -> int:
         """Return the number of rows that are so bad."""

@@ -11,10 +11,10 @@ from pioneer3.models import load_model
 from pioneer3.ros.checks.check import check
 from pioneer3.ros.checks.content import faults_in
 from pioneer3.ros.checks.expectations import Expectation, expectations
-from pioneer3.ros.checks.facts import Facts, Report, Sample, Stream, Transform
+from pioneer3.ros.checks.facts import CheckReport, RobotFacts, Sample, TopicStream, Transform
 from pioneer3.ros.checks.robots import robot_called
 from pioneer3.ros.messages.update import nanoseconds
-from pioneer3.ros.ros2.backend import Backend, Closable, Graph, Kind, NodeName, Qos
+from pioneer3.ros.ros2.backend import Backend, Closable, EndpointKind, Graph, NodeName, Qos
 from pioneer3.ros.ros2.client import DISCOVERY
 from pioneer3.ros.ros2.remapping import Remapping
 from pioneer3.ros.ros2.start import NodeOptions, on_ros2
@@ -56,7 +56,7 @@ class Question:
 
 async def check_robot(
     options: NodeOptions, question: Question, progress: Callable[[str], None]
-) -> Report:
+) -> CheckReport:
     """Join the network, listen to a robot, and return the report.
 
     Args:
@@ -75,7 +75,7 @@ async def check_robot(
         await asyncio.sleep(DISCOVERY)
         graph = without(backend.graph(), own)
         node = robot_called(graph, question.robot, backend.title)
-        listener = Listener(
+        listener = TopicListener(
             backend, own, types, node, rules=arguments.rules, transducers=transducers
         )
         await listener.listen(question.seconds, progress)
@@ -95,7 +95,7 @@ def without(graph: Graph, own: NodeName) -> Graph:
 class _Come:
     """A serialized message of a stream, when it came, and its publisher."""
 
-    stream: Stream
+    stream: TopicStream
     type_name: str
     cdr: bytes
     at: float
@@ -103,7 +103,7 @@ class _Come:
     sender: bytes
 
 
-class Listener:
+class TopicListener:
     """Listens to the topics of a robot.
 
     Args:
@@ -130,7 +130,7 @@ class Listener:
         self._backend, self._own, self._types, self._wall = backend, own, types, wall
         self._node, self._rules, self._transducers = node, rules, transducers
         self._clock = asyncio.get_running_loop().time
-        self._heard: dict[str, Stream] = {}
+        self._heard: dict[str, TopicStream] = {}
         self._open: list[Closable] = []
         self._come: deque[_Come] = deque()
         self._simulated: int | None = None
@@ -158,12 +158,12 @@ class Listener:
             await asyncio.to_thread(self._close)
         await asyncio.to_thread(self._read)
 
-    def facts(self) -> Facts:
+    def facts(self) -> RobotFacts:
         """Return all that is known, after listening."""
         return self._facts(self._graph, self._ended)
 
-    def _facts(self, graph: Graph, ended: float) -> Facts:
-        return Facts(
+    def _facts(self, graph: Graph, ended: float) -> RobotFacts:
+        return RobotFacts(
             node=self._node,
             graph=graph,
             heard=self._heard,
@@ -190,7 +190,7 @@ class Listener:
                 endpoint.qos
                 for endpoint in graph.endpoints
                 if endpoint.name == each.name
-                and endpoint.kind is Kind.PUBLISHER
+                and endpoint.kind is EndpointKind.PUBLISHER
                 and endpoint.type_name == each.type_name
             ]
             if each.is_published and offered and each.name not in self._heard:
@@ -198,7 +198,7 @@ class Listener:
 
     def _listen_to(self, each: Expectation, offered: list[Qos]) -> None:
         """Subscribe with the strictest quality of service that all publishers offer."""
-        stream = self._heard[each.name] = Stream(self._clock())
+        stream = self._heard[each.name] = TopicStream(self._clock())
         qos = Qos(
             reliable=all(one.reliable for one in offered),
             transient_local=all(one.transient_local for one in offered),
@@ -271,6 +271,6 @@ def sample_of(message: Any, at: float, now: int | None, sender: bytes) -> Sample
 def _takes_clock(graph: Graph, node: NodeName) -> bool:
     """Return whether a node takes the time of `/clock`: then it subscribes to it."""
     return any(
-        (each.node, each.name, each.kind) == (node.full, CLOCK, Kind.SUBSCRIBER)
+        (each.node, each.name, each.kind) == (node.full, CLOCK, EndpointKind.SUBSCRIBER)
         for each in graph.endpoints
     )

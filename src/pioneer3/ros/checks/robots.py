@@ -4,7 +4,7 @@ from typing import Final
 
 from pioneer3.errors import ConfigError, NoRobotError
 from pioneer3.names import printable
-from pioneer3.ros.ros2.backend import Graph, Kind, NodeName
+from pioneer3.ros.ros2.backend import EndpointKind, Graph, NodeName
 from pioneer3.ros.ros2.mismatches import TWISTS
 
 ODOMETRY: Final = "nav_msgs/msg/Odometry"
@@ -19,9 +19,9 @@ def robots_in(graph: Graph) -> list[str]:
     """Return the nodes that take velocity commands and publish odometry, of whatever type."""
     drives, tells = set(), set()
     for each in graph.endpoints:
-        if each.kind is Kind.SUBSCRIBER and each.type_name in TWISTS:
+        if each.kind is EndpointKind.SUBSCRIBER and each.type_name in TWISTS:
             drives.add(each.node)
-        if each.kind is Kind.PUBLISHER and (
+        if each.kind is EndpointKind.PUBLISHER and (
             each.type_name == ODOMETRY or each.name.rpartition("/")[2] == ODOM
         ):
             tells.add(each.node)

@@ -6,7 +6,7 @@ from itertools import pairwise
 from statistics import median
 from typing import Final
 
-from pioneer3.ros.checks.facts import Fault, Sample, fail, warn
+from pioneer3.ros.checks.facts import CheckFault, Sample, fail, warn
 
 ENOUGH: Final = 0.5
 """Fewer messages than this share of the expected ones are a fault."""
@@ -47,7 +47,7 @@ def rate_faults(
     *,
     ended: float,
     optional: bool,
-) -> Iterator[Fault]:
+) -> Iterator[CheckFault]:
     """Yield the faults in the rate of messages that have come.
 
     Args:
@@ -76,7 +76,7 @@ def rate_faults(
 
 
 @dataclass(frozen=True, slots=True)
-class Stamped:
+class StampedMessage:
     """A stamp, and the ROS time when it came [ns]."""
 
     stamp: int
@@ -88,7 +88,9 @@ class Stamped:
         return 0.0 if self.now is None else (self.now - self.stamp) / NANO
 
 
-def stamp_faults(stamped: Iterable[Stamped], *, future: float = FUTURE) -> Iterator[Fault]:
+def stamp_faults(
+    stamped: Iterable[StampedMessage], *, future: float = FUTURE
+) -> Iterator[CheckFault]:
     """Yield the faults in the stamps of one publisher, in the order in which they came.
 
     Args:
@@ -115,7 +117,7 @@ def stamp_faults(stamped: Iterable[Stamped], *, future: float = FUTURE) -> Itera
         yield warn("stamps are late", example=f"commonly {usual:.2f} s", advice=CLOCKS)
 
 
-def _order(known: Sequence[Stamped]) -> Iterator[Fault]:
+def _order(known: Sequence[StampedMessage]) -> Iterator[CheckFault]:
     steps = [after.stamp - before.stamp for before, after in pairwise(known)]
     back = sum(step < 0 for step in steps)
     if back:

@@ -6,8 +6,8 @@ from typing import Final
 from xml.etree import ElementTree as ET
 
 from pioneer3.models.description.tree import Frames
-from pioneer3.ros.checks.facts import Facts, Fault, fail, warn
-from pioneer3.ros.checks.timing import FUTURE, Stamped, stamp_faults
+from pioneer3.ros.checks.facts import CheckFault, RobotFacts, fail, warn
+from pioneer3.ros.checks.timing import FUTURE, StampedMessage, stamp_faults
 
 AHEAD: Final = 1.0
 """`map` to `odom` is stamped this far into the future [s] at most, as AMCL does it."""
@@ -16,7 +16,7 @@ SHOWN: Final = 4
 
 
 @dataclass(slots=True)
-class Edge:
+class TransformEdge:
     """A transform, by its publishers' identities.
 
     Attributes:
@@ -27,11 +27,11 @@ class Edge:
 
     moving: set[bytes] = field(default_factory=set)
     fixed: set[bytes] = field(default_factory=set)
-    stamps: list[Stamped] = field(default_factory=list)
+    stamps: list[StampedMessage] = field(default_factory=list)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Tree:
+class TransformTree:
     """All transforms that came, by child and parent.
 
     Attributes:
@@ -41,7 +41,7 @@ class Tree:
         base: Of the robot in it; empty if odometry does not tell.
     """
 
-    edges: Mapping[str, Mapping[str, Edge]]
+    edges: Mapping[str, Mapping[str, TransformEdge]]
     prefix: str = ""
     odom: str = "odom"
     base: str = ""
@@ -79,7 +79,7 @@ class Tree:
         return reached
 
 
-def tree_of(facts: Facts, tf: str, tf_static: str, odom: str) -> Tree:
+def tree_of(facts: RobotFacts, tf: str, tf_static: str, odom: str) -> TransformTree:
     """Return the transforms that came.
 
     Args:
@@ -88,23 +88,23 @@ def tree_of(facts: Facts, tf: str, tf_static: str, odom: str) -> Tree:
         tf_static: So of the static ones.
         odom: So of odometry, which names the robot's frames.
     """
-    edges: dict[str, dict[str, Edge]] = {}
+    edges: dict[str, dict[str, TransformEdge]] = {}
     for name, moves in ((tf, True), (tf_static, False)):
         for sample in facts.samples(name):
             for each in sample.transforms:
-                edge = edges.setdefault(each.child, {}).setdefault(each.parent, Edge())
+                edge = edges.setdefault(each.child, {}).setdefault(each.parent, TransformEdge())
                 (edge.moving if moves else edge.fixed).add(sample.sender)
                 if moves:
-                    edge.stamps.append(Stamped(each.stamp, sample.now))
+                    edge.stamps.append(StampedMessage(each.stamp, sample.now))
     last = next((each for each in reversed(facts.samples(odom)) if each.child), None)
     if last is None:
-        return Tree(edges=edges)
+        return TransformTree(edges=edges)
     base, parent = last.child, last.frame or ""
     start = base.rpartition("/")[0]
-    return Tree(edges=edges, prefix=f"{start}/" if start else "", odom=parent, base=base)
+    return TransformTree(edges=edges, prefix=f"{start}/" if start else "", odom=parent, base=base)
 
 
-def moving_faults(tree: Tree, facts: Facts) -> Iterator[Fault]:
+def moving_faults(tree: TransformTree, facts: RobotFacts) -> Iterator[CheckFault]:
     """Yield the faults of the transforms that move."""
     yield from _odometry_faults(tree)
     connected = tree.connected()
@@ -122,7 +122,7 @@ def moving_faults(tree: Tree, facts: Facts) -> Iterator[Fault]:
     yield from _loops(tree)
 
 
-def fixed_faults(tree: Tree) -> Iterator[Fault]:
+def fixed_faults(tree: TransformTree) -> Iterator[CheckFault]:
     """Yield the faults of the static transforms."""
     for child in tree.bases:
         for parent, edge in tree.edges.get(child, {}).items():
@@ -133,8 +133,8 @@ def fixed_faults(tree: Tree) -> Iterator[Fault]:
 
 
 def frame_faults(
-    tree: Tree, used: str, usual: Sequence[str], *, reachable: bool = True
-) -> Iterator[Fault]:
+    tree: TransformTree, used: str, usual: Sequence[str], *, reachable: bool = True
+) -> Iterator[CheckFault]:
     """Yield the faults of a frame that messages name.
 
     Args:
@@ -160,7 +160,7 @@ def frame_faults(
         yield warn(f"frame_id is {used}", example=f"{usual[0]} is usual")
 
 
-def child_faults(tree: Tree, used: str) -> Iterator[Fault]:
+def child_faults(tree: TransformTree, used: str) -> Iterator[CheckFault]:
     """Yield the faults of the frame of the robot in odometry."""
     frames = tree.frames
     if not used or used.startswith("/"):
@@ -169,7 +169,7 @@ def child_faults(tree: Tree, used: str) -> Iterator[Fault]:
         yield warn(f"child_frame_id is {used}", example=f"{frames.base} is usual")
 
 
-def description_faults(tree: Tree, urdf: str) -> Iterator[Fault]:
+def description_faults(tree: TransformTree, urdf: str) -> Iterator[CheckFault]:
     """Yield the faults of a description of the robot."""
     try:
         root = ET.fromstring(urdf)
@@ -189,7 +189,7 @@ def description_faults(tree: Tree, urdf: str) -> Iterator[Fault]:
         )
 
 
-def _odometry_faults(tree: Tree) -> Iterator[Fault]:
+def _odometry_faults(tree: TransformTree) -> Iterator[CheckFault]:
     found = [child for child in tree.bases if tree.odom in tree.edges.get(child, {})]
     if not found:
         bases = " or ".join(tree.bases)
@@ -199,7 +199,7 @@ def _odometry_faults(tree: Tree) -> Iterator[Fault]:
         )
 
 
-def _edge_faults(name: str, edge: Edge, facts: Facts) -> Iterator[Fault]:
+def _edge_faults(name: str, edge: TransformEdge, facts: RobotFacts) -> Iterator[CheckFault]:
     for gids in (edge.moving, edge.fixed):
         if len(gids) > 1:
             yield fail(
@@ -211,7 +211,7 @@ def _edge_faults(name: str, edge: Edge, facts: Facts) -> Iterator[Fault]:
         yield fail(f"{name} is static and moves, too: {told}")
 
 
-def _loops(tree: Tree) -> Iterator[Fault]:
+def _loops(tree: TransformTree) -> Iterator[CheckFault]:
     told: set[str] = set()
     for start in tree.edges:
         way: list[str] = []
@@ -226,11 +226,11 @@ def _loops(tree: Tree) -> Iterator[Fault]:
                 yield fail(f"transforms go in a circle: {' → '.join(reversed((*loop, name)))}")
 
 
-def _who(edge: Edge, facts: Facts) -> str:
+def _who(edge: TransformEdge, facts: RobotFacts) -> str:
     return _names(edge.moving | edge.fixed, facts)
 
 
-def _names(gids: Set[bytes], facts: Facts) -> str:
+def _names(gids: Set[bytes], facts: RobotFacts) -> str:
     names = sorted(map(facts.sender, gids))
     return " and ".join(names)
 

@@ -10,7 +10,7 @@ from pioneer3.errors import Refusal
 from pioneer3.geometry import STILL, Twist2
 from pioneer3.robot.explain import Reason, ReasonKind, why_not_moving
 from pioneer3.robot.pilot import STANDING, Pilot, VelocityCommand
-from pioneer3.robot.supervisor import Connection, Feed, RobotInfo, Status
+from pioneer3.robot.supervisor import Connection, ConnectionStatus, Feed, RobotInfo
 from pioneer3.runtime.arbiter import Arbiter
 from pioneer3.runtime.driven import Driven
 from pioneer3.state import Snapshot
@@ -56,7 +56,7 @@ class TopicSupervisor:
     ) -> None:
         self.pilot = Pilot()
         self.snapshots: Feed[Snapshot] = Feed()
-        self.status: Feed[Status] = Feed()
+        self.status: Feed[ConnectionStatus] = Feed()
         self.info: RobotInfo | None = info
         self.snapshot_taken: Callable[[Snapshot], None] = lambda snapshot: None
         self._publish = publish
@@ -112,7 +112,7 @@ class TopicSupervisor:
             if self.pilot.emergency:
                 self._stop_hard()  # it may have been out of reach when that was asked for
             self.pilot.session_opened(self.info.limits, now)
-            self.status.publish(Status(Connection.CONNECTED, self.info.url))
+            self.status.publish(ConnectionStatus(Connection.CONNECTED, self.info.url))
         self._fresh = snapshot = self._with_stall(snapshot, now)
         self.pilot.observe(snapshot, now)
         self.snapshot_taken(snapshot)
@@ -188,7 +188,7 @@ class TopicSupervisor:
         why = f"its topics are silent for {SILENT:g} s"
         self.pilot.session_lost(why, now)
         self._send(STILL)
-        self.status.publish(Status(Connection.LOST, why))
+        self.status.publish(ConnectionStatus(Connection.LOST, why))
 
     def _flush(self, *, again: bool = False) -> None:
         """Send the motion that the pilot wants, or the last velocity `again`.

@@ -13,9 +13,9 @@ from typing import Any, Final
 
 from pioneer3.errors import ConfigError, how_to_get
 from pioneer3.ros.dds.discovery import TOPIC, Discovery
-from pioneer3.ros.dds.endpoints import SAMPLES, DdsReader, DdsWriter, Together
+from pioneer3.ros.dds.endpoints import SAMPLES, DdsReader, DdsWriter, EndpointGroup
 from pioneer3.ros.dds.entities import Entities
-from pioneer3.ros.dds.services import HEAD, Client, Server
+from pioneer3.ros.dds.services import HEAD, ServiceClient, ServiceResponder
 from pioneer3.ros.dds.settings import DOMAINS, DdsOptions
 from pioneer3.ros.ros2.backend import (
     LATCHED,
@@ -123,11 +123,11 @@ class DdsBackend:
             raise ConfigError("services over DDS need --dds-services, and peers that can call them")
         writer = self._advertise(f"rr{name}Reply", type_.response, HEAD, REQUESTS)
         refusal = self._types.encode(self._types.make(type_.response.name))
-        server = Server(name, respond, refusal, writer.write)
+        server = ServiceResponder(name, respond, refusal, writer.write)
         reader = self._subscribe(
             f"rq{name}Request", type_.request, REQUESTS, server.take, head=HEAD
         )
-        return Together((reader, server, writer))
+        return EndpointGroup((reader, server, writer))
 
     def call(self, name: str, type_: ServiceType, request: bytes, timeout: float) -> bytes:
         """Call a service of a peer with rmw_cyclonedds_cpp.
@@ -136,7 +136,7 @@ class DdsBackend:
             TimeoutError: nobody has responded.
         """
         writer = self._advertise(f"rq{name}Request", type_.request, HEAD, REQUESTS)
-        client = Client(writer.write)
+        client = ServiceClient(writer.write)
         reader = self._subscribe(f"rr{name}Reply", type_.response, REQUESTS, client.take, head=HEAD)
         try:
             until = monotonic() + timeout
@@ -144,7 +144,7 @@ class DdsBackend:
                 sleep(LOOK)
             return client.call(request, max(LOOK, until - monotonic()))
         finally:
-            Together((reader, writer)).close()
+            EndpointGroup((reader, writer)).close()
 
     def graph(self) -> Graph:
         """Return the nodes and endpoints that are known now."""

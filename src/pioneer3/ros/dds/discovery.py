@@ -7,7 +7,7 @@ from math import inf
 from typing import Any, Final
 
 from pioneer3.names import printable
-from pioneer3.ros.ros2.backend import Endpoint, Graph, Kind, MessageType, NodeName, Qos
+from pioneer3.ros.ros2.backend import Endpoint, EndpointKind, Graph, MessageType, NodeName, Qos
 from pioneer3.ros.ros2.types import MessageTypes
 
 TOPIC: Final = "ros_discovery_info"
@@ -18,10 +18,10 @@ GUID_BYTES: Final = 16
 FOREVER: Final = (1 << 63) - 1
 """A duration without end [ns]."""
 KINDS: Final = {
-    ("rt/", False): Kind.PUBLISHER,
-    ("rt/", True): Kind.SUBSCRIBER,
-    ("rq/", False): Kind.CLIENT,
-    ("rq/", True): Kind.SERVER,
+    ("rt/", False): EndpointKind.PUBLISHER,
+    ("rt/", True): EndpointKind.SUBSCRIBER,
+    ("rq/", False): EndpointKind.CLIENT,
+    ("rq/", True): EndpointKind.SERVER,
 }
 """Kind of an endpoint by its topic's prefix, and whether it reads; `rr/` would be there twice."""
 
@@ -90,7 +90,7 @@ class Discovery:
             return
         guid, qos = found.key.bytes, found.qos
         topic, type_name = f"/{name[3:]}", _ros_type(found.type_name)
-        if kind in {Kind.CLIENT, Kind.SERVER}:
+        if kind in {EndpointKind.CLIENT, EndpointKind.SERVER}:
             topic, type_name = topic.removesuffix("Request"), type_name.removesuffix("_Request")
         endpoint = Endpoint(
             kind=kind,

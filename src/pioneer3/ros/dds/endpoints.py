@@ -168,7 +168,7 @@ class DdsReader:
 
 
 @dataclass(frozen=True, slots=True)
-class Together:
+class EndpointGroup:
     """Several endpoints that are closed together."""
 
     parts: tuple[Closable, ...]

@@ -24,7 +24,7 @@ class SharedTopic:
     users: int = 0
 
 
-class Part(NamedTuple):
+class EndpointParts(NamedTuple):
     """The objects that end with an endpoint: its topic, and the condition of a reader."""
 
     key: Key
@@ -52,7 +52,7 @@ class Entities:
         self._waitset, self._woken = WaitSet(self._participant), GuardCondition(self._participant)
         self._waitset.attach(self._woken)
         self._topics: dict[Key, SharedTopic] = {}
-        self._parts: dict[Any, Part] = {}
+        self._parts: dict[Any, EndpointParts] = {}
         self._lock = threading.RLock()  # two threads would register a type twice
 
     @property
@@ -70,7 +70,7 @@ class Entities:
         with self._lock:
             key = topic, self._samples.of(type_, head)
             made = DataWriter(self._participant, self._topic(key), _dds_qos(qos, type_))
-            self._keep(made, Part(key))
+            self._keep(made, EndpointParts(key))
         return made, key[1]
 
     def reader(self, topic: str, type_: MessageType, head: Mapping[str, str], qos: Qos) -> Any:
@@ -80,7 +80,7 @@ class Entities:
         with self._lock:
             key = topic, self._samples.of(type_, head)
             made = DataReader(self._participant, self._topic(key), _dds_qos(qos, type_))
-            self._keep(made, Part(key, self._attach(made)))
+            self._keep(made, EndpointParts(key, self._attach(made)))
         self.wake()  # for messages that came before it was attached
         return made
 
@@ -138,7 +138,7 @@ class Entities:
             self._topics[key] = SharedTopic(Topic(self._participant, *key))
         return self._topics[key].topic
 
-    def _keep(self, endpoint: Any, part: Part) -> None:
+    def _keep(self, endpoint: Any, part: EndpointParts) -> None:
         self._parts[endpoint] = part
         self._topics[part.key].users += 1
 

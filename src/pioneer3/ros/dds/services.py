@@ -46,7 +46,7 @@ def without_id(cdr: bytes) -> tuple[bytes, int, int]:
     return cdr[:ENCAPSULATION] + cdr[end:], client, sequence
 
 
-class Server:
+class ServiceResponder:
     """Responds to requests of one service, in a thread of its own.
 
     Args:
@@ -101,7 +101,7 @@ class Server:
         self._write(with_id(response, client, sequence))
 
 
-class Client:
+class ServiceClient:
     """Calls a service.
 
     Args:

@@ -38,7 +38,7 @@ _OVER = {
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
-class Goal:
+class SentGoal:
     """A goal that somebody has sent.
 
     Attributes:
@@ -66,7 +66,7 @@ class GoalsUpdate:
         make: Returns an empty message of the type named.
     """
 
-    goals: Sequence[Goal]
+    goals: Sequence[SentGoal]
     stamp: Any
     make: Callable[[str], Any]
 
@@ -75,7 +75,7 @@ class GoalsUpdate:
 class ResultUpdate:
     """A goal is over."""
 
-    goal: Goal
+    goal: SentGoal
     stamp: Any
 
 
@@ -83,7 +83,7 @@ class ResultUpdate:
 class FeedbackUpdate:
     """Where the robot is on the way to a goal: its pose in the map's `frame`."""
 
-    goal: Goal
+    goal: SentGoal
     robot_in_map: Pose2
     frame: str
     stamp: Any
@@ -114,6 +114,6 @@ def feedback(message: Any, update: FeedbackUpdate) -> None:
     fill_pose(stamped.pose.position, stamped.pose.orientation, update.robot_in_map)
 
 
-def _fill_status(status: Any, goal: Goal) -> None:
+def _fill_status(status: Any, goal: SentGoal) -> None:
     status.goal_id.id, status.goal_id.stamp = goal.id, goal.stamp
     status.status, status.text = int(goal.state), goal.text

@@ -76,7 +76,7 @@ def fixed_transforms(message: Any, update: StateUpdate) -> None:
     _fill_transforms(message, update, placed)
 
 
-class Placed(NamedTuple):
+class PlacedFrame(NamedTuple):
     """A frame in its parent: its place [m] and rotation, at the time `stamp`."""
 
     stamp: Any
@@ -86,24 +86,24 @@ class Placed(NamedTuple):
     rotation: Quaternion
 
 
-def wheels(update: StateUpdate, turned: tuple[float, float]) -> Iterator[Placed]:
+def wheels(update: StateUpdate, turned: tuple[float, float]) -> Iterator[PlacedFrame]:
     """Yield the frame of each wheel; `turned` is left and right [rad]."""
     for number, joint in enumerate(update.tree.wheels):
         yield _joint(update, joint, turned[number % 2])
 
 
-def _moving(stamp: Any, parent: str, child: str, pose: Pose2) -> Placed:
+def _moving(stamp: Any, parent: str, child: str, pose: Pose2) -> PlacedFrame:
     at = (pose.x, pose.y, 0.0)
-    return Placed(stamp, parent, child, at, Quaternion.about_z(pose.theta))
+    return PlacedFrame(stamp, parent, child, at, Quaternion.about_z(pose.theta))
 
 
-def _joint(update: StateUpdate, joint: Joint, turned: float = 0.0) -> Placed:
+def _joint(update: StateUpdate, joint: Joint, turned: float = 0.0) -> PlacedFrame:
     prefix, at = update.options.prefix, (joint.x, joint.y, joint.z)
     parent, child = prefix + joint.parent, prefix + joint.child
-    return Placed(update.stamp, parent, child, at, joint.rotation(turned))
+    return PlacedFrame(update.stamp, parent, child, at, joint.rotation(turned))
 
 
-def _fill_transforms(message: Any, update: StateUpdate, placed: Sequence[Placed]) -> None:
+def _fill_transforms(message: Any, update: StateUpdate, placed: Sequence[PlacedFrame]) -> None:
     """Fill a tf2_msgs/TFMessage, and the transforms in it anew."""
     lacking = range(len(message.transforms), len(placed))
     made = [update.make("geometry_msgs/TransformStamped") for _ in lacking]

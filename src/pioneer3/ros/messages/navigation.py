@@ -90,7 +90,7 @@ class PlanUpdate:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Placed:
+class SentPose:
     """A pose that somebody has sent.
 
     Attributes:
@@ -103,7 +103,7 @@ class Placed:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Start(Placed):
+class SentStart(SentPose):
     """A start that somebody has sent.
 
     Attributes:
@@ -168,16 +168,16 @@ def goal(message: Any, update: NavigationUpdate) -> None:
     )
 
 
-def placed(message: Any) -> Placed:
+def placed(message: Any) -> SentPose:
     """Return the pose of a geometry_msgs/PoseStamped.
 
     Raises:
         CommandError: It is none in the plane, or has no frame.
     """
-    return Placed(frame=_frame(message), pose=flat_pose(message.pose))
+    return SentPose(frame=_frame(message), pose=flat_pose(message.pose))
 
 
-def plan_request(message: Any) -> tuple[Placed | None, Placed]:
+def plan_request(message: Any) -> tuple[SentPose | None, SentPose]:
     """Return start and goal of a nav_msgs/GetPlan.
 
     As in move_base, a start without a frame, here `None`, is where the robot is.
@@ -189,7 +189,7 @@ def plan_request(message: Any) -> tuple[Placed | None, Placed]:
     return (placed(message.start) if known else None), placed(message.goal)
 
 
-def start(message: Any) -> Start:
+def start(message: Any) -> SentStart:
     """Return the start of a geometry_msgs/PoseWithCovarianceStamped.
 
     Raises:
@@ -199,7 +199,7 @@ def start(message: Any) -> Start:
     if not all(0 <= variance < WIDEST**2 for variance in variances):
         raise CommandError(f"the covariance has {variances} on its diagonal")
     x, y, heading = variances
-    return Start(
+    return SentStart(
         frame=_frame(message),
         pose=flat_pose(message.pose.pose),
         spread=sqrt(max(x, y)),
@@ -249,11 +249,11 @@ def _headed(points: Sequence[tuple[float, float]], heading: float | None) -> lis
 
 if TYPE_CHECKING:
     from pioneer3.nav.estimate import Estimate
-    from pioneer3.navigation.navigator import Navigation
+    from pioneer3.navigation.navigator import NavigatorState
 
 
 def navigation_status(
-    map_name: str, estimate: "Estimate", state: "Navigation | None"
+    map_name: str, estimate: "Estimate", state: "NavigatorState | None"
 ) -> tuple[DiagnosticStatus, DiagnosticStatus]:
     """Return the states of localization and of navigation.
 
@@ -285,7 +285,7 @@ def _localization(map_name: str, estimate: "Estimate") -> DiagnosticStatus:
     )
 
 
-def _goal(state: "Navigation | None") -> DiagnosticStatus:
+def _goal(state: "NavigatorState | None") -> DiagnosticStatus:
     goal, problem, left = state and state.goal, state.problem if state else "", ""
     if state is not None and state.way is not None and state.estimate.robot_in_map is not None:
         here = state.estimate.robot_in_map

@@ -11,7 +11,7 @@ from typing import Any, Final
 
 from pioneer3.geometry import Pose2
 from pioneer3.models import RobotModel
-from pioneer3.models.description.tree import Frames, Quaternion, Tree
+from pioneer3.models.description.tree import Frames, FrameTree, Quaternion
 from pioneer3.robot.assemble import SONAR_MAX
 from pioneer3.robot.devices.pictures import Image
 from pioneer3.state import Scan, Snapshot
@@ -108,7 +108,7 @@ class StateUpdate:
 
     snapshot: Snapshot
     model: RobotModel
-    tree: Tree
+    tree: FrameTree
     frames: Frames
     options: MessageOptions
     turned: tuple[float, float] = (0.0, 0.0)

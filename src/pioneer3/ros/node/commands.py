@@ -32,7 +32,7 @@ REMEMBERED: Final = 64
 """Publishers that are remembered."""
 
 
-class Received(NamedTuple):
+class ReceivedMessage(NamedTuple):
     """A message: the topic that it came on, its sender, when it came [s]."""
 
     message: Any
@@ -66,7 +66,7 @@ class Commands:
         self._refusal: Refusal | None = None
         self._told: Refusal | None = None
         self._warned_at = deque([-inf] * WARNINGS, maxlen=WARNINGS)
-        self._pending: deque[Received] = deque(maxlen=PENDING)
+        self._pending: deque[ReceivedMessage] = deque(maxlen=PENDING)
         self._lock = threading.Lock()
         self._loop = asyncio.get_running_loop()
         self._timer: asyncio.TimerHandle | None = None
@@ -106,7 +106,7 @@ class Commands:
         """Take a message, in any thread; those that come together wake the loop once."""
         with self._lock:
             waiting = bool(self._pending)
-            self._pending.append(Received(message, topic, sender, self._loop.time()))
+            self._pending.append(ReceivedMessage(message, topic, sender, self._loop.time()))
         if not waiting:
             with suppress(RuntimeError):  # the loop has ended, and with it the robot's motion
                 self._loop.call_soon_threadsafe(self._drive)
@@ -152,7 +152,7 @@ class Commands:
     def _last_stop(self) -> Stop:
         return self._robot.arbiter.last_stop
 
-    def _understand(self, received: Received) -> Twist2 | None:
+    def _understand(self, received: ReceivedMessage) -> Twist2 | None:
         """Return the motion that one message asks for, or `None` for none yet."""
         topic, sender, at = received.topic, received.sender, received.at
         row = STAMPED_COMMANDS if topic.stamped else COMMANDS

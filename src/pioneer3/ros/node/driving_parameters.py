@@ -12,7 +12,7 @@ from pioneer3.arcos.reports import Config
 from pioneer3.errors import ConfigError
 from pioneer3.limits import Limits
 from pioneer3.ros.node.names import Profile
-from pioneer3.ros.node.parameter import ROS1, Acts, Parameter, rows_of
+from pioneer3.ros.node.parameter import ROS1, Effect, Parameter, rows_of
 from pioneer3.units import DEGREE, MM
 
 Values = Mapping[str, float | None]
@@ -31,7 +31,7 @@ class DrivingSettings:
         low=0.0,
         high=9.999,
         unit="m/s^2",
-        acts=Acts.AT_ONCE,
+        acts=Effect.AT_ONCE,
         rosaria="trans_accel",
         rosaria_default=0.3,
         p2os="max_xaccel",
@@ -41,7 +41,7 @@ class DrivingSettings:
         low=0.0,
         high=9.999,
         unit="m/s^2",
-        acts=Acts.AT_ONCE,
+        acts=Effect.AT_ONCE,
         rosaria="trans_decel",
         rosaria_default=0.3,
         p2os="max_xdecel",
@@ -51,7 +51,7 @@ class DrivingSettings:
         low=0.0,
         high=0.0001,
         profiles=ROS1,
-        acts=Acts.AT_ONCE,
+        acts=Effect.AT_ONCE,
         rosaria="lat_accel",
         rosaria_default=0.0,
     ).field(None)
@@ -60,7 +60,7 @@ class DrivingSettings:
         low=0.0,
         high=0.0001,
         profiles=ROS1,
-        acts=Acts.AT_ONCE,
+        acts=Effect.AT_ONCE,
         rosaria="lat_decel",
         rosaria_default=0.0,
     ).field(None)
@@ -69,7 +69,7 @@ class DrivingSettings:
         low=0.0,
         high=174.5,
         unit="rad/s^2",
-        acts=Acts.AT_ONCE,
+        acts=Effect.AT_ONCE,
         rosaria="rot_accel",
         rosaria_default=1.745,
         p2os="max_yawaccel",
@@ -79,7 +79,7 @@ class DrivingSettings:
         low=0.0,
         high=174.5,
         unit="rad/s^2",
-        acts=Acts.AT_ONCE,
+        acts=Effect.AT_ONCE,
         rosaria="rot_decel",
         rosaria_default=1.745,
         p2os="max_yawdecel",
@@ -89,7 +89,7 @@ class DrivingSettings:
         low=1,
         high=200,
         otherwise="the robot's own",
-        acts=Acts.AT_ONCE,
+        acts=Effect.AT_ONCE,
         rosaria="TicksMM",
         rosaria_default=0,
     ).field(None)
@@ -98,7 +98,7 @@ class DrivingSettings:
         low=-32768,
         high=32767,
         otherwise="the robot's own",
-        acts=Acts.AT_ONCE,
+        acts=Effect.AT_ONCE,
         rosaria="DriftFactor",
         rosaria_default=-99999,
     ).field(None)
@@ -107,7 +107,7 @@ class DrivingSettings:
         low=1,
         high=65535,
         otherwise="the robot's own",
-        acts=Acts.AT_ONCE,
+        acts=Effect.AT_ONCE,
         rosaria="RevCount",
         rosaria_default=0,
     ).field(None)

@@ -6,7 +6,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, Final
 
 from pioneer3.navigation.goals import GoalServer, GoalStatus, NavigationGoal
-from pioneer3.ros.messages.goals import Goal, GoalState, GoalsUpdate, ResultUpdate
+from pioneer3.ros.messages.goals import GoalState, GoalsUpdate, ResultUpdate, SentGoal
 from pioneer3.ros.messages.update import NANO, nanoseconds
 from pioneer3.ros.node.goal_list import GoalList
 from pioneer3.ros.node.middleware import Middleware
@@ -44,11 +44,11 @@ class Goals:
         self._publishing, self._middleware = publishing, middleware
         self._goals = GoalList()
         self._count = 0
-        self._current: Goal | None = None
+        self._current: SentGoal | None = None
         self._clock = asyncio.get_running_loop().time
 
     @property
-    def current(self) -> Goal | None:
+    def current(self) -> SentGoal | None:
         """The goal that is being carried out."""
         return self._current
 
@@ -98,7 +98,7 @@ class Goals:
         if self._current in self._goals.cancel(id_, stamp, self._clock()):
             self._server.end(GoalStatus.CANCELED, "cancelled")
 
-    def _take_status(self, goal: Goal, carried_out: NavigationGoal) -> None:
+    def _take_status(self, goal: SentGoal, carried_out: NavigationGoal) -> None:
         """Note the status of a goal, and publish it."""
         state, text = STATES[carried_out.status], carried_out.text
         if not carried_out.status.is_over:
@@ -111,7 +111,7 @@ class Goals:
             self._middleware.warn(f"the goal is given up: {text}")
         self._publish_result(goal)
 
-    def _publish_result(self, goal: Goal) -> None:
+    def _publish_result(self, goal: SentGoal) -> None:
         self._publishing.publish(ResultUpdate(goal=goal, stamp=self._middleware.stamp(0.0)))
         self._tell()
 

@@ -16,7 +16,7 @@ from pioneer3.models.lasers import HOKUYO_PORT
 from pioneer3.robot.lasers.spec import LaserSpec
 from pioneer3.ros.node.names import Profile
 from pioneer3.ros.node.parameter import (
-    Acts,
+    Effect,
     Parameter,
     RawParameters,
     full_name,
@@ -50,7 +50,7 @@ class LaserParameters:
     """The parameters of a laser; :func:`read_laser_parameters` reads and checks them."""
 
     serial_port: str = Parameter(
-        "such as /dev/ttyACM0", pattern=WORD, form=WORD_FORM, acts=Acts.ON_PORT, hokuyo="port"
+        "such as /dev/ttyACM0", pattern=WORD, form=WORD_FORM, acts=Effect.ON_PORT, hokuyo="port"
     ).field("")
     serial_baud: int | None = Parameter(
         "accepted; the speed is found", otherwise="what the laser has"
@@ -59,25 +59,25 @@ class LaserParameters:
         "of a laser in the network; comes before serial_port",
         pattern=WORD,
         form=WORD_FORM,
-        acts=Acts.ON_PORT,
+        acts=Effect.ON_PORT,
     ).field("")
     ip_port: int = Parameter(
-        "of a laser in the network", low=1, high=65535, acts=Acts.ON_PORT
+        "of a laser in the network", low=1, high=65535, acts=Effect.ON_PORT
     ).field(HOKUYO_PORT)
     frame_id: str = Parameter(
         "of the scans", pattern=WORD, form=WORD_FORM, otherwise="`laser`", hokuyo="frameid"
     ).field("")
     calibrate_time: bool = Parameter(
-        "compare the laser's clock with ours", acts=Acts.ON_SCANS
+        "compare the laser's clock with ours", acts=Effect.ON_SCANS
     ).field(True)
     time_offset: float = Parameter(
-        "added to the times of scans", low=-0.25, high=0.25, unit="s", acts=Acts.ON_SCANS
+        "added to the times of scans", low=-0.25, high=0.25, unit="s", acts=Effect.ON_SCANS
     ).field(0.0)
     publish_intensity: bool = Parameter(
-        "the strength of each echo", acts=Acts.ON_SCANS, hokuyo="intensity"
+        "the strength of each echo", acts=Effect.ON_SCANS, hokuyo="intensity"
     ).field(False)
     publish_multiecho: bool = Parameter(
-        "all echoes, from lasers that have them", acts=Acts.ON_SCANS
+        "all echoes, from lasers that have them", acts=Effect.ON_SCANS
     ).field(False)
     angle_min: float | None = Parameter(
         "first direction",
@@ -85,7 +85,7 @@ class LaserParameters:
         high=pi,
         unit="rad",
         otherwise="all",
-        acts=Acts.ON_SCANS,
+        acts=Effect.ON_SCANS,
         hokuyo="min_ang",
     ).field(None)
     angle_max: float | None = Parameter(
@@ -94,15 +94,15 @@ class LaserParameters:
         high=pi,
         unit="rad",
         otherwise="all",
-        acts=Acts.ON_SCANS,
+        acts=Effect.ON_SCANS,
         hokuyo="max_ang",
     ).field(None)
-    cluster: int = Parameter("readings that become one", low=1, high=99, acts=Acts.ON_SCANS).field(
-        1
-    )
-    skip: int = Parameter("scans left out after each one", low=0, high=9, acts=Acts.ON_SCANS).field(
-        0
-    )
+    cluster: int = Parameter(
+        "readings that become one", low=1, high=99, acts=Effect.ON_SCANS
+    ).field(1)
+    skip: int = Parameter(
+        "scans left out after each one", low=0, high=9, acts=Effect.ON_SCANS
+    ).field(0)
 
     @property
     def ports(self) -> tuple[str, ...]:
@@ -176,7 +176,7 @@ def overridden_laser_parameters(
         ConfigError: as :func:`read_laser_parameters` does.
     """
     ports = read_laser_parameters(raw, profile, below).ports
-    acts = Acts.ON_PORT if given else Acts.ON_SCANS
+    acts = Effect.ON_PORT if given else Effect.ON_SCANS
     if given:
         applies, reason = bool(set(ports) & set(given)), " and ".join(given)
         reason = f"--laser or PIONEER3_LASER gives {reason}"

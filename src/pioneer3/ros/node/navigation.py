@@ -16,9 +16,9 @@ from pioneer3.ros.messages.goals import FeedbackUpdate
 from pioneer3.ros.messages.navigation import (
     MapUpdate,
     NavigationUpdate,
-    Placed,
     PlanUpdate,
-    Start,
+    SentPose,
+    SentStart,
     navigation_status,
     occupancy_grid,
     plan_request,
@@ -231,7 +231,7 @@ class NodeNavigation:
         assert INITIAL_POSE.parse is not None
         refused, map_frame = "", self._options.map_frame
         try:
-            start: Start = INITIAL_POSE.parse(message)
+            start: SentStart = INITIAL_POSE.parse(message)
         except CommandError as error:
             refused = str(error)
         else:
@@ -269,7 +269,7 @@ class NodeNavigation:
         parse = topic.parse
         return lambda: self._place_of(parse(message))
 
-    def _place_of(self, goal: Placed) -> "Destination":
+    def _place_of(self, goal: SentPose) -> "Destination":
         """Return the place of a goal on the map.
 
         Raises:

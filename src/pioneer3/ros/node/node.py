@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Final
 from pioneer3.arcos.commands import Command
 from pioneer3.errors import CommandError, DeviceError
 from pioneer3.models import RobotModel
-from pioneer3.models.description.tree import Tree, tree_of
+from pioneer3.models.description.tree import FrameTree, tree_of
 from pioneer3.models.description.urdf import describe
 from pioneer3.robot.devices.pictures import Image, decode
 from pioneer3.robot.devices.sensor import Stamped
@@ -357,7 +357,7 @@ class RobotNode:
             middleware=self._middleware,
         )
 
-    def _tree_of(self, model: RobotModel) -> Tree:
+    def _tree_of(self, model: RobotModel) -> FrameTree:
         options = self._options
         asked = self._robot.laser is not self._robot.devices.laser
         return tree_of(

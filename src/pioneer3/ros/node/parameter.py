@@ -68,7 +68,7 @@ NOUNS: Final = {
 """Words for one value of a kind, and for several."""
 
 
-class Acts(StrEnum):
+class Effect(StrEnum):
     """Where a parameter acts."""
 
     AT_START = "when the node starts"
@@ -115,7 +115,7 @@ class Parameter:
     pattern: str = ""
     form: str = ""
     profiles: frozenset[Profile] = ROS1 | ROS2
-    acts: Acts = Acts.AT_START
+    acts: Effect = Effect.AT_START
     rosaria: str = ""
     rosaria_default: float | None = None
     hokuyo: str = ""
@@ -130,7 +130,7 @@ class Parameter:
         """Return the names that are read in `profile`; the first one that is given counts."""
         if profile not in self.profiles:
             return ()
-        if self.acts is Acts.AT_ONCE:
+        if self.acts is Effect.AT_ONCE:
             several = self.rosaria, self.name
         elif self.rosaria and profile is Profile.COMPATIBILITY:
             several = self.rosaria, ""
@@ -177,7 +177,7 @@ class Parameter:
         limits = (
             " or ".join(self.choices),
             f"not set means {self.otherwise}" if self.default is None and self.otherwise else "",
-            "" if self.acts is Acts.AT_ONCE else READ_AT_START,
+            "" if self.acts is Effect.AT_ONCE else READ_AT_START,
         )
         return "; ".join(filter(None, limits))
 

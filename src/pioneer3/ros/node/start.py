@@ -36,7 +36,7 @@ async def _of_parameters(robot: str, otherwise: Sequence[str]) -> Sequence[Laser
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Options:
+class StartOptions:
     """Options of the command line; they come before the ROS parameters of the same name.
 
     Attributes:
@@ -100,7 +100,7 @@ def checked_parameters(
 
 @asynccontextmanager
 async def connected_robot(
-    options: Options, parameters: NodeParameters, tell: Callable[[str], None]
+    options: StartOptions, parameters: NodeParameters, tell: Callable[[str], None]
 ) -> AsyncIterator[Robot]:
     """Find the robot and drive it during the block; `tell` is given lines for a person.
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 from typing import Any, Final
 
 from pioneer3.names import printable
-from pioneer3.ros.ros2.backend import DEPTH, Endpoint, Graph, Kind, NodeName, Qos, Unread
+from pioneer3.ros.ros2.backend import DEPTH, Endpoint, EndpointKind, Graph, NodeName, Qos, Unread
 
 UNKNOWN: Final = "_NODE_NAME_UNKNOWN_"
 """Name of the node of an endpoint whose participant has told no node."""
@@ -57,9 +57,9 @@ def _told(unread: Unread, ask: Callable[..., Any], *about: str) -> Sequence[Any]
 def _of_topics(node: Any, unread: Unread) -> Iterator[Endpoint]:
     for name, _ in _told(unread, node.get_topic_names_and_types):
         for each in _told(unread, node.get_publishers_info_by_topic, name):
-            yield _endpoint(Kind.PUBLISHER, name, each)
+            yield _endpoint(EndpointKind.PUBLISHER, name, each)
         for each in _told(unread, node.get_subscriptions_info_by_topic, name):
-            yield _endpoint(Kind.SUBSCRIBER, name, each)
+            yield _endpoint(EndpointKind.SUBSCRIBER, name, each)
 
 
 def _of_services(node: Any, known: Iterable[NodeName], unread: Unread) -> Iterator[Endpoint]:
@@ -67,8 +67,8 @@ def _of_services(node: Any, known: Iterable[NodeName], unread: Unread) -> Iterat
 
     for each in known:
         for kind, names_and_types in (
-            (Kind.SERVER, node.get_service_names_and_types_by_node),
-            (Kind.CLIENT, node.get_client_names_and_types_by_node),
+            (EndpointKind.SERVER, node.get_service_names_and_types_by_node),
+            (EndpointKind.CLIENT, node.get_client_names_and_types_by_node),
         ):
             try:
                 found = _told(unread, names_and_types, each.name, each.namespace)
@@ -79,7 +79,7 @@ def _of_services(node: Any, known: Iterable[NodeName], unread: Unread) -> Iterat
                     yield Endpoint(kind=kind, node=each.full, name=name, type_name=type_name)
 
 
-def _endpoint(kind: Kind, name: str, found: Any) -> Endpoint:
+def _endpoint(kind: EndpointKind, name: str, found: Any) -> Endpoint:
     from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 
     profile = found.qos_profile

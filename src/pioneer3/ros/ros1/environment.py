@@ -50,7 +50,7 @@ def own_address(master: str) -> str:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Network:
+class NetworkProbe:
     """The questions to this computer and its network, which may take seconds.
 
     Attributes:
@@ -64,11 +64,11 @@ class Network:
     own_address: Callable[[str], str] = own_address
 
 
-THIS: Final = Network()
+THIS: Final = NetworkProbe()
 
 
 def check_environment(
-    environment: Mapping[str, str] = os.environ, network: Network = THIS
+    environment: Mapping[str, str] = os.environ, network: NetworkProbe = THIS
 ) -> Iterator[Finding]:
     """Yield a finding for each variable of ROS 1 that is wrong; ROS_HOSTNAME hides ROS_IP."""
     uri = environment.get(MASTER, "")
@@ -108,7 +108,7 @@ def _check_master(uri: str) -> Iterator[Finding]:
         )
 
 
-def _check_name(name: str, master: str, network: Network) -> Iterator[Finding]:
+def _check_name(name: str, master: str, network: NetworkProbe) -> Iterator[Finding]:
     own = network.own_address(master)
     advice = f"unset {NAME}; export {ADDRESS}={own}"
     found = network.resolve(name)
@@ -122,7 +122,7 @@ def _check_name(name: str, master: str, network: Network) -> Iterator[Finding]:
         )
 
 
-def _check_address(address: str, master: str, network: Network) -> Iterator[Finding]:
+def _check_address(address: str, master: str, network: NetworkProbe) -> Iterator[Finding]:
     advice = f"export {ADDRESS}={network.own_address(master)}"
     if not _is_numeric(address):
         yield _finding(

@@ -100,7 +100,7 @@ def message_class(type_name: str) -> Any:
     return getattr(import_module(f"{package}.msg"), name)
 
 
-class Publisher:
+class RospyPublisher:
     """A `rospy.Publisher`.
 
     With a bounded queue, rospy gives each connection a thread, and drops the oldest message where
@@ -172,9 +172,9 @@ class RospyTopics:
 
     def advertise(
         self, name: str, type_name: str, *, latched: bool = False, queue: int = QUEUE
-    ) -> Publisher:
+    ) -> RospyPublisher:
         """Return a publisher."""
-        return Publisher(self._once(name), type_name, latched=latched, queue=queue)
+        return RospyPublisher(self._once(name), type_name, latched=latched, queue=queue)
 
     def subscribe(
         self,

@@ -22,7 +22,7 @@ from pioneer3.ros.node.laser_parameters import (
 from pioneer3.ros.node.names import NODE, lab_node
 from pioneer3.ros.node.node import RobotNode
 from pioneer3.ros.node.parameters import MODEL, SIMULATED
-from pioneer3.ros.node.start import Options, checked_parameters, connected_robot
+from pioneer3.ros.node.start import StartOptions, checked_parameters, connected_robot
 from pioneer3.ros.ros1.environment import checked_master, environment_warnings
 from pioneer3.ros.ros1.master import MasterWatch
 from pioneer3.ros.ros1.middleware import RospyMiddleware, find_move_base, find_rospy
@@ -83,7 +83,7 @@ def announce(middleware: RospyMiddleware, tell: Callable[[str], None]) -> None:
     Thread(target=middleware.tell_unused_rules, name="unused remappings", daemon=True).start()
 
 
-async def serve(options: Options, tell: Callable[[str], None]) -> int:
+async def serve(options: StartOptions, tell: Callable[[str], None]) -> int:
     """Run the node until it is shut down or cancelled; `tell` is given lines for a person.
 
     Raises:

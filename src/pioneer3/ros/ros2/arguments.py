@@ -9,7 +9,7 @@ from pioneer3.errors import ConfigError
 from pioneer3.ros.node.parameters import BELOW_NAMES
 from pioneer3.ros.ros2.backend import NodeName
 from pioneer3.ros.ros2.parameter_files import parameters_in, value_of
-from pioneer3.ros.ros2.remapping import Remapping, Rule, rule
+from pioneer3.ros.ros2.remapping import Remapping, RemapRule, rule
 
 QOS: Final = "qos_overrides"
 IGNORED: Final = {
@@ -90,15 +90,15 @@ def parse(arguments: Sequence[str], default: NodeName) -> RosArguments:
 Assignments = list[tuple[str, str]]
 
 
-def _first(rules: Sequence[Rule], sets: str, node: str) -> str | None:
+def _first(rules: Sequence[RemapRule], sets: str, node: str) -> str | None:
     """Return the name that the first rule for `node` sets; `None` for no rule."""
     found = (each for each in rules if each.sets == sets and each.owner in {"", node})
     return next((each.remapping.target for each in found), None)
 
 
-def _sorted(words: Iterator[str]) -> tuple[list[Rule], Assignments, list[Path]]:
+def _sorted(words: Iterator[str]) -> tuple[list[RemapRule], Assignments, list[Path]]:
     """Return the remapping rules, the parameters and their files."""
-    rules: list[Rule] = []
+    rules: list[RemapRule] = []
     values: Assignments = []
     files: list[Path] = []
     for word in words:

@@ -85,7 +85,7 @@ class ServiceType:
         return MessageType(self.name).dds_name
 
 
-class Kind(StrEnum):
+class EndpointKind(StrEnum):
     """The kinds of endpoints of a node."""
 
     PUBLISHER = "publisher"
@@ -108,7 +108,7 @@ class Endpoint:
         gid: Its identity; that of a publisher comes with each message, too.
     """
 
-    kind: Kind
+    kind: EndpointKind
     node: str
     name: str
     type_name: str
@@ -251,12 +251,12 @@ class Unread:
             log.warning("%d %s could not be read", self._number, self._what)
 
 
-OWNERS: Final = {Kind.PUBLISHER: "publisher", Kind.SUBSCRIBER: "subscription"}
+OWNERS: Final = {EndpointKind.PUBLISHER: "publisher", EndpointKind.SUBSCRIBER: "subscription"}
 RELIABILITY: Final = {"reliable": True, "best_effort": False}
 DURABILITY: Final = {"transient_local": True, "volatile": False}
 
 
-def overridden(qos: Qos, topic: str, kind: Kind, parameters: Mapping[str, object]) -> Qos:
+def overridden(qos: Qos, topic: str, kind: EndpointKind, parameters: Mapping[str, object]) -> Qos:
     """Return `qos` as the parameters want it for a topic with this full name.
 
     Raises:

@@ -11,7 +11,7 @@ from pioneer3.ros.client.graph import NodeTopics, RobotTopics, robots_among, wan
 from pioneer3.ros.client.joining import LARGEST, info_of, joined
 from pioneer3.ros.client.robot import TopicRobot
 from pioneer3.ros.node.middleware import Topics
-from pioneer3.ros.ros2.backend import Backend, Graph, Kind
+from pioneer3.ros.ros2.backend import Backend, EndpointKind, Graph
 from pioneer3.ros.ros2.middleware import ClientTopics
 from pioneer3.ros.ros2.requests import NodeRequests
 from pioneer3.ros.ros2.start import NodeOptions, on_ros2
@@ -29,9 +29,9 @@ def robots_of(graph: Graph) -> list[RobotTopics]:
     nodes: dict[str, NodeTopics] = defaultdict(NodeTopics)
     for each in graph.endpoints:
         kind = each.type_name.replace("/msg/", "/")
-        if each.node and each.kind is Kind.PUBLISHER:
+        if each.node and each.kind is EndpointKind.PUBLISHER:
             nodes[each.node].published[each.name] = kind
-        elif each.node and each.kind is Kind.SUBSCRIBER:
+        elif each.node and each.kind is EndpointKind.SUBSCRIBER:
             nodes[each.node].heard[each.name] = kind
     for name, number in Counter(graph.nodes).items():
         nodes[name].nodes = number

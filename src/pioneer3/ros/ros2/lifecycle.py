@@ -19,7 +19,7 @@ from pioneer3.ros.ros2.types import MessageTypes
 log = logging.getLogger(__name__)
 
 
-class State(IntEnum):
+class LifecycleState(IntEnum):
     """The states; those from 10 on last as long as a callback does."""
 
     UNKNOWN = 0
@@ -40,7 +40,7 @@ class State(IntEnum):
         return self.name.lower()
 
 
-class Outcome(Enum):
+class TransitionOutcome(Enum):
     """The outcomes of a callback; the values are labels of transitions."""
 
     SUCCESS = "transition_success"
@@ -54,39 +54,45 @@ class Transition:
 
     id: int
     label: str
-    start: State
-    goal: State
+    start: LifecycleState
+    goal: LifecycleState
 
 
 def _attempt(
-    number: int, label: str, start: State, during: State, goal: State
+    number: int, label: str, start: LifecycleState, during: LifecycleState, goal: LifecycleState
 ) -> tuple[Transition, ...]:
     """Return the transition to the state `during`, and those out of it, by the outcome."""
     outcome = 10 * number
     return (
         Transition(number, label, start, during),
-        Transition(outcome, Outcome.SUCCESS.value, during, goal),
-        Transition(outcome + 1, Outcome.FAILURE.value, during, start),
-        Transition(outcome + 2, Outcome.ERROR.value, during, State.ERRORPROCESSING),
+        Transition(outcome, TransitionOutcome.SUCCESS.value, during, goal),
+        Transition(outcome + 1, TransitionOutcome.FAILURE.value, during, start),
+        Transition(
+            outcome + 2, TransitionOutcome.ERROR.value, during, LifecycleState.ERRORPROCESSING
+        ),
     )
 
 
-UNCONFIGURED, INACTIVE, ACTIVE = State.UNCONFIGURED, State.INACTIVE, State.ACTIVE
-SHUTTINGDOWN, ERRORPROCESSING = State.SHUTTINGDOWN, State.ERRORPROCESSING
+UNCONFIGURED, INACTIVE, ACTIVE = (
+    LifecycleState.UNCONFIGURED,
+    LifecycleState.INACTIVE,
+    LifecycleState.ACTIVE,
+)
+SHUTTINGDOWN, ERRORPROCESSING = LifecycleState.SHUTTINGDOWN, LifecycleState.ERRORPROCESSING
 TRANSITIONS: Final = (
-    *_attempt(1, "configure", UNCONFIGURED, State.CONFIGURING, INACTIVE),
-    *_attempt(2, "cleanup", INACTIVE, State.CLEANINGUP, UNCONFIGURED),
-    *_attempt(3, "activate", INACTIVE, State.ACTIVATING, ACTIVE),
-    *_attempt(4, "deactivate", ACTIVE, State.DEACTIVATING, INACTIVE),
+    *_attempt(1, "configure", UNCONFIGURED, LifecycleState.CONFIGURING, INACTIVE),
+    *_attempt(2, "cleanup", INACTIVE, LifecycleState.CLEANINGUP, UNCONFIGURED),
+    *_attempt(3, "activate", INACTIVE, LifecycleState.ACTIVATING, ACTIVE),
+    *_attempt(4, "deactivate", ACTIVE, LifecycleState.DEACTIVATING, INACTIVE),
     Transition(5, "shutdown", UNCONFIGURED, SHUTTINGDOWN),
     Transition(6, "shutdown", INACTIVE, SHUTTINGDOWN),
     Transition(7, "shutdown", ACTIVE, SHUTTINGDOWN),
-    Transition(50, Outcome.SUCCESS.value, SHUTTINGDOWN, State.FINALIZED),
-    Transition(51, Outcome.FAILURE.value, SHUTTINGDOWN, State.FINALIZED),
-    Transition(52, Outcome.ERROR.value, SHUTTINGDOWN, ERRORPROCESSING),
-    Transition(60, Outcome.SUCCESS.value, ERRORPROCESSING, UNCONFIGURED),
-    Transition(61, Outcome.FAILURE.value, ERRORPROCESSING, State.FINALIZED),
-    Transition(62, Outcome.ERROR.value, ERRORPROCESSING, State.FINALIZED),
+    Transition(50, TransitionOutcome.SUCCESS.value, SHUTTINGDOWN, LifecycleState.FINALIZED),
+    Transition(51, TransitionOutcome.FAILURE.value, SHUTTINGDOWN, LifecycleState.FINALIZED),
+    Transition(52, TransitionOutcome.ERROR.value, SHUTTINGDOWN, ERRORPROCESSING),
+    Transition(60, TransitionOutcome.SUCCESS.value, ERRORPROCESSING, UNCONFIGURED),
+    Transition(61, TransitionOutcome.FAILURE.value, ERRORPROCESSING, LifecycleState.FINALIZED),
+    Transition(62, TransitionOutcome.ERROR.value, ERRORPROCESSING, LifecycleState.FINALIZED),
 )
 
 
@@ -114,13 +120,13 @@ class Callbacks:
     shutdown: Callable[[], bool] = _nothing
     error: Callable[[], bool] = _nothing
 
-    def in_state(self, state: State) -> Callable[[], bool]:
+    def in_state(self, state: LifecycleState) -> Callable[[], bool]:
         """Return the callback that works during a state."""
         return {
-            State.CONFIGURING: self.configure,
-            State.ACTIVATING: self.activate,
-            State.DEACTIVATING: self.deactivate,
-            State.CLEANINGUP: self.cleanup,
+            LifecycleState.CONFIGURING: self.configure,
+            LifecycleState.ACTIVATING: self.activate,
+            LifecycleState.DEACTIVATING: self.deactivate,
+            LifecycleState.CLEANINGUP: self.cleanup,
             SHUTTINGDOWN: self.shutdown,
             ERRORPROCESSING: self.error,
         }[state]
@@ -174,13 +180,13 @@ class Lifecycle:
         """
         with self._lock:
             asked = self._step(wanted)
-            if asked is None or asked.label in {each.value for each in Outcome}:
+            if asked is None or asked.label in {each.value for each in TransitionOutcome}:
                 return False
             self._go(asked)
             outcome = self._work()
-            if outcome is Outcome.ERROR:
+            if outcome is TransitionOutcome.ERROR:
                 self._work()
-            return outcome is Outcome.SUCCESS
+            return outcome is TransitionOutcome.SUCCESS
 
     def available(self) -> tuple[Transition, ...]:
         """Return the transitions that begin in the present state."""
@@ -190,15 +196,15 @@ class Lifecycle:
         """Return the transition from the present state; by label, or by number."""
         return next((each for each in self.available() if wanted in {each.id, each.label}), None)
 
-    def _work(self) -> Outcome:
+    def _work(self) -> TransitionOutcome:
         """Call the callback of the present state, and leave the state; return the outcome."""
         try:
             succeeded = self._callbacks.in_state(self.state)()
         except Exception:  # it must not leave the node between two states
             log.exception("the node fails while it is %s", self.state.label)
-            outcome = Outcome.ERROR
+            outcome = TransitionOutcome.ERROR
         else:
-            outcome = Outcome.SUCCESS if succeeded else Outcome.FAILURE
+            outcome = TransitionOutcome.SUCCESS if succeeded else TransitionOutcome.FAILURE
         step = self._step(outcome.value)
         assert step is not None
         self._go(step)
@@ -223,7 +229,7 @@ class Lifecycle:
 
     def _get_available_states(self, _: Any) -> Any:
         response = self._types.make("lifecycle_msgs/srv/GetAvailableStates_Response")
-        for state in State:
+        for state in LifecycleState:
             message = self._types.make("lifecycle_msgs/State")
             _fill_state(message, state)
             response.available_states.append(message)
@@ -249,5 +255,5 @@ class Lifecycle:
         _fill_state(message.goal_state, transition.goal)
 
 
-def _fill_state(message: Any, state: State) -> None:
+def _fill_state(message: Any, state: LifecycleState) -> None:
     message.id, message.label = int(state), state.label

@@ -15,7 +15,7 @@ from pioneer3.ros.ros2.backend import (
     LATCHED,
     Backend,
     Closable,
-    Kind,
+    EndpointKind,
     NodeName,
     Qos,
     Writer,
@@ -42,7 +42,7 @@ CLOCK: Final = Qos(reliable=False, depth=1)
 log = logging.getLogger(__name__)
 
 
-class TopicPublisher:
+class SerializedPublisher:
     """Publishes messages that are serialized once."""
 
     def __init__(self, writer: Writer, type_name: str, types: MessageTypes) -> None:
@@ -61,7 +61,7 @@ class TopicPublisher:
         self._writer.write(self._types.encode(message))
 
 
-class TopicSubscription:
+class SerializedSubscription:
     """A subscription to one topic."""
 
     def __init__(self, reader: Closable) -> None:
@@ -72,7 +72,7 @@ class TopicSubscription:
         self._reader.close()
 
 
-class Clock:
+class RosClock:
     """The time in stamps: that of the system, or of `/clock` where a simulator publishes it."""
 
     def __init__(self) -> None:
@@ -110,7 +110,7 @@ class Ros2Topics:
         self._own: dict[OwnKey, Own] = {}
         self._open: list[Closable] = []
         self._senders = Senders(backend.graph)
-        self.clock = Clock()
+        self.clock = RosClock()
 
     @property
     def name(self) -> str:
@@ -131,16 +131,16 @@ class Ros2Topics:
 
     def advertise(
         self, name: str, type_name: str, *, latched: bool = False, queue: int = QUEUE
-    ) -> TopicPublisher:
+    ) -> SerializedPublisher:
         """Return a publisher: reliable, as RViz and Nav2 expect; latched is transient local."""
         full = checked_topic(self.resolve(name))
         qos = replace(LATCHED if latched else Qos(), depth=1 if latched else queue)
-        qos = overridden(qos, full, Kind.PUBLISHER, self._arguments.parameters)
+        qos = overridden(qos, full, EndpointKind.PUBLISHER, self._arguments.parameters)
         type_ = self._types.message_type(type_name)
         writer = self._backend.advertise(full, type_, qos)
-        self._own[Kind.PUBLISHER, full] = Own(Kind.PUBLISHER, type_, qos)
+        self._own[EndpointKind.PUBLISHER, full] = Own(EndpointKind.PUBLISHER, type_, qos)
         self._open.append(writer)
-        return TopicPublisher(writer, type_name, self._types)
+        return SerializedPublisher(writer, type_name, self._types)
 
     def subscribe(
         self,
@@ -150,7 +150,7 @@ class Ros2Topics:
         *,
         queue: int,
         left: Callable[[Sender], None] | None = None,
-    ) -> TopicSubscription:
+    ) -> SerializedSubscription:
         """Call `receive` in a thread of the backend; other bytes are told of once, and counted."""
         full = checked_topic(self.resolve(name))
         return self._subscribe(full, type_name, receive, self._qos_to_read(full, queue), left)
@@ -162,9 +162,9 @@ class Ros2Topics:
         receive: Callable[[Any, Sender], None],
         qos: Qos,
         left: Callable[[Sender], None] | None = None,
-    ) -> TopicSubscription:
+    ) -> SerializedSubscription:
         type_ = self._types.message_type(type_name)
-        qos = overridden(qos, full, Kind.SUBSCRIBER, self._arguments.parameters)
+        qos = overridden(qos, full, EndpointKind.SUBSCRIBER, self._arguments.parameters)
         refused: dict[bytes, int] = {}
 
         def received(cdr: bytes, gid: bytes) -> None:
@@ -190,9 +190,9 @@ class Ros2Topics:
                 left(sender)
 
         reader = self._backend.subscribe(full, type_, qos, received, gone)
-        self._own[Kind.SUBSCRIBER, full] = Own(Kind.SUBSCRIBER, type_, qos)
+        self._own[EndpointKind.SUBSCRIBER, full] = Own(EndpointKind.SUBSCRIBER, type_, qos)
         self._open.append(reader)
-        return TopicSubscription(reader)
+        return SerializedSubscription(reader)
 
     def warn(self, sentence: str) -> None:
         """Log a warning."""
@@ -232,7 +232,7 @@ class ClientTopics(Ros2Topics):
         offered = [
             each.qos
             for each in self._backend.graph().endpoints
-            if each.name == name and each.kind is Kind.PUBLISHER
+            if each.name == name and each.kind is EndpointKind.PUBLISHER
         ]
         return Qos(
             reliable=bool(offered) and all(each.reliable for each in offered),

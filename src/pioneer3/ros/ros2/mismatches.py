@@ -5,19 +5,22 @@ from dataclasses import dataclass
 from math import isinf
 from typing import Final
 
-from pioneer3.ros.ros2.backend import Endpoint, Graph, Kind, MessageType, Qos
+from pioneer3.ros.ros2.backend import Endpoint, EndpointKind, Graph, MessageType, Qos
 
 TWISTS: Final = {"geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"}
-OwnKey = tuple[Kind, str]
+OwnKey = tuple[EndpointKind, str]
 """Kind of an endpoint of ours, and full name of its topic."""
-OTHER_SIDE: Final = {Kind.PUBLISHER: Kind.SUBSCRIBER, Kind.SUBSCRIBER: Kind.PUBLISHER}
+OTHER_SIDE: Final = {
+    EndpointKind.PUBLISHER: EndpointKind.SUBSCRIBER,
+    EndpointKind.SUBSCRIBER: EndpointKind.PUBLISHER,
+}
 
 
 @dataclass(frozen=True, slots=True)
 class Own:
     """A topic of ours: whether we publish or subscribe, its type and quality of service."""
 
-    kind: Kind
+    kind: EndpointKind
     type: MessageType
     qos: Qos
 
@@ -60,7 +63,7 @@ class Mismatch:
 def incompatible(ours: Own, theirs: Endpoint) -> Mismatch | None:
     """Return the reason that two endpoints of one type do not match, or `None` if they do."""
     publisher, subscriber = (
-        (ours.qos, theirs.qos) if ours.kind is Kind.PUBLISHER else (theirs.qos, ours.qos)
+        (ours.qos, theirs.qos) if ours.kind is EndpointKind.PUBLISHER else (theirs.qos, ours.qos)
     )
     if subscriber.reliable and not publisher.reliable:
         why = "the publisher is best effort, the subscriber wants reliable"
@@ -83,7 +86,7 @@ def _promise(publisher: Qos) -> str:
 
 
 def _other_type(endpoint: Endpoint, ours: Own, own: Mapping[OwnKey, Own]) -> str:
-    verb = "sends" if endpoint.kind is Kind.PUBLISHER else "expects"
+    verb = "sends" if endpoint.kind is EndpointKind.PUBLISHER else "expects"
     hint = ""
     if {endpoint.type_name, ours.type.name} == TWISTS:
         there = {row.type.name: name for (kind, name), row in own.items() if kind is ours.kind}

@@ -14,7 +14,7 @@ from typing import Any, Final
 import numpy as np
 
 from pioneer3.errors import ConfigError
-from pioneer3.ros.node.parameter import Acts, Parameter, ParameterKind, Value
+from pioneer3.ros.node.parameter import Effect, Parameter, ParameterKind, Value
 from pioneer3.ros.ros2.types import MessageTypes
 
 Service = tuple[str, Callable[[Any], Any]]
@@ -146,7 +146,7 @@ class ParameterServices:
         """
         if (parameter := self._table.get(message.name)) is None:
             raise ConfigError(f"no parameter {message.name!r} is declared")
-        if parameter.acts is not Acts.AT_ONCE:
+        if parameter.acts is not Effect.AT_ONCE:
             raise ConfigError(f"{parameter.name} is read-only")
         kind, number = parameter.kind, message.value.type
         if number == NOT_SET:
@@ -192,7 +192,7 @@ class ParameterServices:
         descriptor.dynamic_typing = parameter.name in self._dynamic
         descriptor.description = parameter.described
         descriptor.additional_constraints = parameter.constraints
-        descriptor.read_only = parameter.acts is not Acts.AT_ONCE
+        descriptor.read_only = parameter.acts is not Effect.AT_ONCE
         bounds = parameter.low, parameter.high
         if not parameter.bounded or parameter.kind.is_array:
             return descriptor

@@ -49,7 +49,7 @@ class Remapping:
 
 
 @dataclass(frozen=True, slots=True)
-class Rule:
+class RemapRule:
     """A rule of the command line.
 
     Attributes:
@@ -68,7 +68,7 @@ class Rule:
         return NAMESPACE if self.remapping.source == NAMESPACE else ""
 
 
-def rule(source: str, target: str) -> Rule:
+def rule(source: str, target: str) -> RemapRule:
     """Return the rule `source:=target`.
 
     Raises:
@@ -81,7 +81,7 @@ def rule(source: str, target: str) -> Rule:
             " cmd_vel, ~/x, node:cmd_vel or rostopic://cmd_vel"
         )
     resource = Resource(found["scheme"]) if found["scheme"] else None
-    made = Rule(found["node"] or "", Remapping(found["match"], target, resource))
+    made = RemapRule(found["node"] or "", Remapping(found["match"], target, resource))
     if not made.sets and not REPLACEMENT.fullmatch(target):
         raise ConfigError(f"-r {source}:={target}: {target!r} is no name of a topic or service")
     if not target:

@@ -7,7 +7,7 @@ from threading import Condition, Lock, Thread
 from typing import Final
 
 from pioneer3.ros.node.middleware import Publisher
-from pioneer3.ros.ros2.backend import Backend, Kind
+from pioneer3.ros.ros2.backend import Backend, EndpointKind
 from pioneer3.ros.ros2.middleware import Ros2Topics
 from pioneer3.ros.ros2.types import MessageTypes
 
@@ -99,7 +99,7 @@ class NodeRequests:
         """Make the requests that wait, each after the emergency stops that were asked for first."""
         for name in (ENABLE, DISABLE, TRIGGER, RESET):
             try:
-                if self._kind(name) is Kind.SUBSCRIBER:
+                if self._kind(name) is EndpointKind.SUBSCRIBER:
                     self._publisher(name)  # then the first request does not wait
             except Exception:
                 log.exception("%s: cannot publish on %s", self._node, name)
@@ -149,10 +149,14 @@ class NodeRequests:
         except Exception:
             log.exception("%s: %s failed", self._node, name)
 
-    def _kind(self, name: str) -> Kind | None:
+    def _kind(self, name: str) -> EndpointKind | None:
         """Return whether the node serves this, or subscribes to it; `None` for neither."""
         full = self._full(name)
-        kinds = {Kind.SERVER, Kind.SUBSCRIBER} if self._backend.serves else {Kind.SUBSCRIBER}
+        kinds = (
+            {EndpointKind.SERVER, EndpointKind.SUBSCRIBER}
+            if self._backend.serves
+            else {EndpointKind.SUBSCRIBER}
+        )
         found = (each for each in self._backend.graph().endpoints if each.name == full)
         return next((e.kind for e in found if e.node == self._node and e.kind in kinds), None)
 
@@ -165,7 +169,7 @@ class NodeRequests:
         kind = self._kind(name)
         if kind is None:
             log.warning("%s has no %s, neither a service nor a topic", self._node, name)
-        elif kind is Kind.SERVER:
+        elif kind is EndpointKind.SERVER:
             trigger = self._types.service_type("std_srvs/Trigger")
             request = self._types.encode(self._types.make(trigger.request.name))
             self._backend.call(self._full(name), trigger, request, SERVED)

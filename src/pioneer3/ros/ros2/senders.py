@@ -9,7 +9,7 @@ from math import inf
 from typing import Final
 
 from pioneer3.ros.node.middleware import Sender
-from pioneer3.ros.ros2.backend import Graph, Kind
+from pioneer3.ros.ros2.backend import EndpointKind, Graph
 
 UNKNOWN: Final = "a publisher of an unknown node"
 REMEMBERED: Final = 256
@@ -78,6 +78,6 @@ class Senders:
             self._nodes = {
                 (each.name, each.gid): each.node
                 for each in self._graph().endpoints
-                if each.kind is Kind.PUBLISHER and each.gid
+                if each.kind is EndpointKind.PUBLISHER and each.gid
             }
         return self._nodes.get(key, "")

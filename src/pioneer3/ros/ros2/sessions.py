@@ -33,7 +33,7 @@ LEAVING: Final = 6.0
 """Longest time to leave a network [s]."""
 
 
-class Session:
+class NetworkNode:
     """This program as a node on one network.
 
     Args:
@@ -129,7 +129,7 @@ class Session:
         return ClientTopics(self.backend, self._node, self._types)
 
 
-class Sessions:
+class NetworkNodes:
     """The networks that this program is on; one is joined with the first robot on it.
 
     Args:
@@ -144,10 +144,10 @@ class Sessions:
     ) -> None:
         self._name, self._patience = name, patience
         self._sonar, self._at_once = sonar, at_once
-        self._joining: dict[Network, asyncio.Task[Session]] = {}
+        self._joining: dict[Network, asyncio.Task[NetworkNode]] = {}
         self._open = True
 
-    async def on(self, network: Network) -> Session:
+    async def on(self, network: Network) -> NetworkNode:
         """Return this program's node on a network; after a failure the next call tries again.
 
         Raises:
@@ -166,7 +166,7 @@ class Sessions:
         """Connect to the robot of a node on a network; in the end it stands.
 
         Raises:
-            PioneerError: see :meth:`on` and :meth:`Session.robot`.
+            PioneerError: see :meth:`on` and :meth:`NetworkNode.robot`.
         """
         until = asyncio.get_running_loop().time() + self._patience
         session = await self.on(network)
@@ -178,7 +178,7 @@ class Sessions:
         self._open = False
         await asyncio.gather(*map(_left, self._joining.values()))
 
-    async def _join(self, network: Network) -> Session:
+    async def _join(self, network: Network) -> NetworkNode:
         node = node_name(f"{self._name}_{os.getpid()}", "/")
 
         def opened() -> tuple[Backend, MessageTypes]:
@@ -189,13 +189,13 @@ class Sessions:
             return backend, types
 
         backend, types = await in_own_thread(opened)
-        return Session(backend, node, types, sonar=self._sonar, at_once=self._at_once)
+        return NetworkNode(backend, node, types, sonar=self._sonar, at_once=self._at_once)
 
 
 @asynccontextmanager
 async def sessions(
     name: str, patience: float = FOUND, *, sonar: bool = False, at_once: bool = False
-) -> AsyncIterator[Sessions]:
+) -> AsyncIterator[NetworkNodes]:
     """Be the node `name` on the networks of robots that are asked for during the block.
 
     Args:
@@ -204,14 +204,14 @@ async def sessions(
         sonar: Whether to listen to the sonars of robots, most of all their topics.
         at_once: Whether to go on before robots report, to stop them.
     """
-    made = Sessions(name, patience, sonar=sonar, at_once=at_once)
+    made = NetworkNodes(name, patience, sonar=sonar, at_once=at_once)
     try:
         yield made
     finally:
         await made.close()
 
 
-async def _left(joining: "asyncio.Task[Session]") -> None:
+async def _left(joining: "asyncio.Task[NetworkNode]") -> None:
     """Leave one network."""
     if not joining.done():
         joining.cancel()

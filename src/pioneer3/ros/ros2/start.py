@@ -10,7 +10,7 @@ from typing import Final
 from pioneer3.errors import ConfigError, LinkError
 from pioneer3.ros.node.names import Profile
 from pioneer3.ros.node.node import RobotNode
-from pioneer3.ros.node.start import Options, checked_parameters, connected_robot
+from pioneer3.ros.node.start import StartOptions, checked_parameters, connected_robot
 from pioneer3.ros.ros2.arguments import RosArguments, parse
 from pioneer3.ros.ros2.backend import Backend, NodeName
 from pioneer3.ros.ros2.managed import ManagedRobot
@@ -101,7 +101,7 @@ async def _until_failure(backend: Backend) -> AsyncIterator[None]:
         is_over = True
 
 
-async def serve(node: NodeOptions, options: Options, tell: Callable[[str], None]) -> int:
+async def serve(node: NodeOptions, options: StartOptions, tell: Callable[[str], None]) -> int:
     """Run the node until it is shut down or cancelled; `tell` is given lines for a person.
 
     Raises:

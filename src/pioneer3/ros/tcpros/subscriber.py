@@ -19,7 +19,7 @@ log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Connection:
+class PublisherConnection:
     """A connection to a publisher.
 
     Attributes:
@@ -36,9 +36,9 @@ class Connection:
     uri: str = ""
 
 
-Received = Callable[[bytes, Connection, bool], None]
+Received = Callable[[bytes, PublisherConnection, bool], None]
 """Given a serialized message, its connection, and whether it may be old."""
-Left = Callable[[Connection], None]
+Left = Callable[[PublisherConnection], None]
 """Given a connection that has ended."""
 Locate = Callable[[str, str], Awaitable[tuple[str, int]]]
 """Given the address of a publisher's node and the topic, returns host and port of the topic."""
@@ -74,7 +74,7 @@ class TopicSubscription:
         self._caller, self._locate, self._tell = caller, locate, tell
         self._received, self._left = received, left
         self._following: dict[str, asyncio.Task[None]] = {}
-        self._connected: dict[str, Connection] = {}
+        self._connected: dict[str, PublisherConnection] = {}
         self._wanted: set[str] = set()
         self._told: set[str] = set()
 
@@ -142,7 +142,7 @@ class TopicSubscription:
             header = await read_header(reader)
             if not self._fits(header, uri):
                 return
-            connection = Connection(
+            connection = PublisherConnection(
                 header.get("callerid", ""),
                 BRIDGE_FIELD in header,
                 was_there and header.get("latching") == "1",

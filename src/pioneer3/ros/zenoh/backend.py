@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Final
 
 from pioneer3.errors import ConfigError, LinkError
 from pioneer3.ros.ros2.backend import (
+    EndpointKind,
     Failed,
     Graph,
-    Kind,
     MessageType,
     NodeName,
     Qos,
@@ -28,7 +28,7 @@ from pioneer3.ros.zenoh.endpoints import (
     matching,
 )
 from pioneer3.ros.zenoh.graph import TokenGraph
-from pioneer3.ros.zenoh.keys import SERVICES, Token, Topic
+from pioneer3.ros.zenoh.keys import SERVICES, KeyTopic, LivelinessToken
 from pioneer3.ros.zenoh.presence import RouterWatch, connected, refusal
 from pioneer3.ros.zenoh.settings import (
     FIX,
@@ -94,7 +94,7 @@ class ZenohBackend:
         self._numbers = count()
         self._zid = str(self._session.zid())
         self._tokens: dict[str, zenoh.LivelinessToken] = {}
-        self._clients: dict[Topic, _Client] = {}
+        self._clients: dict[KeyTopic, _Client] = {}
         self._ends: list[ZenohWriter | ZenohReader | ZenohServer] = []
         self._open = True
         self._graph = TokenGraph(self._session, self._domain)
@@ -103,7 +103,7 @@ class ZenohBackend:
 
     def advertise(self, name: str, type_: MessageType, qos: Qos) -> ZenohWriter:
         """Publish on a topic."""
-        token = self._token(Kind.PUBLISHER, self._topic(name, type_), qos)
+        token = self._token(EndpointKind.PUBLISHER, self._topic(name, type_), qos)
         key, release = self._key(token), self._release(token)
         writer = ZenohWriter(self._session, key, qos, token.gid, release)
         self._declare(token)
@@ -115,7 +115,7 @@ class ZenohBackend:
     ) -> ZenohReader:
         """Subscribe to a topic."""
         topic = self._topic(name, type_)
-        token = self._token(Kind.SUBSCRIBER, topic, qos)
+        token = self._token(EndpointKind.SUBSCRIBER, topic, qos)
         reader = ZenohReader(qos, received, left)
         releases = [self._graph.listen(topic, reader.gone), self._release(token)]
         reader.start(self._session, self._key(token), qos, releases)
@@ -127,7 +127,7 @@ class ZenohBackend:
         self, name: str, type_: ServiceType, respond: Callable[[bytes], bytes]
     ) -> ZenohServer:
         """Offer a service."""
-        token = self._token(Kind.SERVER, self._topic(name, type_), SERVICES)
+        token = self._token(EndpointKind.SERVER, self._topic(name, type_), SERVICES)
         server = ZenohServer(self._session, self._key(token), respond, self._release(token))
         self._declare(token)
         self._keep(server)
@@ -186,22 +186,26 @@ class ZenohBackend:
             end.close()
         self._session.close()
 
-    def _client(self, topic: Topic) -> "_Client":
+    def _client(self, topic: KeyTopic) -> "_Client":
         with self._lock:
             if not self._open:
                 raise TimeoutError(f"nobody answers {topic.name}: this node has left the network")
             client = self._clients.get(topic)
             if client is None:
-                token = self._token(Kind.CLIENT, topic, SERVICES)
+                token = self._token(EndpointKind.CLIENT, topic, SERVICES)
                 client = self._clients[topic] = _Client(self._session, self._key(token), token.gid)
                 self._declare(token)
             return client
 
-    def _topic(self, name: str, type_: MessageType | ServiceType) -> Topic:
-        return Topic(name=name, type_name=type_.name, type_hash=type_.hash if self._hashes else "")
+    def _topic(self, name: str, type_: MessageType | ServiceType) -> KeyTopic:
+        return KeyTopic(
+            name=name, type_name=type_.name, type_hash=type_.hash if self._hashes else ""
+        )
 
-    def _token(self, kind: Kind | None, topic: Topic | None, qos: Qos | None = None) -> Token:
-        return Token(
+    def _token(
+        self, kind: EndpointKind | None, topic: KeyTopic | None, qos: Qos | None = None
+    ) -> LivelinessToken:
+        return LivelinessToken(
             domain=self._domain,
             session=self._zid,
             node_id=0,
@@ -212,15 +216,15 @@ class ZenohBackend:
             qos=qos or Qos(),
         )
 
-    def _key(self, token: Token) -> str:
+    def _key(self, token: LivelinessToken) -> str:
         assert token.topic is not None
         return token.topic.key(self._domain)
 
-    def _declare(self, token: Token) -> None:
+    def _declare(self, token: LivelinessToken) -> None:
         self._tokens[token.text] = self._session.liveliness().declare_token(token.text)
         self._graph.add_own(token)
 
-    def _release(self, token: Token) -> Callable[[], None]:
+    def _release(self, token: LivelinessToken) -> Callable[[], None]:
         """Return the function that takes a token back."""
 
         def release() -> None:

@@ -5,8 +5,8 @@ from collections.abc import Callable
 from threading import Lock
 from typing import TYPE_CHECKING
 
-from pioneer3.ros.ros2.backend import Endpoint, Graph, Kind, Left
-from pioneer3.ros.zenoh.keys import Token, Topic, all_tokens, parse_token
+from pioneer3.ros.ros2.backend import Endpoint, EndpointKind, Graph, Left
+from pioneer3.ros.zenoh.keys import KeyTopic, LivelinessToken, all_tokens, parse_token
 
 if TYPE_CHECKING:
     import zenoh
@@ -27,18 +27,18 @@ class TokenGraph:
         self._nodes: dict[str, str] = {}
         self._endpoints: dict[str, Endpoint] = {}
         self._own: set[str] = set()
-        self._listeners: list[tuple[Topic, Left]] = []
+        self._listeners: list[tuple[KeyTopic, Left]] = []
         self._subscriber = session.liveliness().declare_subscriber(
             all_tokens(domain), self._changed, history=True
         )
 
-    def add_own(self, token: Token) -> None:
+    def add_own(self, token: LivelinessToken) -> None:
         """Add a token of ours: it is there at once, and until it is removed."""
         with self._lock:
             self._own.add(token.text)
         self.add(token)
 
-    def add(self, token: Token) -> None:
+    def add(self, token: LivelinessToken) -> None:
         """Add a token."""
         endpoint = token.endpoint()
         with self._lock:
@@ -58,7 +58,7 @@ class TokenGraph:
             for left in tell:
                 left(gone.gid)
 
-    def listen(self, topic: Topic, left: Left) -> Callable[[], None]:
+    def listen(self, topic: KeyTopic, left: Left) -> Callable[[], None]:
         """Call `left` with each publisher of `topic` that leaves, until the result is called."""
         entry = (topic, left)
         with self._lock:
@@ -82,9 +82,9 @@ class TokenGraph:
             self._listeners.clear()
 
     def _concerned(self, gone: Endpoint) -> list[Left]:
-        if gone.kind is not Kind.PUBLISHER:
+        if gone.kind is not EndpointKind.PUBLISHER:
             return []
-        topic = Topic(name=gone.name, type_name=gone.type_name, type_hash=gone.type_hash)
+        topic = KeyTopic(name=gone.name, type_name=gone.type_name, type_hash=gone.type_hash)
         return [left for wanted, left in self._listeners if wanted == topic]
 
     def _changed(self, sample: "zenoh.Sample") -> None:

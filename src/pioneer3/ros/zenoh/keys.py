@@ -16,16 +16,16 @@ from struct import Struct, pack, unpack_from
 from typing import Final
 
 from pioneer3.names import printable
-from pioneer3.ros.ros2.backend import Endpoint, Kind, NodeName, Qos
+from pioneer3.ros.ros2.backend import Endpoint, EndpointKind, NodeName, Qos
 
 SPACE: Final = "@ros2_lv"
 NODE: Final = "NN"
 NANO: Final = 1_000_000_000
 KINDS: Final = {
-    "MP": Kind.PUBLISHER,
-    "MS": Kind.SUBSCRIBER,
-    "SS": Kind.SERVER,
-    "SC": Kind.CLIENT,
+    "MP": EndpointKind.PUBLISHER,
+    "MS": EndpointKind.SUBSCRIBER,
+    "SS": EndpointKind.SERVER,
+    "SC": EndpointKind.CLIENT,
 }
 CODES: Final = {kind: code for code, kind in KINDS.items()}
 NO_HASH: Final = "TypeHashNotSupported"
@@ -45,7 +45,7 @@ NAMED: Final = Struct(f"<B15sqB16sqB10sB{GID_BYTES}s")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Topic:
+class KeyTopic:
     """A topic or service as it is in keys.
 
     Attributes:
@@ -65,7 +65,7 @@ class Topic:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Token:
+class LivelinessToken:
     """A liveliness token: that of a node, or that of an endpoint of a node.
 
     Attributes:
@@ -87,8 +87,8 @@ class Token:
     entity_id: int
     node: NodeName
     enclave: str = "/"
-    kind: Kind | None = None
-    topic: Topic | None = None
+    kind: EndpointKind | None = None
+    topic: KeyTopic | None = None
     qos: Qos = field(default_factory=Qos)
     key: str = field(default="", compare=False)
 
@@ -168,7 +168,7 @@ def parse_attachment(data: bytes) -> Attachment:
     return Attachment(sequence, stamp, data[17:])
 
 
-def parse_token(text: str) -> Token:
+def parse_token(text: str) -> LivelinessToken:
     """Return the token with this key expression; parts that newer versions append are left out.
 
     Unprintable characters of its names are escaped.
@@ -185,7 +185,7 @@ def parse_token(text: str) -> Token:
     topic, qos = None, Qos()
     if kind is not None and len(parts) >= ENDPOINT_PARTS:
         topic_name, dds_type, hashed = map(_name, parts[NODE_PARTS : ENDPOINT_PARTS - 1])
-        topic = Topic(
+        topic = KeyTopic(
             name=topic_name,
             type_name=from_dds(dds_type),
             type_hash="" if hashed == NO_HASH else hashed,
@@ -193,7 +193,7 @@ def parse_token(text: str) -> Token:
         qos = parse_qos(parts[ENDPOINT_PARTS - 1])
     elif code != NODE:
         raise ValueError(f"{text!r} is of no kind of endpoint that is known")
-    return Token(
+    return LivelinessToken(
         domain=int(domain),
         session=session,
         node_id=int(node_id),

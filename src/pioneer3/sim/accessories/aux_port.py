@@ -33,7 +33,7 @@ class SerialDevice(Protocol):
         """Return the bytes since the last call."""
 
 
-class AuxPort(Accessory):
+class SimulatedAuxPort(Accessory):
     """One port: TTY sends out of it, GETAUX n waits until n bytes came in, GETAUX 0 forgets them.
 
     A request takes the place of one that still waits.

@@ -38,7 +38,7 @@ class CarryingRobot(Protocol):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Inputs:
+class SipFields:
     """The fields of the standard report, `reports.Sip`, that accessories fill in."""
 
     analog_port: int = 0
@@ -50,7 +50,7 @@ class Inputs:
     flags: SipFlag = NO_FLAGS
 
 
-NOTHING = Inputs()
+NOTHING = SipFields()
 
 
 class Accessory:
@@ -64,7 +64,7 @@ class Accessory:
         """Return the reports that are due: answers always, streams only if `cycle` is true."""
         return ()
 
-    def inputs(self, sip: Inputs, now: float) -> Inputs:
+    def inputs(self, sip: SipFields, now: float) -> SipFields:
         """Return `sip` with this accessory's bits."""
         return sip
 
@@ -73,7 +73,7 @@ class Accessory:
 
 
 @dataclass(slots=True)
-class ReportRequest:
+class HostRequest:
     """The host's request for a report: never, once, or with every cycle."""
 
     once: bool = False
@@ -94,7 +94,7 @@ class ReportingAccessory(Accessory):
     """An accessory that sends one kind of report, when that is requested."""
 
     def __init__(self) -> None:
-        self._request = ReportRequest()
+        self._request = HostRequest()
 
     def read(self, now: float) -> Report:
         """Return the report as it is at `now` [s]."""
@@ -106,4 +106,4 @@ class ReportingAccessory(Accessory):
 
     def hang_up(self) -> None:
         """Send no more reports; other states stay."""
-        self._request = ReportRequest()
+        self._request = HostRequest()

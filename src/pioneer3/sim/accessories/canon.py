@@ -34,7 +34,7 @@ ACCEPTED = (0x8E, 0xA1, 0xA5, 0xB0, 0xB5, 0xB7, 0x76)
 Answer = tuple[bytes, bytes]
 
 
-class CanonVcc4:
+class SimulatedCanonVcc4:
     """The camera, off at first; its own pan counts to the right, that of :meth:`position` left."""
 
     def __init__(self) -> None:

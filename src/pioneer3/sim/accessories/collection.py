@@ -9,14 +9,14 @@ from numpy.random import Generator, default_rng
 from pioneer3.arcos import commands
 from pioneer3.arcos.commands import Command, GripperVal
 from pioneer3.arcos.reports import Report
-from pioneer3.sim.accessories.aux_port import AuxPort
-from pioneer3.sim.accessories.base import NOTHING, Accessory, CarryingRobot, Inputs
-from pioneer3.sim.accessories.canon import CanonVcc4
+from pioneer3.sim.accessories.aux_port import SimulatedAuxPort
+from pioneer3.sim.accessories.base import NOTHING, Accessory, CarryingRobot, SipFields
+from pioneer3.sim.accessories.canon import SimulatedCanonVcc4
 from pioneer3.sim.accessories.digital_io import DigitalIo, TableIr, nothing_low
-from pioneer3.sim.accessories.gauges import BatteryGauge, Encoders, Joystick
-from pioneer3.sim.accessories.gripper import Gripper, NoGripper
-from pioneer3.sim.accessories.heading import Compass, Gyro
-from pioneer3.sim.accessories.sony import SonyEvi
+from pioneer3.sim.accessories.gauges import BatteryGauge, SimulatedEncoders, SimulatedJoystick
+from pioneer3.sim.accessories.gripper import NoGripper, SimulatedGripper
+from pioneer3.sim.accessories.heading import SimulatedCompass, SimulatedGyro
+from pioneer3.sim.accessories.sony import SimulatedSonyEvi
 from pioneer3.sim.equipment import PORTS, Camera, Equipment
 
 IGNORED: Final = frozenset(
@@ -67,13 +67,13 @@ class Accessories:
         noise = rng or default_rng(0)
         self.table_ir = TableIr(body, fitted.table_ir) if fitted.table_ir else None
         self.digital = DigitalIo(self.table_ir.held_low if self.table_ir else nothing_low)
-        self.encoders = Encoders(body)
+        self.encoders = SimulatedEncoders(body)
         self.battery = BatteryGauge(body)
-        self.gripper = Gripper() if fitted.gripper else None
+        self.gripper = SimulatedGripper() if fitted.gripper else None
         self.compass = self._compass(body, noise) if fitted.compass else None
         self.gyro = self._gyro(body, noise) if fitted.gyro_type else None
-        self.joystick = Joystick() if fitted.joystick else None
-        self.aux = tuple(AuxPort(port) for port in PORTS)
+        self.joystick = SimulatedJoystick() if fitted.joystick else None
+        self.aux = tuple(SimulatedAuxPort(port) for port in PORTS)
         self.camera = _camera(fitted.camera)
         self.aux[fitted.camera_port - 1].device = self.camera
         fixed: tuple[Accessory, ...] = (self.digital, self.encoders, self.battery, *self.aux)
@@ -114,7 +114,7 @@ class Accessories:
         """
         return [report for accessory in self._all for report in accessory.reports(now, cycle=cycle)]
 
-    def inputs(self, now: float) -> Inputs:
+    def inputs(self, now: float) -> SipFields:
         """Return the part of the standard report that accessories fill in."""
         sip = NOTHING
         for accessory in self._shown:
@@ -126,13 +126,13 @@ class Accessories:
         for accessory in self._all:
             accessory.hang_up()
 
-    def _compass(self, body: CarryingRobot, rng: Generator) -> Compass:
+    def _compass(self, body: CarryingRobot, rng: Generator) -> SimulatedCompass:
         fitted = self.equipment
-        return Compass(body, rng, north=fitted.north, noise=fitted.compass_noise)
+        return SimulatedCompass(body, rng, north=fitted.north, noise=fitted.compass_noise)
 
-    def _gyro(self, body: CarryingRobot, rng: Generator) -> Gyro:
+    def _gyro(self, body: CarryingRobot, rng: Generator) -> SimulatedGyro:
         fitted = self.equipment
-        return Gyro(
+        return SimulatedGyro(
             body,
             rng,
             packets=fitted.gyro_type == 1,
@@ -141,10 +141,10 @@ class Accessories:
         )
 
 
-def _camera(kind: Camera | None) -> CanonVcc4 | SonyEvi | None:
+def _camera(kind: Camera | None) -> SimulatedCanonVcc4 | SimulatedSonyEvi | None:
     match kind:
         case "vcc4":
-            return CanonVcc4()
+            return SimulatedCanonVcc4()
         case "sony":
-            return SonyEvi()
+            return SimulatedSonyEvi()
     return None

@@ -10,7 +10,7 @@ from pioneer3.arcos.commands import Command
 from pioneer3.arcos.reports import Io, Report
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
-from pioneer3.sim.accessories.base import CarryingRobot, Inputs, ReportingAccessory
+from pioneer3.sim.accessories.base import CarryingRobot, ReportingAccessory, SipFields
 from pioneer3.sim.equipment import TableWiring
 
 BYTES_IN = 4
@@ -86,10 +86,10 @@ class DigitalIo(ReportingAccessory):
             analog_raw=tuple(round(volts / FULL_SCALE * STEPS) for volts in self._volts),
         )
 
-    def inputs(self, sip: Inputs, now: float) -> Inputs:
+    def inputs(self, sip: SipFields, now: float) -> SipFields:
         """Show the first byte of inputs, the outputs and the selected analog port."""
         # in every report of every robot: by hand, as replace() takes three times as long
-        return Inputs(
+        return SipFields(
             analog_port=self.selected,
             gripper_state=sip.gripper_state,
             analog=round(self._volts[self.selected] / FULL_SCALE * SIP_STEPS),
@@ -134,7 +134,7 @@ NONE = TableSensor(0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Table:
+class TableTop:
     """A rectangular table top, or another surface above the robot.
 
     Attributes:
@@ -166,7 +166,7 @@ class TableIr:
     """
 
     def __init__(self, body: CarryingRobot, wiring: TableWiring = "new") -> None:
-        self.tables: tuple[Table, ...] = ()
+        self.tables: tuple[TableTop, ...] = ()
         self.covered = NONE
         self._body = body
         self._lines = OLD_LINES if wiring == "old" else NEW_LINES

@@ -10,7 +10,7 @@ from pioneer3.arcos.reports import BatteryInfo, Report, SipFlag, SmartBattery
 from pioneer3.arcos.reports import Encoders as EncoderReport
 from pioneer3.arcos.reports import Joystick as JoystickReport
 from pioneer3.errors import ConfigError
-from pioneer3.sim.accessories.base import BatteryState, CarryingRobot, Inputs, ReportingAccessory
+from pioneer3.sim.accessories.base import BatteryState, CarryingRobot, ReportingAccessory, SipFields
 from pioneer3.sim.body import EMPTY, FULL
 
 LOW = 11.5
@@ -27,7 +27,7 @@ def charge_percent(battery: BatteryState) -> int:
 Request = commands.RequestBatteryInfo | commands.RequestEncoders | commands.JoyInfo
 
 
-class Gauge(ReportingAccessory):
+class SimulatedGauge(ReportingAccessory):
     """A device that answers one kind of request."""
 
     request: ClassVar[type[Request]]
@@ -40,7 +40,7 @@ class Gauge(ReportingAccessory):
         return True
 
 
-class BatteryGauge(Gauge):
+class BatteryGauge(SimulatedGauge):
     """One battery with a gauge; its flags are all clear. The firmware reports the voltage."""
 
     request = commands.RequestBatteryInfo
@@ -66,7 +66,7 @@ TICKS_PER_METRE = {"skid": 138_000, "differential": 128_000}
 """Ticks of a P3-AT and a P3-DX, as quoted from their manuals, unverified (protocol.md 5.1)."""
 
 
-class Encoders(Gauge):
+class SimulatedEncoders(SimulatedGauge):
     """Two counters of 32 bits that run from power-on; SETO does not reset them."""
 
     request = commands.RequestEncoders
@@ -116,7 +116,7 @@ class StickPosition:
             raise ConfigError(f"{self!r}: not finite")
 
 
-class Joystick(Gauge):
+class SimulatedJoystick(SimulatedGauge):
     """Reports the position of :attr:`stick`; it does not drive the simulated robot."""
 
     request = commands.JoyInfo
@@ -136,7 +136,7 @@ class Joystick(Gauge):
             throttle_raw=_raw(2 * CENTRE * stick.throttle),
         )
 
-    def inputs(self, sip: Inputs, now: float) -> Inputs:
+    def inputs(self, sip: SipFields, now: float) -> SipFields:
         """Show the first button among the flags."""
         if not self.stick.button1:
             return sip

@@ -11,7 +11,7 @@ from pioneer3.arcos import commands
 from pioneer3.arcos.commands import Command, GripperAction
 from pioneer3.arcos.reports import GripperState, GripperSwitch, Report
 from pioneer3.errors import ConfigError
-from pioneer3.sim.accessories.base import Inputs, ReportingAccessory
+from pioneer3.sim.accessories.base import ReportingAccessory, SipFields
 
 OPENING = 0.215
 """Between the open paddles [m]; unverified, like the next two."""
@@ -139,7 +139,7 @@ TWENTY_MS = 0.02
 VALUED = (GripperAction.PRESSURE, GripperAction.LIFT_CARRY)
 
 
-class Gripper(ReportingAccessory):
+class SimulatedGripper(ReportingAccessory):
     """A gripper on the general inputs (type 2), delivered open and down.
 
     GRIPPER 16 (PRESSURE) and 17 (LIFT_CARRY) wait for the GRIPPERVAL that ARIA sends next: it sets
@@ -259,7 +259,7 @@ class Gripper(ReportingAccessory):
         grasp_time = min(0xFF, round(self._paddles.squeeze / TWENTY_MS))
         return GripperState(GENERAL_IO, self.switches(now), grasp_time)
 
-    def inputs(self, sip: Inputs, now: float) -> Inputs:
+    def inputs(self, sip: SipFields, now: float) -> SipFields:
         """Show the switches in the second I/O byte."""
         return replace(sip, gripper_state=int(self.switches(now)))
 

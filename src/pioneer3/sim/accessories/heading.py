@@ -18,9 +18,9 @@ from pioneer3.geometry import wrap
 from pioneer3.sim.accessories.base import (
     Accessory,
     CarryingRobot,
-    Inputs,
+    HostRequest,
     ReportingAccessory,
-    ReportRequest,
+    SipFields,
 )
 from pioneer3.units import degrees
 
@@ -34,7 +34,7 @@ GOOD_SCORE = 9
 GOOD_FIELD_SCORE_HUNDREDTHS = 3000
 
 
-class Compass(ReportingAccessory):
+class SimulatedCompass(ReportingAccessory):
     """Measures the heading in the world, clockwise from magnetic north, 0 to 359.9 degrees.
 
     North is the y axis of the world unless set otherwise: with the usual east-north axes a robot
@@ -69,7 +69,7 @@ class Compass(ReportingAccessory):
                 self._calibrating = False
             case _:
                 self._on = mode is not Tcm2Mode.OFF
-                self._request = ReportRequest(mode is Tcm2Mode.ONCE, mode is Tcm2Mode.STREAM)
+                self._request = HostRequest(mode is Tcm2Mode.ONCE, mode is Tcm2Mode.STREAM)
                 if mode is Tcm2Mode.SOFT_RESET:
                     self._calibrating = self._calibrated = False
 
@@ -91,7 +91,7 @@ class Compass(ReportingAccessory):
             calibration_m_hundredths=GOOD_FIELD_SCORE_HUNDREDTHS if self._calibrated else 0,
         )
 
-    def inputs(self, sip: Inputs, now: float) -> Inputs:
+    def inputs(self, sip: SipFields, now: float) -> SipFields:
         """Show the heading in steps of 2 degrees, as ARIA reads it (facts.md 13, row 18)."""
         if not self._on:
             return sip
@@ -117,7 +117,7 @@ TELEPORT = 2.0
 """A rate above this times the model's top rate is not a turn: the robot was put elsewhere."""
 
 
-class Gyro(Accessory):
+class SimulatedGyro(Accessory):
     """Measures the true turn rate, wheel slip included, and reports samples on request.
 
     With `packets` off it is one whose readings the controller uses itself (GyroType 2): GYRO is

@@ -33,7 +33,7 @@ MOTION = 0x06
 """Category of motions."""
 
 
-class SonyEvi:
+class SimulatedSonyEvi:
     """The camera, on at first; its own pan counts to the right, that of :meth:`position` left."""
 
     def __init__(self) -> None:

@@ -11,7 +11,7 @@ from pioneer3.arcos.commands import Command, SimOperation
 from pioneer3.arcos.reports import MapChanged, Report, SimDevice, SimFlag, SimInfo, SimStat
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2, wrap
-from pioneer3.sim.accessories.base import ReportRequest
+from pioneer3.sim.accessories.base import HostRequest
 from pioneer3.sim.body import Body
 from pioneer3.sim.equipment import Equipment
 from pioneer3.sim.kernels.drives import V_OF_V, W_OF_W
@@ -57,7 +57,7 @@ class Console:
     tell: Callable[[MapChanged], None]
     step_times: StepTimes = StepTimes(simulated=0.1, wanted=0.1, measured=0.1)
     messages: deque[str] = field(default_factory=lambda: deque(maxlen=MOST_MESSAGES))
-    _stat_request: ReportRequest = field(default_factory=ReportRequest)
+    _stat_request: HostRequest = field(default_factory=HostRequest)
     _wants_info: bool = False
 
     def obey(self, command: Command) -> bool:
@@ -98,7 +98,7 @@ class Console:
 
     def hang_up(self) -> None:
         """Send no more reports; make a ghost a robot again."""
-        self._stat_request, self._wants_info = ReportRequest(), False
+        self._stat_request, self._wants_info = HostRequest(), False
         self.body.ghost = False
 
     def _control(self, operation: SimOperation, text: str) -> None:

@@ -18,7 +18,7 @@ from pioneer3.arcos.reports import (
     SonarReading,
 )
 from pioneer3.geometry import wrap
-from pioneer3.sim.accessories import Inputs
+from pioneer3.sim.accessories import SipFields
 from pioneer3.sim.accessories.gauges import LOW, charge_percent
 from pioneer3.sim.body import Body
 from pioneer3.sim.sensors import ARRAY, Firing, in_order
@@ -142,7 +142,7 @@ class Instruments:
             drive.stop()
             drive.halt()
 
-    def read(self, inputs: Inputs) -> Sip:
+    def read(self, inputs: SipFields) -> Sip:
         """Return the standard report for this moment; accessories have filled in `inputs`."""
         body, model = self._body, self._body.model
         odom, angular = body.robot_in_odom, body.drive.angular

@@ -15,8 +15,8 @@ __main__  compiles the kernels and keeps the result: `python -m pioneer3.sim.ker
 ========  ====================================================================================
 """
 
-from pioneer3.sim.kernels.drives import Drives
-from pioneer3.sim.kernels.echoes import Echoes, find_edges
+from pioneer3.sim.kernels.drives import DriveArrays
+from pioneer3.sim.kernels.echoes import Reflectors, find_edges
 from pioneer3.sim.kernels.kernels import (
     CACHE,
     WORTH_COMPILING,
@@ -24,20 +24,20 @@ from pioneer3.sim.kernels.kernels import (
     Kernels,
     compiled_kernels,
 )
-from pioneer3.sim.kernels.robots import Fan, Mounts, Robots, laser_fan, sonar_mounts
+from pioneer3.sim.kernels.robots import Fan, Mounts, RobotArrays, laser_fan, sonar_mounts
 from pioneer3.sim.kernels.walls import Grid, build_grid
 
 __all__ = [
     "CACHE",
     "WORTH_COMPILING",
     "WORTH_THREADS",
-    "Drives",
-    "Echoes",
+    "DriveArrays",
     "Fan",
     "Grid",
     "Kernels",
     "Mounts",
-    "Robots",
+    "Reflectors",
+    "RobotArrays",
     "build_grid",
     "compiled_kernels",
     "find_edges",

@@ -52,7 +52,7 @@ V_OF_V, V_OF_W, W_OF_V, W_OF_W, WAY_NOISE, TURN_NOISE, DRIFT_NOISE = range(7)
 
 
 @dataclass(slots=True, eq=False)
-class Drives:
+class DriveArrays:
     """N drives. Velocities and ways of the wheels are what the firmware sees: odometry.
 
     Attributes:
@@ -79,7 +79,7 @@ class Drives:
         return len(self.axes[0, 0])
 
     @classmethod
-    def at_rest(cls, count: int) -> "Drives":
+    def at_rest(cls, count: int) -> "DriveArrays":
         """Return drives without errors, limits still to be set."""
         axes = np.zeros((6, 2, count))
         axes[REMAINING] = np.nan
@@ -94,15 +94,15 @@ class Drives:
         self.axes[TARGET, LINEAR], self.axes[TARGET, ANGULAR] = speeds, rates
         self.axes[REMAINING] = np.nan
 
-    def joined(self, other: "Drives") -> "Drives":
+    def joined(self, other: "DriveArrays") -> "DriveArrays":
         """Return these and the others, in this order."""
         pairs: Any = zip(self.arrays, other.arrays, strict=True)
-        return Drives(*(np.concatenate(pair, axis=-1) for pair in pairs))
+        return DriveArrays(*(np.concatenate(pair, axis=-1) for pair in pairs))
 
-    def only(self, which: slice | NDArray[np.int64]) -> "Drives":
+    def only(self, which: slice | NDArray[np.int64]) -> "DriveArrays":
         """Return copies of some."""
         parts: Any = self.arrays
-        return Drives(*(part[..., which].copy() for part in parts))
+        return DriveArrays(*(part[..., which].copy() for part in parts))
 
     @property
     def arrays(self) -> tuple[Float, Flags, Float, Float]:

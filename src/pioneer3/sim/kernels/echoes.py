@@ -36,7 +36,7 @@ BEND = 5
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Echoes:
+class Reflectors:
     """Walls and edges that send sound back; robots and other moving things always do.
 
     Attributes:
@@ -51,7 +51,7 @@ class Echoes:
     edge_range: float = 0.0
 
 
-ALL = Echoes()
+ALL = Reflectors()
 """Every wall is heard at any angle, and so no edge for itself."""
 
 

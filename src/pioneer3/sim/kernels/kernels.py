@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 
 from pioneer3.jit import KernelCache, fast, numba_version, plain
 from pioneer3.sim.kernels import fans, motion, rays
-from pioneer3.sim.kernels.drives import Drives
-from pioneer3.sim.kernels.echoes import ALL, Echoes
-from pioneer3.sim.kernels.robots import Fan, Mounts, Robots, laser_fan, place, sonar_mounts
+from pioneer3.sim.kernels.drives import DriveArrays
+from pioneer3.sim.kernels.echoes import ALL, Reflectors
+from pioneer3.sim.kernels.robots import Fan, Mounts, RobotArrays, laser_fan, place, sonar_mounts
 from pioneer3.sim.kernels.walls import Grid, build_grid
 
 Float = NDArray[np.float64]
@@ -62,14 +62,14 @@ class Kernels:
         self._threads = threads
         self._pool = ThreadPoolExecutor(threads - 1, "kernels") if threads > 1 else None
 
-    def place(self, robots: Robots) -> None:
+    def place(self, robots: RobotArrays) -> None:
         """Bring the outlines and the table of `robots` up to date with their poses."""
         self._place(robots.state, robots.arrays)
 
     def cast_rays(
         self,
         grid: Grid,
-        robots: Robots,
+        robots: RobotArrays,
         origins: Float,
         angles: Float,
         *,
@@ -99,11 +99,11 @@ class Kernels:
     def sonar(
         self,
         grid: Grid,
-        robots: Robots,
+        robots: RobotArrays,
         mounts: Mounts,
         limit: float,
         *,
-        echoes: Echoes = ALL,
+        echoes: Reflectors = ALL,
         owners: Int32 | None = None,
         out: Float | None = None,
     ) -> Float:
@@ -139,7 +139,7 @@ class Kernels:
     def cast_fans(
         self,
         grid: Grid,
-        robots: Robots,
+        robots: RobotArrays,
         fan: Fan,
         limit: float,
         *,
@@ -162,7 +162,9 @@ class Kernels:
         self._share(len(lasers), work)
         return ranges
 
-    def blocked(self, grid: Grid, robots: Robots, poses: Float, out: Bool | None = None) -> Bool:
+    def blocked(
+        self, grid: Grid, robots: RobotArrays, poses: Float, out: Bool | None = None
+    ) -> Bool:
         """Return whether each robot would stand on something, shape (N,).
 
         `poses` are the proposed ones, rows x, y [m], theta [rad], shape (3, N), C-contiguous.
@@ -180,7 +182,12 @@ class Kernels:
         return hits
 
     def step(
-        self, grid: Grid, robots: Robots, drives: Drives, dt: float, noise: Float | None = None
+        self,
+        grid: Grid,
+        robots: RobotArrays,
+        drives: DriveArrays,
+        dt: float,
+        noise: Float | None = None,
     ) -> None:
         """Let every drive run for `dt` [s], at most `LONGEST`, as far as nothing is in the way.
 
@@ -195,14 +202,14 @@ class Kernels:
         errors = NO_NOISE if noise is None else noise
         self._step(dt, errors, drives.arrays, robots.state, grid.arrays, robots.arrays)
 
-    def ramp(self, drives: Drives, dt: float) -> None:
+    def ramp(self, drives: DriveArrays, dt: float) -> None:
         """Let the velocities that the firmware wants follow their ramps for `dt` [s].
 
         Nothing moves: that is left to the physics of a world.
         """
         self._ramp(dt, drives.arrays)
 
-    def count(self, drives: Drives, left: Float, right: Float) -> None:
+    def count(self, drives: DriveArrays, left: Float, right: Float) -> None:
         """Add the ways of the left and right wheels [m], both (N,), to the odometry."""
         self._count(left, right, drives.arrays)
 
@@ -227,12 +234,12 @@ def compiled_kernels(threads: int = 1) -> Kernels:
     kernels = Kernels(threads)
     grid = build_grid(np.array([[1.0, -1.0, 1.0, 1.0]]))
     size = np.array([0.2])
-    robots = Robots(size, size, size)
+    robots = RobotArrays(size, size, size)
     kernels.place(robots)
     kernels.sonar(grid, robots, sonar_mounts([np.zeros((1, 3))], [0]), 2.0)
     kernels.cast_fans(grid, robots, laser_fan((0.0, 0.0, 0.0), 0.0, 1.0, 1), 2.0)
     kernels.blocked(grid, robots, robots.poses)
-    drives = Drives.at_rest(1)
+    drives = DriveArrays.at_rest(1)
     for noise in (None, np.zeros((3, 1))):
         kernels.step(grid, robots, drives, 0.1, noise)
     kernels.ramp(drives, 0.1)

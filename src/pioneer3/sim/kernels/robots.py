@@ -39,7 +39,7 @@ NOWHERE = 1e8
 """Coordinate of hidden robots [m]."""
 
 
-class Robots:
+class RobotArrays:
     """N robots, or other things that move: obstacles come after the robots.
 
     Write into `x`, `y`, `theta`, then let `Kernels.place` bring the rest up to date. An outline is

@@ -18,7 +18,7 @@ from pioneer3.geometry import Pose2
 from pioneer3.maps import LineMap, empty_map
 from pioneer3.models.description.mjcf import CAMERA
 from pioneer3.sim.body import Body, Speeds
-from pioneer3.sim.kernels import Drives, Grid, Kernels, Robots
+from pioneer3.sim.kernels import DriveArrays, Grid, Kernels, RobotArrays
 from pioneer3.sim.kernels.drives import (
     TOUCHED,
 )
@@ -26,7 +26,7 @@ from pioneer3.sim.obstacles import Obstacle
 from pioneer3.sim.physics.colors import TOUCHING
 from pioneer3.sim.physics.elements import turned
 from pioneer3.sim.physics.ground import Ground, feet_of, feet_of_box, has_ground
-from pioneer3.sim.physics.motors import Motors
+from pioneer3.sim.physics.motors import MotorArrays
 from pioneer3.sim.physics.scene import Scene, build, set_contacts
 from pioneer3.sim.physics.sensing import MujocoSensing
 from pioneer3.sim.realism import SonarErrors
@@ -121,13 +121,13 @@ class MujocoDynamics:
         self._numbers = count()
         self._robots: Sequence[Body] = ()
         self._obstacles: Sequence[Obstacle] = ()
-        self._drives, self._outlines = Drives.at_rest(0), Robots(*np.zeros((3, 0)))
+        self._drives, self._outlines = DriveArrays.at_rest(0), RobotArrays(*np.zeros((3, 0)))
         self._scene: Scene | None = None
         self._ground: Ground | None = None
         self._owed = self._cycle_time = 0.0
         self._thread: ThreadPoolExecutor | None = None
         self._work: Future[None] | None = None
-        self._motors = Motors()
+        self._motors = MotorArrays()
         self._good, self._is_stuck = np.zeros(0), False
         self._velocity = self._gained = np.zeros((3, 0))
         self._known, self._hidden = np.zeros((3, 0)), np.zeros(0)
@@ -159,8 +159,8 @@ class MujocoDynamics:
         self,
         robots: Sequence[Body],
         obstacles: Sequence[Obstacle],
-        drives: Drives,
-        outlines: Robots,
+        drives: DriveArrays,
+        outlines: RobotArrays,
     ) -> None:
         self._robots, self._obstacles = robots, obstacles
         self._drives, self._outlines = drives, outlines

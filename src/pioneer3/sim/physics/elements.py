@@ -12,7 +12,7 @@ from pioneer3.models.description.tree import wheel_joint_names
 from pioneer3.sim.physics.colors import PARTS, THINGS
 from pioneer3.sim.relief import Carpet, Relief, Solid
 from pioneer3.sim.relief.mesh_file import Triangles
-from pioneer3.sim.relief.shapes import Block, Column, Hull, Shape, Terrain, Wedge
+from pioneer3.sim.relief.shapes import Block, Hull, Shape, Terrain, UprightCylinder, Wedge
 from pioneer3.text import one_line
 
 SOLID = 1
@@ -122,7 +122,7 @@ class Elements:
                     "size": [length / 2, width / 2, height / 2],
                     "pos": [x, y, shape.z + height / 2],
                 }
-            case Column(radius=radius, height=height):
+            case UprightCylinder(radius=radius, height=height):
                 return {
                     "type": kinds.mjGEOM_CYLINDER,
                     "size": [radius, height / 2, 0.0],

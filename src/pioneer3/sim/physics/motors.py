@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from pioneer3.models import RobotModel, physics_of, shape_of, total_mass
 from pioneer3.sim.body import Body, Speeds
-from pioneer3.sim.kernels import Drives, Kernels
+from pioneer3.sim.kernels import DriveArrays, Kernels
 from pioneer3.sim.kernels.drives import (
     ANGULAR,
     BASE,
@@ -32,17 +32,17 @@ LEAST_SPEED = 5e-4
 """Slower wheels stand, as far as encoders tell [m/s]."""
 
 
-class Motors:
+class MotorArrays:
     """The motors of N robots, as arrays: left and right sides (2, N)."""
 
     def __init__(self) -> None:
         self._robots: Sequence[Body] = ()
-        self._drives = Drives.at_rest(0)
+        self._drives = DriveArrays.at_rest(0)
         self._angles = self._speed = np.zeros((2, 0))
         self._goal = self._pushing = np.zeros((2, 0))
         self._released = self._braking = np.zeros(0, np.bool_)
 
-    def change(self, robots: Sequence[Body], drives: Drives) -> None:
+    def change(self, robots: Sequence[Body], drives: DriveArrays) -> None:
         """Replace the robots, in the order of `drives`; those that stay keep their state."""
         before = {body: number for number, body in enumerate(self._robots)}
         places = [before.get(body, -1) for body in robots]

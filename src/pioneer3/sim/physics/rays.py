@@ -38,7 +38,7 @@ class Hits(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Places:
+class ScenePoses:
     """Where the N robots and T things of a scene are at one instant.
 
     Attributes:
@@ -63,7 +63,7 @@ class Places:
         return bool((away < reach).any())
 
 
-def places_of(scene: Scene, outlines: Float, people: Float) -> Places:
+def places_of(scene: Scene, outlines: Float, people: Float) -> ScenePoses:
     """Return the places in a scene whose kinematics are up to date.
 
     `outlines` are middle and radius of the circle around each robot [m], shape (N, 3); `people` the
@@ -74,7 +74,7 @@ def places_of(scene: Scene, outlines: Float, people: Float) -> Places:
     solid = (scene.groups == THINGS) & (scene.robot < 0) & (model.geom_rbound > 0)
     things = np.column_stack([data.geom_xpos[solid, :2], model.geom_rbound[solid]])
     circles = np.concatenate([outlines, things, people])
-    return Places(at, turned, turned[:, 2, 2] >= LEVEL, circles[:, :2], circles[:, 2])
+    return ScenePoses(at, turned, turned[:, 2, 2] >= LEVEL, circles[:, :2], circles[:, 2])
 
 
 def cast(

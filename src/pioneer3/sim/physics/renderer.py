@@ -78,7 +78,7 @@ class Ready(Struct, tag=True):
     backend: str
 
 
-class Picture(Struct, tag=True):
+class PictureRequest(Struct, tag=True):
     """The picture that was asked for, as JPEG."""
 
     jpeg: bytes
@@ -91,7 +91,7 @@ class Failed(Struct, tag=True):
 
 
 Request = LoadScene | TakePicture
-Answer = Ready | Picture | Failed
+Answer = Ready | PictureRequest | Failed
 
 
 def framed(message: Request | Answer) -> bytes:
@@ -112,7 +112,7 @@ class _World:
     owners: NDArray[np.str_]
 
 
-class Renderer:
+class SceneRenderer:
     """Draws one world after the other. All in one thread: the context belongs to it.
 
     Raises:
@@ -250,7 +250,7 @@ def serve(requests: BinaryIO, answers: BinaryIO, backend: str) -> None:
         answers.flush()
 
     try:
-        renderer = Renderer()
+        renderer = SceneRenderer()
     except Exception as error:
         say(Failed(f"{type(error).__name__}: {error}"))
         return
@@ -262,7 +262,7 @@ def serve(requests: BinaryIO, answers: BinaryIO, backend: str) -> None:
             renderer.load(message)
             continue
         try:
-            answer: Answer = Picture(renderer.picture(message))
+            answer: Answer = PictureRequest(renderer.picture(message))
         except ValueError as error:
             answer = Failed(str(error))
         say(answer)

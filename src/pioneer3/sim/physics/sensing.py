@@ -15,10 +15,10 @@ from pioneer3.maps import LineMap
 from pioneer3.maps.materials import PLAIN, Codes
 from pioneer3.models import shape_of
 from pioneer3.sim.body import Body, Bumpers
-from pioneer3.sim.kernels import Fan, Grid, Kernels, Mounts, Robots, build_grid
+from pioneer3.sim.kernels import Fan, Grid, Kernels, Mounts, RobotArrays, build_grid
 from pioneer3.sim.obstacles import Obstacle
 from pioneer3.sim.physics.colors import BODIES, LEGS, THINGS, WALLS
-from pioneer3.sim.physics.rays import Places, cast, cast_light, places_of, refresh
+from pioneer3.sim.physics.rays import ScenePoses, cast, cast_light, places_of, refresh
 from pioneer3.sim.physics.scene import TALL, Scene
 from pioneer3.sim.realism import SonarErrors
 from pioneer3.sim.relief import Relief
@@ -42,7 +42,7 @@ class MujocoSensing:
 
     def __init__(self, scene: Callable[[], Scene], sonar: SonarErrors) -> None:
         self._scene_now, self._errors = scene, sonar
-        self._places: Places | None = None
+        self._places: ScenePoses | None = None
 
     def change_map(self, line_map: LineMap, grid: Grid, relief: Relief) -> None:
         tall = relief.heights_of(line_map) >= TALL
@@ -52,12 +52,12 @@ class MujocoSensing:
         self.forget()
 
     def change_bodies(
-        self, robots: Sequence[Body], obstacles: Sequence[Obstacle], outlines: Robots
+        self, robots: Sequence[Body], obstacles: Sequence[Obstacle], outlines: RobotArrays
     ) -> None:
         self._robots, self._outlines = robots, outlines
         self._people = [(n, o) for n, o in enumerate(obstacles) if isinstance(o.kind, Person)]
         # the kernels of the plane see the walls alone
-        self._alone = Robots(*outlines.state[3:7])
+        self._alone = RobotArrays(*outlines.state[3:7])
         self._alone.hidden[:] = 1.0
         shapes = [shape_of(body.model) for body in robots]
         self._sonar_heights = [shape.sonar_height for shape in shapes]
@@ -110,7 +110,7 @@ class MujocoSensing:
         front, rear = np.bitwise_or.reduce(scene.bumpers[pairs[touching]], axis=0).tolist()
         return front, rear
 
-    def _refreshed(self, kernels: Kernels) -> Places:
+    def _refreshed(self, kernels: Kernels) -> ScenePoses:
         """Return where everything is now."""
         if self._places is None:
             scene, circles = self._scene_now(), np.empty((len(self._people), 3))
@@ -125,7 +125,9 @@ class MujocoSensing:
             self._places = places_of(scene, robots, circles)
         return self._places
 
-    def _doubtful(self, places: Places, number: int, table: Float, heard: Float) -> Iterator[int]:
+    def _doubtful(
+        self, places: ScenePoses, number: int, table: Float, heard: Float
+    ) -> Iterator[int]:
         """Yield the transducers of a robot for which the walls of the plane may not be all.
 
         `table` has its transducers, as `Mounts.table`, and `heard` what they hear of tall walls
@@ -151,7 +153,7 @@ class MujocoSensing:
         near[:, number] = False
         yield from np.flatnonzero(near.any(axis=1)).tolist()
 
-    def _echo(self, places: Places, number: int, row: Float, of_walls: float) -> float:
+    def _echo(self, places: ScenePoses, number: int, row: Float, of_walls: float) -> float:
         """Return the range that one transducer hears [m].
 
         `row` is that of the transducer in `Mounts.table`, and `of_walls` what it would hear if

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from pioneer3.geometry import Pose2, wrap
 from pioneer3.sim.relief.mesh_file import Triangles
-from pioneer3.tables import Key, degrees_of
+from pioneer3.tables import FieldForm, degrees_of
 from pioneer3.units import DEGREE
 
 Float = NDArray[np.float64]
@@ -53,7 +53,7 @@ class Wedge:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Column:
+class UprightCylinder:
     """An upright cylinder."""
 
     pose: Pose2
@@ -101,11 +101,11 @@ class Terrain:
     heights: Float
 
 
-Shape = Block | Wedge | Column | Hull | Terrain
+Shape = Block | Wedge | UprightCylinder | Hull | Terrain
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class SolidPart:
     """One shape of a solid.
 
     Attributes:
@@ -184,16 +184,16 @@ def pose_of(x: float, y: float, theta_deg: float) -> Pose2:
     return Pose2(x, y, wrap(theta_deg * DEGREE))
 
 
-CENTER: Final = Key(
+CENTER: Final = FieldForm(
     type=_Center,
     read=lambda table: Pose2(*table.center),
     write=lambda pose: _Center((pose.x, pose.y)),
     spread=True,
 )
-PLACED: Final = Key(
+PLACED: Final = FieldForm(
     type=_Placed,
     read=lambda table: pose_of(table.center[0], table.center[1], table.theta_deg),
     write=lambda pose: _Placed((pose.x, pose.y), degrees_of(pose.theta)),
     spread=True,
 )
-FILE: Final = Key("file", str, Path, Path.as_posix)
+FILE: Final = FieldForm("file", str, Path, Path.as_posix)

@@ -25,15 +25,15 @@ from pioneer3.sim.relief.shapes import (
     NONE,
     PLACED,
     Block,
-    Column,
     Elevation,
     Friction,
     Height,
     Hull,
-    Part,
     Size,
     Slope,
+    SolidPart,
     Terrain,
+    UprightCylinder,
     Wedge,
     outer,
     rectangle,
@@ -82,7 +82,7 @@ class Solid(Protocol):
         """Height of its foot, or of the origin of a mesh [m]."""
 
     @property
-    def parts(self) -> tuple[Part, ...]:
+    def parts(self) -> tuple[SolidPart, ...]:
         """Its shapes.
 
         Raises:
@@ -131,9 +131,9 @@ class Step(GroundSolid):
     table: ClassVar[str] = "step"
 
     @property
-    def parts(self) -> tuple[Part, ...]:
+    def parts(self) -> tuple[SolidPart, ...]:
         """One block."""
-        return (Part("", self.block),)
+        return (SolidPart("", self.block),)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -143,9 +143,9 @@ class Ramp(GroundSolid):
     table: ClassVar[str] = "ramp"
 
     @property
-    def parts(self) -> tuple[Part, ...]:
+    def parts(self) -> tuple[SolidPart, ...]:
         """One wedge."""
-        return (Part("", Wedge(pose=self.pose, z=self.z, size=(*self.size, self.height))),)
+        return (SolidPart("", Wedge(pose=self.pose, z=self.z, size=(*self.size, self.height))),)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -162,9 +162,9 @@ class Carpet(GroundSolid):
     height: Annotated[float, Meta(ge=0.006, le=0.05)] = CARPET_HEIGHT
 
     @property
-    def parts(self) -> tuple[Part, ...]:
+    def parts(self) -> tuple[SolidPart, ...]:
         """One block."""
-        return (Part("", self.block),)
+        return (SolidPart("", self.block),)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -179,10 +179,10 @@ class Cylinder:
     z: Elevation = 0.0
 
     @property
-    def parts(self) -> tuple[Part, ...]:
+    def parts(self) -> tuple[SolidPart, ...]:
         """One column."""
-        column = Column(pose=self.pose, z=self.z, radius=self.radius, height=self.height)
-        return (Part("", column),)
+        column = UprightCylinder(pose=self.pose, z=self.z, radius=self.radius, height=self.height)
+        return (SolidPart("", column),)
 
     @property
     def walls(self) -> Float:
@@ -220,19 +220,19 @@ class Table:
     z: Elevation = 0.0
 
     @property
-    def parts(self) -> tuple[Part, ...]:
+    def parts(self) -> tuple[SolidPart, ...]:
         """The top, four legs, and the back if there is one."""
         length, width = self.size
         below = self.height - self.thickness
         top = Block(pose=self.pose, z=self.z + below, size=(length, width, self.thickness))
         leg = (self.leg_width, self.leg_width, below)
         legs = [Block(pose=pose, z=self.z, size=leg) for pose in self.legs]
-        found = [Part("top", top)]
-        found += [Part(f"leg_{number}", block) for number, block in enumerate(legs)]
+        found = [SolidPart("top", top)]
+        found += [SolidPart(f"leg_{number}", block) for number, block in enumerate(legs)]
         if self.back > 0:
             rear = self.pose @ Pose2((self.leg_width - length) / 2, 0.0)
             size = (self.leg_width, width, self.back)
-            found.append(Part("back", Block(pose=rear, z=self.z + self.height, size=size)))
+            found.append(SolidPart("back", Block(pose=rear, z=self.z + self.height, size=size)))
         return tuple(found)
 
     @property
@@ -271,7 +271,7 @@ class HeightField(GroundSolid):
     file: Annotated[Path, FILE]
 
     @cached_property
-    def parts(self) -> tuple[Part, ...]:
+    def parts(self) -> tuple[SolidPart, ...]:
         """One terrain.
 
         Raises:
@@ -286,7 +286,7 @@ class HeightField(GroundSolid):
             raise wrong(self.file, " is of one shade: take a [[step]] for a flat floor")
         heights = shades[::-1].astype(np.float64) / 255
         size = (*self.size, self.height)
-        return (Part("", Terrain(pose=self.pose, z=self.z, size=size, heights=heights)),)
+        return (SolidPart("", Terrain(pose=self.pose, z=self.z, size=size, heights=heights)),)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -330,13 +330,13 @@ class Mesh:
         return Hull(pose=self.pose, z=self.z, triangles=triangles)
 
     @property
-    def parts(self) -> tuple[Part, ...]:
+    def parts(self) -> tuple[SolidPart, ...]:
         """One hull.
 
         Raises:
             ConfigError: As for :attr:`hull`.
         """
-        return (Part("", self.hull),)
+        return (SolidPart("", self.hull),)
 
     @property
     def walls(self) -> Float:

@@ -34,7 +34,7 @@ STUCK = 0.5
 """A client that takes nothing for this long [s, real], with full buffers, is disconnected."""
 
 
-class Client(Protocol):
+class HostConnection(Protocol):
     """The connection of one host.
 
     Attributes:
@@ -65,10 +65,10 @@ class Client(Protocol):
 class ClientHandler(Protocol):
     """Takes what clients send, and learns when they are gone."""
 
-    def received(self, client: Client, data: bytes) -> None:
+    def received(self, client: HostConnection, data: bytes) -> None:
         """Take bytes from `client`."""
 
-    def disconnected(self, client: Client) -> None:
+    def disconnected(self, client: HostConnection) -> None:
         """Note that `client` has gone."""
 
 
@@ -309,11 +309,11 @@ class ClientSlot:
     def __init__(
         self, on_change: Callable[[], None], robot: Callable[[], str] = lambda: "a robot"
     ) -> None:
-        self.host: Client | None = None
+        self.host: HostConnection | None = None
         self.closed = False
         self._on_change = on_change
         self._robot = robot
-        self._waiting: Client | None = None
+        self._waiting: HostConnection | None = None
         self._heard_at = -inf
         self._flooded_at = inf
 
@@ -322,7 +322,7 @@ class ClientSlot:
         """Whether one more host would be turned away at once."""
         return self.closed or (self._waiting is not None and not self._is_free())
 
-    def admit(self, client: Client) -> None:
+    def admit(self, client: HostConnection) -> None:
         """Give `client` the slot, now or soon, or turn it away."""
         if self.closed:
             client.close()
@@ -334,7 +334,7 @@ class ClientSlot:
         else:
             self._refuse(client)
 
-    def heard_from(self, client: Client) -> bool:
+    def heard_from(self, client: HostConnection) -> bool:
         """Note that `client` has sent bytes; return whether the robot takes them."""
         if client is not self.host:
             if not client.permanent or self.closed or not self._is_free():
@@ -347,7 +347,7 @@ class ClientSlot:
         """Note whether the host has sent more than can be taken."""
         self._flooded_at = min(self._flooded_at, _now()) if flooded else inf
 
-    def disconnected(self, client: Client) -> bool:
+    def disconnected(self, client: HostConnection) -> bool:
         """Note that `client` has gone; return whether it was the host."""
         if client is self._waiting:
             self._waiting = None
@@ -372,7 +372,7 @@ class ClientSlot:
         since = min(self._heard_at, self._flooded_at)
         return self.host is None or _now() - since >= STALE
 
-    def _connect(self, client: Client) -> None:
+    def _connect(self, client: HostConnection) -> None:
         last, self.host = self.host, client
         if last is not None:
             log.info("%s: silent or flooding, gives way at %s", last.peer, self._robot())
@@ -382,7 +382,7 @@ class ClientSlot:
         self._on_change()
         client.resume()
 
-    def _settle(self, client: Client) -> None:
+    def _settle(self, client: HostConnection) -> None:
         if client is not self._waiting:
             return
         self._waiting = None
@@ -391,7 +391,7 @@ class ClientSlot:
         else:
             self._refuse(client)
 
-    def _refuse(self, client: Client) -> None:
+    def _refuse(self, client: HostConnection) -> None:
         log.info("%s: turned away from %s, another host is there", client.peer, self._robot())
         client.close()
 

@@ -120,7 +120,7 @@ class LinkFaults:
             raise ConfigError(f"link faults: {name!r} is none; {hint}")
 
 
-class Channel:
+class CableDirection:
     """One direction of a cable, which delays, loses and changes bytes as its faults say."""
 
     def __init__(self, faults: LinkFaults, direction: str) -> None:

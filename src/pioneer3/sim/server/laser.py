@@ -10,7 +10,7 @@ from collections.abc import Callable
 from math import inf
 
 from pioneer3.errors import LinkError
-from pioneer3.lasers.device import Device, Sweep, Turn
+from pioneer3.lasers.device import LaserDevice, MirrorTurn, Sweep
 from pioneer3.links.urls import url_of
 from pioneer3.models.lasers import LaserModel, LaserProtocol
 from pioneer3.sim.body import Body
@@ -43,7 +43,7 @@ class SimulatedLaser:
         world: World,
         body: Body,
         model: LaserModel,
-        device: Device,
+        device: LaserDevice,
         wake: Callable[[], None] = lambda: None,
     ) -> None:
         self.model, self.device, self.body = model, device, body
@@ -52,7 +52,7 @@ class SimulatedLaser:
         self._listeners: list[TcpListener | PtyListener] = []
         self._world = world
         self._scanner = LaserScanner(world, body, model)
-        self._turn: Turn | None = None
+        self._turn: MirrorTurn | None = None
         self._began, self._next, self._looked = -inf, -inf, world.time
         self._exchanged = world.time
         self._powered, self._closed = True, False
@@ -184,7 +184,7 @@ class SimulatedLaser:
             self._turn = None
         scanner.look(now)
 
-    def _hand_in(self, turn: Turn) -> None:
+    def _hand_in(self, turn: MirrorTurn) -> None:
         """Give the device a turn of which all readings are taken, when the last one was.
 
         That is before this tick, and may be before the last call of :meth:`exchange`: bytes of the

@@ -21,9 +21,9 @@ from math import inf
 from random import Random
 from typing import Protocol
 
-from pioneer3.lasers.device import Connection, Device
-from pioneer3.sim.server.clients import STALE, Client, ClientHandler, ClientSlot
-from pioneer3.sim.server.faults import Channel, LinkFaults
+from pioneer3.lasers.device import DeviceConnection, LaserDevice
+from pioneer3.sim.server.clients import STALE, ClientHandler, ClientSlot, HostConnection
+from pioneer3.sim.server.faults import CableDirection, LinkFaults
 
 log = logging.getLogger(__name__)
 
@@ -42,7 +42,7 @@ MOST_HOSTS = 8
 class Cable:
     """The way between a host and a connection of the device, with faults."""
 
-    def __init__(self, connection: Connection, faults: LinkFaults) -> None:
+    def __init__(self, connection: DeviceConnection, faults: LinkFaults) -> None:
         self.connection = connection
         self._inbox = bytearray()
         self.replace(faults)
@@ -50,15 +50,18 @@ class Cable:
     def replace(self, faults: LinkFaults) -> None:
         """Have other faults from now on."""
         self._faults = faults
-        self._to_laser, self._to_host = Channel(faults, "to laser"), Channel(faults, "to host")
+        self._to_laser, self._to_host = (
+            CableDirection(faults, "to laser"),
+            CableDirection(faults, "to host"),
+        )
 
-    def keep(self, client: Client, data: bytes) -> None:
+    def keep(self, client: HostConnection, data: bytes) -> None:
         """Keep the bytes of `client` for :meth:`take`."""
         self._inbox += data
         if len(self._inbox) >= MOST_WAITING:
             client.pause()
 
-    def take(self, client: Client | None, now: float, most: int = MOST_TAKEN) -> None:
+    def take(self, client: HostConnection | None, now: float, most: int = MOST_TAKEN) -> None:
         """Give the device bytes that have come by `now` [s], at most so many at once."""
         data = bytes(self._inbox[:most])
         del self._inbox[:most]
@@ -99,7 +102,7 @@ class LaserHosts(ClientHandler, Protocol):
     def connected(self) -> bool:
         """Whether any host is connected."""
 
-    def admit(self, client: Client) -> None:
+    def admit(self, client: HostConnection) -> None:
         """Give `client` a connection, now or soon, or turn it away."""
 
     def exchange(self, now: float, *, heard: bool) -> None:
@@ -121,7 +124,7 @@ class OneHost:
 
     def __init__(
         self,
-        device: Device,
+        device: LaserDevice,
         faults: LinkFaults,
         *,
         label: Callable[[], str],
@@ -149,15 +152,15 @@ class OneHost:
         """Ask `speed` for the speed that a host has set at the terminal [baud]."""
         self._terminal_speed = speed
 
-    def admit(self, client: Client) -> None:
+    def admit(self, client: HostConnection) -> None:
         self._slot.admit(client)
 
-    def received(self, client: Client, data: bytes) -> None:
+    def received(self, client: HostConnection, data: bytes) -> None:
         if self._slot.heard_from(client) and self._cable and self._is_understood(client):
             self._cable.keep(client, data)
             self._wake()
 
-    def disconnected(self, client: Client) -> None:
+    def disconnected(self, client: HostConnection) -> None:
         if self._slot.disconnected(client) and not self.connected:
             self._hang_up()
 
@@ -188,7 +191,7 @@ class OneHost:
         elif self._wrong_since == inf:
             self._wrong_since = self._looked_at
 
-    def _is_understood(self, client: Client) -> bool:
+    def _is_understood(self, client: HostConnection) -> bool:
         """Whether the laser understands bytes that are read now: they were sent a moment ago.
 
         Time counts only up to the last look, so that a simulator that was held up reads first.
@@ -225,7 +228,7 @@ class OneHost:
             cable.connection.close()
             self._cable = None
 
-    def _understands(self, client: Client) -> bool:
+    def _understands(self, client: HostConnection) -> bool:
         if not client.permanent or self._device.speed is None:
             return True
         return self._terminal_speed() == self._device.speed
@@ -236,16 +239,16 @@ class SeveralHosts:
 
     def __init__(
         self,
-        device: Device,
+        device: LaserDevice,
         faults: LinkFaults,
         *,
         label: Callable[[], str],
         wake: Callable[[], None],
     ) -> None:
         self._device, self._faults, self._wake, self._label = device, faults, wake, label
-        self._cables: dict[Client, Cable] = {}
+        self._cables: dict[HostConnection, Cable] = {}
         self._leaving: list[Cable] = []
-        self._heard: dict[Client, float] = {}
+        self._heard: dict[HostConnection, float] = {}
         self._closed = False
 
     @property
@@ -256,7 +259,7 @@ class SeveralHosts:
     def connected(self) -> bool:
         return bool(self._cables)
 
-    def admit(self, client: Client) -> None:
+    def admit(self, client: HostConnection) -> None:
         if self.full:
             client.close()
             return
@@ -269,13 +272,13 @@ class SeveralHosts:
         self._heard[client] = _now()
         client.resume()
 
-    def received(self, client: Client, data: bytes) -> None:
+    def received(self, client: HostConnection, data: bytes) -> None:
         if client in self._cables:
             self._heard[client] = _now()
             self._cables[client].keep(client, data)
             self._wake()
 
-    def disconnected(self, client: Client) -> None:
+    def disconnected(self, client: HostConnection) -> None:
         if (cable := self._cables.pop(client, None)) is not None:
             log.info("%s: gone from %s", client.peer, self._label())
             del self._heard[client]
@@ -313,7 +316,7 @@ class SeveralHosts:
             cable.take(None, now, MOST_FAREWELL)
             cable.connection.close()
 
-    def _silent_host(self) -> Client | None:
+    def _silent_host(self) -> HostConnection | None:
         """Return the host that has been silent for longest, and for long enough to give way."""
         silent = min(self._heard, key=self._heard.__getitem__, default=None)
         return silent if silent and _now() - self._heard[silent] >= STALE else None

@@ -9,7 +9,7 @@ from math import inf
 from typing import cast
 
 from pioneer3.errors import ConfigError, LinkError
-from pioneer3.lasers.device import Device
+from pioneer3.lasers.device import LaserDevice
 from pioneer3.models.lasers import HOKUYO_PORT, LaserModel, LaserProtocol, load_laser
 from pioneer3.sim.body import Body
 from pioneer3.sim.server.laser import SimulatedLaser
@@ -28,7 +28,7 @@ SERVER_PORT = 4001
 """Port of a serial line on the network, as many device servers have it."""
 
 
-def device_of(model: LaserModel) -> Device:
+def device_of(model: LaserModel) -> LaserDevice:
     """Return a new device of this model.
 
     Raises:
@@ -39,7 +39,7 @@ def device_of(model: LaserModel) -> Device:
         make = getattr(import_module(module), name)
     except (ImportError, AttributeError):
         raise ConfigError(f"{model.name}: {model.protocol} is not simulated") from None
-    return cast("Device", make(model))
+    return cast("LaserDevice", make(model))
 
 
 class LaserPorts:

@@ -15,7 +15,7 @@ from pioneer3.errors import LinkError, PortBusyError
 from pioneer3.links.serial import make_pty, terminal_speed
 from pioneer3.links.stream import tune
 from pioneer3.links.urls import url_of
-from pioneer3.sim.server.clients import Client, ClientHandler, PtyClient, SocketClient
+from pioneer3.sim.server.clients import ClientHandler, HostConnection, PtyClient, SocketClient
 
 log = logging.getLogger(__name__)
 
@@ -48,7 +48,7 @@ class Port(ClientHandler, Protocol):
     def full(self) -> bool:
         """Whether one more host would be turned away at once."""
 
-    def admit(self, client: Client) -> None:
+    def admit(self, client: HostConnection) -> None:
         """Connect `client`, now or soon, or turn it away."""
 
 

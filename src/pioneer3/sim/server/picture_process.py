@@ -18,7 +18,7 @@ from pioneer3.sim.physics.renderer import (
     Answer,
     Failed,
     LoadScene,
-    Picture,
+    PictureRequest,
     Ready,
     TakePicture,
     framed,
@@ -100,7 +100,7 @@ class PictureProcess:
             except BaseException:
                 await self.close()  # what it says next would be the answer to this
                 raise
-        if isinstance(answer, Picture):
+        if isinstance(answer, PictureRequest):
             return answer.jpeg
         raise DeviceError(answer.reason if isinstance(answer, Failed) else "no picture")
 

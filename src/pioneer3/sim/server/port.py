@@ -14,11 +14,11 @@ Rules, besides those of :mod:`pioneer3.sim.server.clients`:
 from collections.abc import Callable
 from math import inf
 
-from pioneer3.arcos.device import Phase
+from pioneer3.arcos.device import SessionPhase
 from pioneer3.links import Link
 from pioneer3.sim.firmware import Firmware
-from pioneer3.sim.server.clients import STALE, Client, ClientSlot, LinkClient
-from pioneer3.sim.server.faults import Channel, LinkFaults
+from pioneer3.sim.server.clients import STALE, ClientSlot, HostConnection, LinkClient
+from pioneer3.sim.server.faults import CableDirection, LinkFaults
 from pioneer3.sim.server.listeners import PtyListener, TcpListener
 
 BYTES_PER_TICK = 256
@@ -59,7 +59,7 @@ class RobotPort:
         self._wake = wake
         self._keep_session = keep_session
         self._final_bytes: bytes | None = None
-        self._served: Client | None = None
+        self._served: HostConnection | None = None
         self._slot = ClientSlot(self._reset_for_host, lambda: self.label)
         self._rated_watchdog = firmware.device.watchdog
         self._heard_at = -inf
@@ -76,7 +76,10 @@ class RobotPort:
     @faults.setter
     def faults(self, faults: LinkFaults) -> None:
         self._faults = faults
-        self._to_robot, self._to_host = Channel(faults, "to robot"), Channel(faults, "to host")
+        self._to_robot, self._to_host = (
+            CableDirection(faults, "to robot"),
+            CableDirection(faults, "to host"),
+        )
 
     @property
     def label(self) -> str:
@@ -102,12 +105,12 @@ class RobotPort:
     @property
     def is_open(self) -> bool:
         """Whether a session is open, with or without its host."""
-        return self.firmware.device.phase is Phase.OPEN
+        return self.firmware.device.phase is SessionPhase.OPEN
 
     @property
     def opens_next(self) -> bool:
         """Whether the host's next packet opens a session."""
-        return self.firmware.device.phase is Phase.READY
+        return self.firmware.device.phase is SessionPhase.READY
 
     @property
     def awaited(self) -> bool:
@@ -135,11 +138,11 @@ class RobotPort:
         self.admit(client)
         await client.live()
 
-    def admit(self, client: Client) -> None:
+    def admit(self, client: HostConnection) -> None:
         """Give `client` the slot, now or soon, or turn it away."""
         self._slot.admit(client)
 
-    def received(self, client: Client, data: bytes) -> None:
+    def received(self, client: HostConnection, data: bytes) -> None:
         """Keep the bytes of `client` for the next tick."""
         if not self._slot.heard_from(client):
             return
@@ -150,7 +153,7 @@ class RobotPort:
             self._slot.set_flooded(flooded=True)
         self._wake()
 
-    def disconnected(self, client: Client) -> None:
+    def disconnected(self, client: HostConnection) -> None:
         """Note that `client` has gone."""
         if client is self._slot.host and not client.permanent:
             self._end_session()
@@ -175,7 +178,7 @@ class RobotPort:
         if self._final_bytes is not None:
             self._deliver(self._final_bytes, now)
             self._final_bytes = None
-            if self.firmware.device.phase is not Phase.WAITING:
+            if self.firmware.device.phase is not SessionPhase.WAITING:
                 self.firmware.hang_up(now)
         self._budget = min(BURST, self._budget + BYTES_PER_TICK * (turn - self._turn))
         self._turn = turn
@@ -202,7 +205,11 @@ class RobotPort:
         host = self._slot.host
         if data and host is not None:
             host.send(data)
-        if host is not None and host.permanent and self.firmware.device.phase is Phase.WAITING:
+        if (
+            host is not None
+            and host.permanent
+            and self.firmware.device.phase is SessionPhase.WAITING
+        ):
             host.close()  # it has sent CLOSE: the slot is free
             self._slot.disconnected(host)
         self.due = min(self.firmware.due, self._to_host.due)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from pioneer3.geometry import Pose2
 from pioneer3.maps.grid import shape_of, touched
 from pioneer3.maps.image import to_png
-from pioneer3.maps.line_map import Bounds, LineMap, MapObject
+from pioneer3.maps.line_map import Extent, LineMap, MapObject
 from pioneer3.maps.materials import BLACK, GLASS, REFLECTOR
 from pioneer3.names import printable
 from pioneer3.sim.relief import Ramp
@@ -100,7 +100,7 @@ class Marker:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Drawing:
+class WorldDrawing:
     """Lines and markers in the map frame.
 
     Attributes:
@@ -109,12 +109,12 @@ class Drawing:
     """
 
     name: str
-    bounds: Bounds
+    bounds: Extent
     lines: dict[Layer, Float]
     markers: tuple[Marker, ...]
 
 
-def draw(world: WorldFile, line_map: LineMap) -> Drawing:
+def draw(world: WorldFile, line_map: LineMap) -> WorldDrawing:
     """Return the drawing of `world`, whose :meth:`WorldFile.line_map` is given."""
     lines = {Layer(kind): _solids(world, kind) for kind in SOLID_LAYERS}
     lines[Layer.WALL] = line_map.walls
@@ -126,7 +126,7 @@ def draw(world: WorldFile, line_map: LineMap) -> Drawing:
         lines[layer] = line_map.walls[line_map.materials == code]
     lines[Layer.PERSON] = np.concatenate([np.empty((0, 4)), *map(_walk, world.people)])
     markers = tuple(_markers(world, line_map))
-    return Drawing(
+    return WorldDrawing(
         name=world.name, bounds=_bounds(lines.values(), markers), lines=lines, markers=markers
     )
 
@@ -177,17 +177,17 @@ def _markers(world: WorldFile, line_map: LineMap) -> Iterator[Marker]:
             yield Marker(Layer.HOME, robot.start, robot.name or robot.model, has_heading=True)
 
 
-def _bounds(lines: Iterable[Float], markers: Iterable[Marker]) -> Bounds:
+def _bounds(lines: Iterable[Float], markers: Iterable[Marker]) -> Extent:
     points = [(marker.pose.x, marker.pose.y) for marker in markers]
     ends = [part.reshape(-1, 2) for part in lines]
     everything = np.concatenate([np.array(points).reshape(-1, 2), *ends])
     if not len(everything):
-        return Bounds(-1.0, -1.0, 1.0, 1.0)
+        return Extent(-1.0, -1.0, 1.0, 1.0)
     (x_min, y_min), (x_max, y_max) = everything.min(axis=0), everything.max(axis=0)
-    return Bounds(float(x_min), float(y_min), float(x_max), float(y_max))
+    return Extent(float(x_min), float(y_min), float(x_max), float(y_max))
 
 
-def to_svg(drawing: Drawing) -> str:
+def to_svg(drawing: WorldDrawing) -> str:
     """Return a drawing as SVG, 1 unit a metre, y upwards, its names as text."""
     x0, y0, x1, y1 = _framed(drawing.bounds)
     box = f"{x0:.3f} {-y1:.3f} {x1 - x0:.3f} {y1 - y0:.3f}"
@@ -202,7 +202,7 @@ def to_svg(drawing: Drawing) -> str:
     return "\n".join(parts) + "\n"
 
 
-def _svg_lines(drawing: Drawing) -> Iterator[str]:
+def _svg_lines(drawing: WorldDrawing) -> Iterator[str]:
     for layer in Layer:
         segments = drawing.lines.get(layer)
         if segments is not None and len(segments):
@@ -225,7 +225,7 @@ def _svg_marker(marker: Marker, size: float) -> str:
     return dot + (text if marker.name else "")
 
 
-def to_picture(drawing: Drawing) -> bytes:
+def to_picture(drawing: WorldDrawing) -> bytes:
     """Return a drawing as PNG without names, its longer side :data:`LONG_SIDE` pixels."""
     bounds = _framed(drawing.bounds)
     cell = max(bounds.x_max - bounds.x_min, bounds.y_max - bounds.y_min) / LONG_SIDE
@@ -253,9 +253,9 @@ def _thick(cells: NDArray[np.bool_]) -> NDArray[np.bool_]:
     return thick
 
 
-def _framed(bounds: Bounds) -> Bounds:
+def _framed(bounds: Extent) -> Extent:
     x0, y0, x1, y1 = bounds
-    return Bounds(x0 - MARGIN, y0 - MARGIN, x1 + MARGIN, y1 + MARGIN)
+    return Extent(x0 - MARGIN, y0 - MARGIN, x1 + MARGIN, y1 + MARGIN)
 
 
 def _hex(layer: Layer) -> str:

@@ -26,14 +26,14 @@ from pioneer3.sim.relief.shapes import (
     Elevation,
     Friction,
     Height,
-    Part,
     Point,
     Size,
+    SolidPart,
     pose_of,
 )
 from pioneer3.sim.relief.solids import SENSOR_HEIGHT
 from pioneer3.sim.worldfile.person import Person
-from pioneer3.tables import Key, degrees_of
+from pioneer3.tables import FieldForm, degrees_of
 
 Float = NDArray[np.float64]
 Start = Pose2 | Literal["random", "outside", "home"]
@@ -61,7 +61,7 @@ class _At:
     theta_deg: Angle = 0.0
 
 
-_START = Key(
+_START = FieldForm(
     "start",
     Annotated[
         _At | Literal["random", "outside", "home"],
@@ -72,13 +72,13 @@ _START = Key(
         _At(start.x, start.y, degrees_of(start.theta)) if isinstance(start, Pose2) else start
     ),
 )
-_STEP = Key(
+_STEP = FieldForm(
     "physics_step_ms",
     Annotated[float, Meta(ge=0.5, le=2.5)],
     lambda milliseconds: round(milliseconds / 1000, 9),
     lambda seconds: round(seconds * 1000, 6),
 )
-_IN_NO_FILE = Key()
+_IN_NO_FILE = FieldForm()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -136,9 +136,9 @@ class Box:
         return Block(pose=self.pose, z=self.z, size=(*self.size, height))
 
     @property
-    def parts(self) -> tuple[Part, ...]:
+    def parts(self) -> tuple[SolidPart, ...]:
         """One block."""
-        return (Part("", self.block),)
+        return (SolidPart("", self.block),)
 
     @property
     def walls(self) -> Float:
@@ -223,7 +223,7 @@ class WorldFile:
     """
 
     name: str
-    map: Annotated[str | Path, Key("map", str)] = "empty"
+    map: Annotated[str | Path, FieldForm("map", str)] = "empty"
     seed: Annotated[int, Meta(ge=0, le=2**63 - 1)] | None = None
     keep_session: bool = False
     physics: Physics = "planar"

@@ -9,7 +9,7 @@ from pathlib import Path
 from pioneer3.names import free_name
 from pioneer3.web.access.hosts import is_from_here
 from pioneer3.web.access.invitations import Invitations
-from pioneer3.web.access.sessions import Kind, Role, Session, Sessions
+from pioneer3.web.access.sessions import LoginSession, LoginSessions, Role, SessionKind
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,10 +79,12 @@ class Access:
     """
 
     def __init__(self, clock: Callable[[], float]) -> None:
-        self.here = Session(id="here", name="this computer", role=Role.DRIVER, kind=Kind.HERE)
+        self.here = LoginSession(
+            id="here", name="this computer", role=Role.DRIVER, kind=SessionKind.HERE
+        )
         self.urls: tuple[str, ...] = ()
         self.authority: Path | None = None
-        self.sessions = Sessions(clock)
+        self.sessions = LoginSessions(clock)
         self.invitations = Invitations(clock)
         self.pairing_limiter = RateLimiter(clock)
         self._requests, self._visits, self._stops = (
@@ -91,7 +93,7 @@ class Access:
 
     def pair(
         self, token: str, name: str, role: Role | None, others: Iterable[str] = ()
-    ) -> tuple[Session, str] | None:
+    ) -> tuple[LoginSession, str] | None:
         """Return a new session and its secret for `token`, or `None` if that is not good.
 
         `role` may be less than what the token is for; `others` are names that are taken.
@@ -104,9 +106,9 @@ class Access:
         if allowed is None:
             return None
         granted = role if role is not None and allowed.covers(role) else allowed
-        return self.sessions.open(name, granted, Kind.BROWSER, others=others)
+        return self.sessions.open(name, granted, SessionKind.BROWSER, others=others)
 
-    def name_for(self, session: Session, user_agent: str, others: set[str]) -> str:
+    def name_for(self, session: LoginSession, user_agent: str, others: set[str]) -> str:
         """Return a name for a client, from its session or its device, that no other client has."""
         if session.role is Role.STUDENT:
             return session.name
@@ -114,7 +116,9 @@ class Access:
             return free_name(session.name, others)
         return free_name(device(user_agent), others | self.sessions.names)
 
-    def session(self, peer: str, headers: Mapping[str, str], cookie: str | None) -> Session | None:
+    def session(
+        self, peer: str, headers: Mapping[str, str], cookie: str | None
+    ) -> LoginSession | None:
         """Return the session of a request, or `None`.
 
         A secret that is sent must be good, also on this machine.
@@ -127,11 +131,13 @@ class Access:
             return self.here
         return session
 
-    def is_stop(self, session: Session | None, path: str) -> bool:
+    def is_stop(self, session: LoginSession | None, path: str) -> bool:
         """Whether this is a request to stop, with a session."""
         return session is not None and STOP.fullmatch(path) is not None
 
-    def exceeds_rate(self, peer: str, session: Session | None, path: str, *, visit: bool) -> bool:
+    def exceeds_rate(
+        self, peer: str, session: LoginSession | None, path: str, *, visit: bool
+    ) -> bool:
         """Count a request, or the `visit` of a page; return whether `peer` exceeds its rate.
 
         Stops are counted apart, so that a flood of other requests blocks none of them. Students

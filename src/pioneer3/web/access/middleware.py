@@ -13,7 +13,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from pioneer3.web.access.access import Access
 from pioneer3.web.access.hosts import is_ours, is_own_origin
-from pioneer3.web.access.sessions import Session
+from pioneer3.web.access.sessions import LoginSession
 
 MEDIA_TYPE = "application/problem+json"
 HEADERS = {
@@ -136,10 +136,10 @@ def _peer(scope: Scope) -> str:
     return str((scope.get("client") or ("", 0))[0])
 
 
-def session_of(connection: HTTPConnection) -> Session | None:
+def session_of(connection: HTTPConnection) -> LoginSession | None:
     """Return the session of a request or a WebSocket, or `None`."""
     session = connection.scope["state"]["session"]
-    assert session is None or isinstance(session, Session)
+    assert session is None or isinstance(session, LoginSession)
     return session
 
 

@@ -34,7 +34,7 @@ class Role(StrEnum):
         return self is Role.DRIVER or needed in {self, Role.VIEWER}
 
 
-class Kind(StrEnum):
+class SessionKind(StrEnum):
     """The kind of client that a session belongs to."""
 
     HERE = "here"
@@ -43,7 +43,7 @@ class Kind(StrEnum):
 
 
 @dataclass(slots=True, eq=False, kw_only=True)
-class Session:
+class LoginSession:
     """The login of one browser or one script.
 
     Attributes:
@@ -58,14 +58,14 @@ class Session:
     id: str
     name: str
     role: Role
-    kind: Kind
+    kind: SessionKind
     parent: str = ""
     robot: int | None = None
     seen: float = 0.0
     ended: asyncio.Event = field(default_factory=asyncio.Event)
 
 
-class Sessions:
+class LoginSessions:
     """Opens, finds and ends sessions. They are kept in memory only.
 
     `clock` returns the time [s, monotonic].
@@ -75,9 +75,9 @@ class Sessions:
     """
 
     def __init__(self, clock: Callable[[], float]) -> None:
-        self.on_end: Callable[[Session], None] = lambda _: None
+        self.on_end: Callable[[LoginSession], None] = lambda _: None
         self._clock = clock
-        self._by_fingerprint: dict[bytes, Session] = {}
+        self._by_fingerprint: dict[bytes, LoginSession] = {}
         self._count = count(1)
 
     def make_room(self) -> None:
@@ -91,8 +91,8 @@ class Sessions:
             raise OverflowError(f"there are {MOST} sessions already; revoke some first")
 
     def open(
-        self, name: str, role: Role, kind: Kind, parent: str = "", others: Iterable[str] = ()
-    ) -> tuple[Session, str]:
+        self, name: str, role: Role, kind: SessionKind, parent: str = "", others: Iterable[str] = ()
+    ) -> tuple[LoginSession, str]:
         """Return a new session and its secret, which is not kept.
 
         Its name is `name`, with a number if another session or one of `others` has that name.
@@ -102,7 +102,7 @@ class Sessions:
         """
         self.make_room()
         free = free_name(clean_name(name) or kind, {*self.names, *others})
-        session = Session(
+        session = LoginSession(
             id=str(next(self._count)),
             name=free,
             role=role,
@@ -119,7 +119,7 @@ class Sessions:
         """The names of all sessions."""
         return {session.name for session in self._by_fingerprint.values()}
 
-    def find(self, secret: str) -> Session | None:
+    def find(self, secret: str) -> LoginSession | None:
         """Return the session of `secret`, and note its use."""
         self._end_idle()
         session = self._by_fingerprint.get(fingerprint(secret))
@@ -134,7 +134,7 @@ class Sessions:
             self._end(session)
         return any(session.id == id_ for session in ending)
 
-    def listed(self) -> list[Session]:
+    def listed(self) -> list[LoginSession]:
         """Return all sessions, the oldest first."""
         self._end_idle()
         return list(self._by_fingerprint.values())
@@ -145,7 +145,7 @@ class Sessions:
             if now - session.seen >= IDLE:
                 self._end(session)
 
-    def _end(self, session: Session) -> None:
+    def _end(self, session: LoginSession) -> None:
         self._by_fingerprint = {
             key: s for key, s in self._by_fingerprint.items() if s is not session
         }

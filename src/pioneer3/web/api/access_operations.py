@@ -8,7 +8,7 @@ from starlette.datastructures import Headers
 from pioneer3.web.access.access import device
 from pioneer3.web.access.invitations import TERM, pairing_url, svg
 from pioneer3.web.access.middleware import ErrorResponse, cookie
-from pioneer3.web.access.sessions import Kind, Role, Session
+from pioneer3.web.access.sessions import LoginSession, Role, SessionKind
 from pioneer3.web.api import types
 from pioneer3.web.api.operation import ApiRequest, operation
 
@@ -53,7 +53,7 @@ def list_sessions(request: ApiRequest) -> list[types.SessionInfo] | ErrorRespons
             session.id,
             session.name,
             session.role,
-            "script" if session.kind is Kind.SCRIPT else "browser",
+            "script" if session.kind is SessionKind.SCRIPT else "browser",
             now - session.seen,
             session is request.session,
         )
@@ -76,7 +76,7 @@ def revoke_session(request: ApiRequest) -> ErrorResponse | None:
 def invite(request: ApiRequest, body: types.InvitationRequest) -> types.Invitation | ErrorResponse:
     """Make a one-time address that lets another device in."""
     access = request.page.access
-    if request.caller.kind is not Kind.HERE:
+    if request.caller.kind is not SessionKind.HERE:
         return ErrorResponse(403, NOT_HERE)
     if not access.urls:
         return ErrorResponse(409, "nobody else can reach this: start it with --lan")
@@ -86,25 +86,25 @@ def invite(request: ApiRequest, body: types.InvitationRequest) -> types.Invitati
 
 def create_token(request: ApiRequest, body: types.TokenRequest) -> types.Token | ErrorResponse:
     """Make a bearer token for a script. It ends with your session, or when it is revoked."""
-    if request.caller.kind is Kind.SCRIPT:
+    if request.caller.kind is SessionKind.SCRIPT:
         return ErrorResponse(403, "scripts make no tokens; ask on the page")
-    parent = "" if request.caller.kind is Kind.HERE else request.caller.id
+    parent = "" if request.caller.kind is SessionKind.HERE else request.caller.id
     try:
         session, secret = request.page.access.sessions.open(
-            body.name, body.role, Kind.SCRIPT, parent
+            body.name, body.role, SessionKind.SCRIPT, parent
         )
     except OverflowError as error:
         return ErrorResponse(409, str(error))
     return types.Token(session.id, session.name, session.role, secret)
 
 
-def _me(request: ApiRequest, session: Session) -> types.Me:
+def _me(request: ApiRequest, session: LoginSession) -> types.Me:
     urls = request.page.access.urls
-    return types.Me(session.id, session.name, session.role, session.kind is Kind.HERE, urls)
+    return types.Me(session.id, session.name, session.role, session.kind is SessionKind.HERE, urls)
 
 
-def _may_manage(caller: Session, session: Session) -> bool:
-    return caller.kind is Kind.HERE or caller.id in {session.id, session.parent}
+def _may_manage(caller: LoginSession, session: LoginSession) -> bool:
+    return caller.kind is SessionKind.HERE or caller.id in {session.id, session.parent}
 
 
 VIEWER: Literal[Role.VIEWER] = Role.VIEWER

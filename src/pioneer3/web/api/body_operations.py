@@ -3,8 +3,8 @@
 from collections.abc import Iterator, Mapping
 
 from pioneer3.models import RobotModel, load_model, model_names
-from pioneer3.models.description.solids import COLORS, Solid, solids_of
-from pioneer3.models.description.tree import Frames, Joint, Tree, tree_of
+from pioneer3.models.description.solids import COLORS, LinkSolid, solids_of
+from pioneer3.models.description.tree import Frames, FrameTree, Joint, tree_of
 from pioneer3.web.access.middleware import ErrorResponse
 from pioneer3.web.access.sessions import Role
 from pioneer3.web.api import types
@@ -41,12 +41,14 @@ def _model(page: Page, name: str) -> RobotModel | None:
     return load_model(name) if name in model_names() else None
 
 
-def _links(tree: Tree, solids: Mapping[str, tuple[Solid, ...]]) -> Iterator[types.Link]:
+def _links(
+    tree: FrameTree, solids: Mapping[str, tuple[LinkSolid, ...]]
+) -> Iterator[types.DescribedLink]:
     fixed, wheels = tree.fixed_in_base(), {joint.child: joint for joint in tree.wheels}
     for name, parts in solids.items():
         wheel = wheels.get(name)
         x, y, z, yaw = (wheel.x, wheel.y, wheel.z, 0.0) if wheel else fixed[name]
-        yield types.Link(
+        yield types.DescribedLink(
             at=(x, y, z),
             yaw=yaw,
             wheel=_side(wheel) if wheel else None,
@@ -58,8 +60,8 @@ def _side(wheel: Joint) -> types.Side:
     return "left" if wheel.y > 0 else "right"
 
 
-def _solid(solid: Solid) -> types.Solid:
-    return types.Solid(
+def _solid(solid: LinkSolid) -> types.DescribedSolid:
+    return types.DescribedSolid(
         shape="cylinder" if solid.is_round else "box",
         color=COLORS[solid.color],
         size=solid.size,

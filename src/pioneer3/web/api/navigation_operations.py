@@ -21,7 +21,9 @@ def list_places(request: ApiRequest) -> list[types.MapPlace] | ErrorResponse:
     return [types.MapPlace(each.name, each.x, each.y, each.heading) for each in found]
 
 
-async def plan_way(request: ApiRequest, body: types.Place) -> messages.Way | ErrorResponse:
+async def plan_way(
+    request: ApiRequest, body: types.WantedPlace
+) -> messages.PlannedWay | ErrorResponse:
     """Return the way to a place of the map from where the robot is. Nothing drives."""
     place = _place(request, body)
     if isinstance(place, ErrorResponse):
@@ -29,7 +31,9 @@ async def plan_way(request: ApiRequest, body: types.Place) -> messages.Way | Err
     return await _answered(request.view.navigation.plan(place, body.speed))
 
 
-async def goto_place(request: ApiRequest, body: types.Place) -> messages.Way | ErrorResponse:
+async def goto_place(
+    request: ApiRequest, body: types.WantedPlace
+) -> messages.PlannedWay | ErrorResponse:
     """Drive to a place of the map along a planned way, and return that way.
 
     Takes control if it is free; it is yours while the robot is on its way. `mode` says how that
@@ -53,7 +57,7 @@ def get_navigation(request: ApiRequest) -> messages.Navigation | ErrorResponse:
     )
 
 
-def _place(request: ApiRequest, body: types.Place) -> Destination | ErrorResponse:
+def _place(request: ApiRequest, body: types.WantedPlace) -> Destination | ErrorResponse:
     """Return the place of a request, or the refusal."""
     if refused := _impossible(request):
         return refused
@@ -61,16 +65,16 @@ def _place(request: ApiRequest, body: types.Place) -> Destination | ErrorRespons
     assert known is not None
     try:
         match body:
-            case types.Place(name=str(name), x=None, y=None):
+            case types.WantedPlace(name=str(name), x=None, y=None):
                 return find_place(known, name)
-            case types.Place(name=None, x=float(x), y=float(y)):
+            case types.WantedPlace(name=None, x=float(x), y=float(y)):
                 return Destination(x=x, y=y, heading=body.heading)
     except ConfigError as error:
         return ErrorResponse(404, str(error))
     return ErrorResponse(400, "give the name of a place, or x and y")
 
 
-async def _answered(asked: Awaitable[messages.Way]) -> messages.Way | ErrorResponse:
+async def _answered(asked: Awaitable[messages.PlannedWay]) -> messages.PlannedWay | ErrorResponse:
     try:
         way = await asked
     except PioneerError as error:

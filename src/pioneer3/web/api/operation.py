@@ -15,7 +15,7 @@ from starlette.types import Scope
 from pioneer3 import __version__
 from pioneer3.mjpeg import MULTIPART
 from pioneer3.web.access.middleware import MEDIA_TYPE, ErrorResponse
-from pioneer3.web.access.sessions import Role, Session
+from pioneer3.web.access.sessions import LoginSession, Role
 from pioneer3.web.classroom.classroom import Classroom
 from pioneer3.web.page import Page
 from pioneer3.web.requests import TOO_DEEP
@@ -48,7 +48,7 @@ class ApiRequest:
     """
 
     page: Page
-    session: Session | None
+    session: LoginSession | None
     scope: Scope
     path: Mapping[str, str]
     named: RobotView | None = None
@@ -56,7 +56,7 @@ class ApiRequest:
     cookie: str | None = None
 
     @property
-    def caller(self) -> Session:
+    def caller(self) -> LoginSession:
         """The caller's session, where one is needed."""
         assert self.session is not None
         return self.session

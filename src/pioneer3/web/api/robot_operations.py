@@ -13,7 +13,7 @@ from pioneer3.web.api.operation import ApiRequest, operation
 from pioneer3.web.modes import ModeForm, forms, group_forms
 
 
-def list_robots(request: ApiRequest) -> list[messages.Robot]:
+def list_robots(request: ApiRequest) -> list[messages.ListedRobot]:
     """List the robots; a student's own only. The `id` of each is its number in the paths."""
     own = request.caller.robot
     return [view.describe() for n, view in request.page.robots.items() if own in {None, n}]
@@ -24,7 +24,7 @@ def get_status(request: ApiRequest) -> messages.Status:
     return request.view.status()
 
 
-def get_snapshot(request: ApiRequest) -> messages.Snapshot | ErrorResponse:
+def get_snapshot(request: ApiRequest) -> messages.SnapshotMessage | ErrorResponse:
     """Return the newest snapshot of the robot."""
     snapshot = request.view.robot.snapshot
     if snapshot is None:

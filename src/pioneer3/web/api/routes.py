@@ -10,7 +10,7 @@ from starlette.routing import BaseRoute, Route
 
 from pioneer3.errors import CommandError
 from pioneer3.web.access.middleware import ErrorResponse, respond, session_of
-from pioneer3.web.access.sessions import Role, Session
+from pioneer3.web.access.sessions import LoginSession, Role
 from pioneer3.web.api.access_operations import ACCESS
 from pioneer3.web.api.body_operations import BODIES
 from pioneer3.web.api.camera_operations import CAMERA, respond_with
@@ -130,7 +130,7 @@ async def _read(request: Request) -> bytes | ErrorResponse:
 
 
 def _refuse(
-    operation: Operation, session: Session | None, path: Mapping[str, str]
+    operation: Operation, session: LoginSession | None, path: Mapping[str, str]
 ) -> ErrorResponse | None:
     if operation.needs is None:
         return None

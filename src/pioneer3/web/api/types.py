@@ -14,24 +14,24 @@ from pioneer3.web.requests import Speed as MapSpeed
 Name = Annotated[str, Meta(max_length=40)]
 
 
-class Body(msgspec.Struct, forbid_unknown_fields=True):
+class RequestBody(msgspec.Struct, forbid_unknown_fields=True):
     """The body of a request."""
 
 
-class Velocity(Body):
+class Velocity(RequestBody):
     """Forward speed `v` [m/s] and turn rate `w` [rad/s]; 0, 0 lets go."""
 
     v: float
     w: float = 0.0
 
 
-class MotorPower(Body):
+class MotorPower(RequestBody):
     """The motors' power."""
 
     on: bool
 
 
-class Group(Body):
+class Group(RequestBody):
     """A mode of several robots, by their numbers; `leader` is one of them, null without one."""
 
     robots: Annotated[tuple[int, ...], Meta(min_length=2, max_length=100)]
@@ -39,13 +39,13 @@ class Group(Body):
     leader: int | None = None
 
 
-class ControlRequest(Body):
+class ControlRequest(RequestBody):
     """Whether to take control from another who has it: the robot stops first."""
 
     take_over: bool = False
 
 
-class Place(Body):
+class WantedPlace(RequestBody):
     """A place of the map: its `name`, or `x` and `y` [m] with a `heading` to turn to [rad]."""
 
     name: Annotated[str, Meta(max_length=80)] | None = None
@@ -81,7 +81,7 @@ Side = Literal["left", "right"]
 Triple = tuple[float, float, float]
 
 
-class Solid(msgspec.Struct):
+class DescribedSolid(msgspec.Struct):
     """A box, or a cylinder that stands on its z axis, with its middle `at` a point of its link [m].
 
     `size` is along x, y and z [m], `turned` roll, pitch and yaw [rad], `color` red, green and blue
@@ -95,7 +95,7 @@ class Solid(msgspec.Struct):
     turned: Triple
 
 
-class Link(msgspec.Struct):
+class DescribedLink(msgspec.Struct):
     """A part of a robot `at` a point of its base [m], turned by `yaw` [rad].
 
     A `wheel` turns about its y axis.
@@ -104,17 +104,17 @@ class Link(msgspec.Struct):
     at: Triple
     yaw: float
     wheel: Side | None
-    solids: tuple[Solid, ...]
+    solids: tuple[DescribedSolid, ...]
 
 
 class RobotBody(msgspec.Struct):
     """The body of a type of robot. Its origin is on the floor, in the centre of its rotation."""
 
     model: str
-    links: tuple[Link, ...]
+    links: tuple[DescribedLink, ...]
 
 
-class PairingRequest(Body):
+class PairingRequest(RequestBody):
     """A one-time token, the name to show, and the role if it shall be less than the token's."""
 
     token: Annotated[str, Meta(max_length=128)]
@@ -143,7 +143,7 @@ class SessionInfo(msgspec.Struct):
     yours: bool
 
 
-class InvitationRequest(Body):
+class InvitationRequest(RequestBody):
     """The role of the new session."""
 
     role: Role = Role.DRIVER
@@ -158,7 +158,7 @@ class Invitation(msgspec.Struct):
     seconds: float
 
 
-class TokenRequest(Body):
+class TokenRequest(RequestBody):
     """The name of the script, and its role."""
 
     name: Name = "script"
@@ -174,7 +174,7 @@ class Token(msgspec.Struct):
     token: str
 
 
-class JoinRequest(Body):
+class JoinRequest(RequestBody):
     """The class's token, and the student's name."""
 
     token: Annotated[str, Meta(max_length=128)]
@@ -197,25 +197,25 @@ class ClassLink(msgspec.Struct):
     lan: bool
 
 
-class Paused(Body):
+class Paused(RequestBody):
     """Whether the robots are to stand still."""
 
     paused: bool
 
 
-class Locked(Body):
+class Locked(RequestBody):
     """Whether no more students can join."""
 
     locked: bool
 
 
-class Shared(Body):
+class Shared(RequestBody):
     """Whether several students may join from one network address."""
 
     shared: bool
 
 
-class RecordingStep(Body):
+class RecordingStep(RequestBody):
     """The next step of a recording; handing in ends it."""
 
     step: Literal["begin", "end", "hand_in", "discard"]

@@ -22,7 +22,7 @@ from pioneer3.classroom.runs import Run, RunFolder
 from pioneer3.errors import CommandError, ConfigError, Refusal
 from pioneer3.web import messages, requests
 from pioneer3.web.access.access import Access, Rate, RateLimiter
-from pioneer3.web.access.sessions import Kind, Role, Session, fingerprint
+from pioneer3.web.access.sessions import LoginSession, Role, SessionKind, fingerprint
 from pioneer3.web.audience import Audience, Audiences
 from pioneer3.web.classroom.robot import PAGE, ClassRobot, small_snapshot
 from pioneer3.web.clients import Clients
@@ -119,8 +119,8 @@ class Classroom:
         return compare_digest(fingerprint(token), fingerprint(self.token))
 
     def join(
-        self, name: str, address: str, session: Session | None = None
-    ) -> tuple[Session, str | None]:
+        self, name: str, address: str, session: LoginSession | None = None
+    ) -> tuple[LoginSession, str | None]:
         """Let a student in; return the session, and its secret if it is new.
 
         Args:
@@ -135,7 +135,9 @@ class Classroom:
         secret = None
         if session is None or self.roster.robot_of(session.id) is None:
             self.roster.check_room(address)
-            session, secret = self._page.access.sessions.open(name, Role.STUDENT, Kind.BROWSER)
+            session, secret = self._page.access.sessions.open(
+                name, Role.STUDENT, SessionKind.BROWSER
+            )
         try:
             robot = self.roster.join(session.id, name, address)
         except CommandError:
@@ -149,7 +151,7 @@ class Classroom:
         self.update()
         return session, secret
 
-    def session_ended(self, session: Session) -> None:
+    def session_ended(self, session: LoginSession) -> None:
         """Free the seat of a student whose session has ended; the robot stops."""
         number = self.roster.robot_of(session.id)
         if number is None:
@@ -402,7 +404,7 @@ class Classroom:
                 client.tell(news)
 
     def _is_student(self, operator: Operator) -> bool:
-        if isinstance(operator, Session):
+        if isinstance(operator, LoginSession):
             return operator.role is Role.STUDENT
         client = self._page.clients.find(operator)
         return client is not None and client.role is Role.STUDENT

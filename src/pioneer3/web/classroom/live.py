@@ -27,11 +27,11 @@ from pioneer3.web.access.hosts import is_loopback, lan_addresses
 from pioneer3.web.access.invitations import terminal_lines
 from pioneer3.web.audience import Audience
 from pioneer3.web.classroom.classroom import Classroom
-from pioneer3.web.classroom.robot import PAGE, ClassRobot, Start
-from pioneer3.web.hosting import Target, hosted
+from pioneer3.web.classroom.robot import PAGE, ClassRobot, StartPlace
+from pioneer3.web.hosting import ConnectTarget, hosted
 from pioneer3.web.live import PATIENT
 from pioneer3.web.page import Page
-from pioneer3.web.scene import Scene
+from pioneer3.web.scene import RobotScene
 from pioneer3.web.server import Served, serve, shown
 
 log = logging.getLogger(__name__)
@@ -44,7 +44,7 @@ UNPLUGGING = 2.0
 
 
 @dataclass(frozen=True, slots=True)
-class FleetRobot:
+class RemoteRobot:
     """A robot that is not simulated here.
 
     Attributes:
@@ -76,7 +76,7 @@ class ClassOptions:
     """
 
     students: int = 0
-    fleet: tuple[FleetRobot, ...] = ()
+    fleet: tuple[RemoteRobot, ...] = ()
     map_name: str | None = None
     model: str = MODEL
     ideal: bool = False
@@ -170,20 +170,20 @@ def join_url(urls: Sequence[str], served: Served, token: str) -> str:
 
 async def _targets(
     options: ClassOptions, stack: AsyncExitStack, tell: Callable[[str], None]
-) -> list[Target]:
+) -> list[ConnectTarget]:
     """Return the robots of the class, named, as bridges reach them."""
     if not options.fleet:
         return await _simulated(options, stack, tell)
     known = load_world(options.map_name).line_map() if options.map_name else None
     return [
-        Target(url=robot.port, scene=Scene(known), name=robot.name, model=robot.model)
+        ConnectTarget(url=robot.port, scene=RobotScene(known), name=robot.name, model=robot.model)
         for robot in options.fleet
     ]
 
 
 async def _simulated(
     options: ClassOptions, stack: AsyncExitStack, tell: Callable[[str], None]
-) -> list[Target]:
+) -> list[ConnectTarget]:
     name = options.map_name or "office"
     load_model(options.model)  # a wrong name is no lack of room
     overrides = _overrides(options.model, options.students)
@@ -199,11 +199,11 @@ async def _simulated(
     return [_target(here, robot, cables) for robot in here.robots]
 
 
-def _target(here: RunningSimulation, robot: SimulatedRobot, cables: MemoryCables) -> Target:
-    return Target(
+def _target(here: RunningSimulation, robot: SimulatedRobot, cables: MemoryCables) -> ConnectTarget:
+    return ConnectTarget(
         url=robot.url,
         open=cables.opener(robot.port),
-        scene=Scene.of(here, robot),
+        scene=RobotScene.of(here, robot),
         name=robot.name,
         model=robot.model,
         timing=PATIENT,
@@ -247,7 +247,7 @@ def _fit(world: WorldFile, overrides: WorldOverrides, count: int) -> bool:
 
 
 async def _bridged(
-    targets: Sequence[Target], options: ClassOptions, stack: AsyncExitStack
+    targets: Sequence[ConnectTarget], options: ClassOptions, stack: AsyncExitStack
 ) -> dict[int, ClassRobot]:
     """Give each robot a bridge that listens; return the robots by number."""
     robots = {}
@@ -271,12 +271,12 @@ async def _bridged(
     return robots
 
 
-def _start(scene: Scene) -> Start | None:
+def _start(scene: RobotScene) -> StartPlace | None:
     """Return where a simulated robot is before anybody drives it, `None` of a real one."""
     if scene.simulated is None:
         return None
     simulation, robot = scene.simulated
-    return Start(simulation, robot, robot.body.robot_in_world)
+    return StartPlace(simulation, robot, robot.body.robot_in_world)
 
 
 def _name_urls(page: Page, robots: dict[int, ClassRobot]) -> None:

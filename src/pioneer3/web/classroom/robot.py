@@ -18,7 +18,7 @@ PAGE = "the page"
 
 
 @dataclass(frozen=True, slots=True)
-class Start:
+class StartPlace:
     """The place in a simulated world where a robot began."""
 
     simulation: RunningSimulation
@@ -67,7 +67,7 @@ class ClassRobot:
         bridge: Bridge,
         url: str,
         *,
-        start: Start | None,
+        start: StartPlace | None,
         clock: Callable[[], float],
     ) -> None:
         self.number = number

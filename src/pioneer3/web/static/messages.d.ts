@@ -4,14 +4,14 @@
 export interface Hello {
   type: "hello";
   version: string;
-  robots: Robot[];
+  robots: ListedRobot[];
   models: Model[] | null;
   gamepad: Scheme;
   class: ClassMember | null;
 }
 
 /** A robot. `shape` and `limits` are null until it has been connected to. It `plans` ways where it has a map, a laser or sonars, and what navigation needs; `forbids` says why nothing drives to places of a map without. Pictures of its `camera` are got over the HTTP API. */
-export interface Robot {
+export interface ListedRobot {
   id: number;
   name: string;
   kind: "ROBOT" | "SIMULATOR";
@@ -96,20 +96,20 @@ export type Connection = "closed" | "connected" | "connecting" | "lost";
 /** New snapshots, of one or several robots. */
 export interface Robots {
   type: "robots";
-  snapshots: Snapshot[];
+  snapshots: SnapshotMessage[];
 }
 
 /** A snapshot of a robot, ten times a second. `why` is the reason for the robot to stand still, and `standing` the kind of that reason. `decided` says which action of the `mode` decides what; `commanded` is the last command sent. */
-export interface Snapshot {
+export interface SnapshotMessage {
   robot: number;
   sequence: number;
   robot_in_map: Pose2;
   robot_in_odom: Pose2;
   twist: Twist2;
-  sonar: Sonar;
+  sonar: SonarRanges;
   bumpers: Bumpers;
   battery: Battery;
-  motors: Motors;
+  motors: DriveState;
   link: LinkQuality;
   faults: string[];
   why: string | null;
@@ -137,7 +137,7 @@ export interface Twist2 {
 }
 
 /** Ranges from the front left on [m]; null where nothing echoed. */
-export interface Sonar {
+export interface SonarRanges {
   ranges: (number | null)[];
   enabled: boolean;
 }
@@ -160,7 +160,7 @@ export interface Battery {
 export type Charging = "balance" | "bulk" | "float" | "not charging" | "overcharge" | "unknown";
 
 /** The drive. */
-export interface Motors {
+export interface DriveState {
   enabled: boolean;
   stalled: boolean;
   moving: boolean;
@@ -203,11 +203,11 @@ export interface Target {
 /** New sweeps, of one or several lasers, for clients that subscribed to them. */
 export interface Scans {
   type: "scans";
-  scans: Sweep[];
+  scans: LaserSweep[];
 }
 
 /** A sweep of a laser. `laser` is its number on the robot, from 0; its pose is in whole millimetres and milliradians; `ranges` are in millimetres, 0 where nothing answered, from angle `first` on in steps of `step` [rad]. */
-export interface Sweep {
+export interface LaserSweep {
   robot: number;
   laser: number;
   sensor_in_map: [number, number, number];
@@ -227,7 +227,7 @@ export interface Drawing {
   name: string;
   walls: [number, number, number, number][];
   cells: MapCells[];
-  objects: MapObject[];
+  objects: DrawnObject[];
   wall_height: number;
   heights: number[];
   solids: MapSolid[];
@@ -241,7 +241,7 @@ export interface MapCells {
 }
 
 /** A named place, line or area; `heads` if its heading `theta` means anything. */
-export interface MapObject {
+export interface DrawnObject {
   role: "area" | "dock" | "goal" | "home" | "line" | "place";
   kind: string;
   name: string;
@@ -281,17 +281,17 @@ export interface MapDraft {
 }
 
 /** Changes of the simulated world. `things` are new or have changed, `moved` are only somewhere else (id, x, y, theta), `gone` are the ids of those removed. With `all` set, `things` is complete. */
-export interface World {
+export interface WorldChanges {
   type: "world";
   all: boolean;
-  things: (Box | Person | SimulatedRobot)[];
+  things: (BoxThing | PersonThing | RobotThing)[];
   moved: [number, number, number, number][];
   gone: number[];
-  clock: Clock | null;
+  clock: SimulatedTime | null;
 }
 
 /** A box of some height [m]. */
-export interface Box {
+export interface BoxThing {
   kind: "box";
   walks: boolean;
   height: number;
@@ -304,7 +304,7 @@ export interface Box {
 }
 
 /** A person of some height [m]. */
-export interface Person {
+export interface PersonThing {
   kind: "person";
   walks: boolean;
   height: number;
@@ -317,7 +317,7 @@ export interface Person {
 }
 
 /** A simulated robot; `own` is the number of a robot that the page drives, null of others. */
-export interface SimulatedRobot {
+export interface RobotThing {
   kind: "robot";
   id: number;
   name: string;
@@ -336,7 +336,7 @@ export interface SimulatedRobot {
 }
 
 /** The simulated time [s], null while it runs, and how fast it runs. */
-export interface Clock {
+export interface SimulatedTime {
   paused: boolean;
   speed: number;
   factor: number;
@@ -350,7 +350,7 @@ export interface People {
   name: string;
   role: Role;
   control: Holder[];
-  clients: Client[];
+  clients: ClientInfo[];
 }
 
 /** Permissions. Viewers look, and stop robots. Drivers do the rest as well. Students of a class look at their own robot only, and drive it. */
@@ -364,7 +364,7 @@ export interface Holder {
 }
 
 /** A client of the page. */
-export interface Client {
+export interface ClientInfo {
   id: number;
   name: string;
   role: Role;
@@ -432,7 +432,7 @@ export interface SmallSnapshot {
 }
 
 /** The way to the place x, y, for the client that asked for it; or the reason why there is none. `points` are in the map; `length` is in metres, `seconds` a guess of the time it takes. `closed` says what closes the way now: a robot sets out all the same, and waits before it for a while. */
-export interface Way {
+export interface PlannedWay {
   type: "way";
   robot: number;
   x: number;
@@ -527,7 +527,7 @@ export interface Details {
   faults: string[] | null;
   charger_power: boolean;
   baud: number | null;
-  lines: Lines;
+  lines: LineValues;
   sensors: SensorDetails[];
 }
 
@@ -557,7 +557,7 @@ export interface Stalls {
 }
 
 /** Digital and analog lines; `analog` [V] is null where the robot does not tell them all. */
-export interface Lines {
+export interface LineValues {
   digital_in: boolean[];
   digital_out: boolean[];
   analog: number[] | null;
@@ -591,15 +591,15 @@ export interface NoDetails {
 }
 
 /** The robot's CONFIG, and the reason for not asking it anew, or null. */
-export interface Config {
+export interface ConfigMessage {
   type: "config";
   robot: number;
-  rows: Row[];
+  rows: ConfigRow[];
   error: string | null;
 }
 
 /** One field of CONFIG, for people. */
-export interface Row {
+export interface ConfigRow {
   group: string;
   field: string;
   value: string;
@@ -608,7 +608,7 @@ export interface Row {
 }
 
 /** Hold this velocity [m/s, rad/s] with `input` until it expires; 0, 0 lets go. The robots `also` hold the same. */
-export interface Drive {
+export interface VelocityRequest {
   type: "drive";
   v: number;
   w: number;
@@ -618,7 +618,7 @@ export interface Drive {
 }
 
 /** Stop the robot, whoever drives. */
-export interface Stop {
+export interface StopRequest {
   type: "stop";
   robot?: number | null;
 }
@@ -827,7 +827,7 @@ export interface PlanWay {
 }
 
 /** Ask for a pong with the same `t`. */
-export interface Ping {
+export interface PingRequest {
   type: "ping";
   t: number;
 }
@@ -858,7 +858,7 @@ export interface AddRobot {
 }
 
 /** Put a thing somewhere else. */
-export interface Move {
+export interface MoveRequest {
   type: "move";
   id: number;
   x: number;
@@ -894,13 +894,13 @@ export interface SetCharge {
 }
 
 /** Stop simulated time, or let it pass again. */
-export interface Pause {
+export interface PauseRequest {
   type: "pause";
   paused: boolean;
 }
 
 /** Let some simulated time pass [s], then stand still. */
-export interface Step {
+export interface StepRequest {
   type: "step";
   seconds: number;
 }
@@ -1020,6 +1020,6 @@ export interface RecordRun {
   robot?: number | null;
 }
 
-export type ToPage = Hello | Status | Robots | Scans | Map | MapDraft | World | People | Class | ClassRobots | Way | Navigation | GoalProgress | Mapping | Told | Refused | EditRefused | Added | Pong | Details | NoDetails | Config;
+export type ToPage = Hello | Status | Robots | Scans | Map | MapDraft | WorldChanges | People | Class | ClassRobots | PlannedWay | Navigation | GoalProgress | Mapping | Told | Refused | EditRefused | Added | Pong | Details | NoDetails | ConfigMessage;
 
-export type ToServer = Drive | Stop | EmergencyStop | ResetEmergencyStop | SwitchMotors | TakeControl | TakeOver | HandOver | ReleaseControl | StartMode | GotoPlace | MakeMap | EndMode | Patrol | LookAround | PlaceRobot | StartGroupMode | WatchDetails | AskConfig | WatchLasers | PlanWay | Ping | AddBox | AddPerson | AddRobot | Move | Remove | PressStopButton | PlugCable | SetCharge | Pause | Step | SetSpeed | EraseWalls | DrawWall | Forbid | NamePlace | RenameObject | RemoveObject | UndoMapEdit | DiscardMapEdits | SaveMap | PauseRobots | PutBack | FreeSeat | LockJoining | ShareAddresses | RecordRun;
+export type ToServer = VelocityRequest | StopRequest | EmergencyStop | ResetEmergencyStop | SwitchMotors | TakeControl | TakeOver | HandOver | ReleaseControl | StartMode | GotoPlace | MakeMap | EndMode | Patrol | LookAround | PlaceRobot | StartGroupMode | WatchDetails | AskConfig | WatchLasers | PlanWay | PingRequest | AddBox | AddPerson | AddRobot | MoveRequest | Remove | PressStopButton | PlugCable | SetCharge | PauseRequest | StepRequest | SetSpeed | EraseWalls | DrawWall | Forbid | NamePlace | RenameObject | RemoveObject | UndoMapEdit | DiscardMapEdits | SaveMap | PauseRobots | PutBack | FreeSeat | LockJoining | ShareAddresses | RecordRun;

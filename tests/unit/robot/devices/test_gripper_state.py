@@ -10,7 +10,7 @@ from pioneer3.robot.devices.gripper import (
     USER_IO,
     Exercise,
     GripperReading,
-    Paddles,
+    PaddlePosition,
     read_switches,
     switches_in,
 )
@@ -26,14 +26,17 @@ def reading(bits: int) -> GripperReading:
 @pytest.mark.parametrize(
     ("bits", "paddles"),
     [
-        (NOTHING_PRESSED, Paddles.BETWEEN),
-        (NOTHING_PRESSED & ~0x01, Paddles.OPEN),
-        (NOTHING_PRESSED & ~0x30, Paddles.CLOSED),
-        (NOTHING_PRESSED & ~0x31, Paddles.CLOSED),  # both paddles count before the open switch
-        (NOTHING_PRESSED & ~0x10, Paddles.BETWEEN),
+        (NOTHING_PRESSED, PaddlePosition.BETWEEN),
+        (NOTHING_PRESSED & ~0x01, PaddlePosition.OPEN),
+        (NOTHING_PRESSED & ~0x30, PaddlePosition.CLOSED),
+        (
+            NOTHING_PRESSED & ~0x31,
+            PaddlePosition.CLOSED,
+        ),  # both paddles count before the open switch
+        (NOTHING_PRESSED & ~0x10, PaddlePosition.BETWEEN),
     ],
 )
-def test_the_paddles_as_aria_reads_them(bits: int, paddles: Paddles) -> None:
+def test_the_paddles_as_aria_reads_them(bits: int, paddles: PaddlePosition) -> None:
     assert reading(bits).paddles is paddles
 
 
@@ -52,7 +55,7 @@ def test_a_packet_on_the_wire() -> None:
     packet = from_payload(payload)
     assert isinstance(packet, GripperState)
     seen = read_switches(packet.switches, 0.0)
-    assert seen.paddles is Paddles.CLOSED
+    assert seen.paddles is PaddlePosition.CLOSED
     assert seen.inner_beam_broken
     assert seen.lift_at_limit
 

@@ -8,7 +8,7 @@ import pytest
 from pioneer3.arcos.packet import encode
 from pioneer3.doctor.lasers import laser_on
 from pioneer3.errors import ConfigError
-from pioneer3.lasers.client import Event, Lost, Patience, ScanSettings, SpeedWanted
+from pioneer3.lasers.client import Event, LineSpeedWanted, Patience, ScanSettings, ScansLost
 from pioneer3.lasers.lms2xx.measuring import Units
 from pioneer3.lasers.lms2xx.scans import VALUES, Measurement
 from pioneer3.lasers.lms2xx.telegram import encode as telegram_of
@@ -19,7 +19,7 @@ from pioneer3.robot.lasers.search import (
     NOTHING,
     SPEEDS,
     SPEEDS_OF_SCANS,
-    Search,
+    ProtocolSearch,
     client_of,
 )
 from pioneer3.tasks import running
@@ -37,11 +37,13 @@ UNITS = [
 ]
 
 
-def search(speeds: tuple[int, ...] = (), patience: Patience = PATIENCE) -> Search:
-    return Search(0.0, speeds, ScanSettings(), patience)
+def search(speeds: tuple[int, ...] = (), patience: Patience = PATIENCE) -> ProtocolSearch:
+    return ProtocolSearch(0.0, speeds, ScanSettings(), patience)
 
 
-def run(found: Search, seconds: float, hears: bytes = b"", *, echo: bool = False) -> list[Event]:
+def run(
+    found: ProtocolSearch, seconds: float, hears: bytes = b"", *, echo: bool = False
+) -> list[Event]:
     """Let time pass; `hears` comes once, 1 ms after the search has set a speed, or with `echo`
     all that it sends; return all events, and after the first loss nothing more.
     """
@@ -53,7 +55,7 @@ def run(found: Search, seconds: float, hears: bytes = b"", *, echo: bool = False
         heard, hears = (sent if echo else hears), (hears if echo else b"")
         if heard:
             events += found.receive(heard, now + 0.001)
-        if any(isinstance(event, Lost) for event in events):
+        if any(isinstance(event, ScansLost) for event in events):
             break
         now = max(now + 1e-6, min(found.deadline, now + 0.05))
     return events
@@ -102,7 +104,7 @@ def test_a_laser_that_scans_is_recognised_before_it_is_asked(
     heard: bytes, protocol: LaserProtocol
 ) -> None:
     found: list[LaserProtocol] = []
-    searching = Search(0.0, (), ScanSettings(), PATIENCE, found=found.append)
+    searching = ProtocolSearch(0.0, (), ScanSettings(), PATIENCE, found=found.append)
     searching.tick(0.0)
     assert searching.outgoing() == b""
     searching.receive(heard, 0.01)
@@ -164,7 +166,7 @@ def test_random_bytes_are_no_scan(seed: int) -> None:
 def speeds_tried(hears: bytes) -> list[int]:
     """Return the speeds that are tried within a round in which these bytes come at the first."""
     events = run(search(SPEEDS, Patience(give_up=60.0)), 8.0, hears)
-    return [event.baud for event in events if isinstance(event, SpeedWanted)][: len(SPEEDS)]
+    return [event.baud for event in events if isinstance(event, LineSpeedWanted)][: len(SPEEDS)]
 
 
 def test_after_bytes_of_a_scan_at_another_speed_the_quick_speeds_are_next() -> None:
@@ -176,8 +178,8 @@ def test_after_bytes_of_a_scan_at_another_speed_the_quick_speeds_are_next() -> N
 
 def test_bytes_from_before_the_change_of_speed_do_not_count() -> None:
     found: list[LaserProtocol] = []
-    late = Search(0.0, SPEEDS, ScanSettings(), PATIENCE, found=found.append)
-    assert late.tick(0.0) == [SpeedWanted(115200)]
+    late = ProtocolSearch(0.0, SPEEDS, ScanSettings(), PATIENCE, found=found.append)
+    assert late.tick(0.0) == [LineSpeedWanted(115200)]
     late.receive(Random(1).randbytes(200), 0.01)
     late.receive(b"0j0k" * 30 + b"\n", 0.09)
     assert late.tick(0.1) == []
@@ -188,36 +190,40 @@ def test_bytes_from_before_the_change_of_speed_do_not_count() -> None:
 def test_a_robot_that_sends_its_reports_is_left_alone() -> None:
     report = encode(bytes([0x32]) + bytes(30))
     events = run(search(), 2.0, b"\x00" + report)
-    assert events == [Lost("this port leads to the robot, not to a laser: give it with --port")]
+    assert events == [
+        ScansLost("this port leads to the robot, not to a laser: give it with --port")
+    ]
 
 
 def test_an_echo_is_no_laser() -> None:
     assert run(search(), 2.0, echo=True) == [
-        Lost("what was sent comes back: the line's two ends are joined")
+        ScansLost("what was sent comes back: the line's two ends are joined")
     ]
 
 
 def test_where_nothing_answers_it_gives_up_after_all_speeds() -> None:
     searching = search(SPEEDS)
     events = run(searching, 100.0)
-    assert [event.baud for event in events if isinstance(event, SpeedWanted)][:6] == list(SPEEDS)
-    assert events[-1] == Lost(NOTHING)
+    assert [event.baud for event in events if isinstance(event, LineSpeedWanted)][:6] == list(
+        SPEEDS
+    )
+    assert events[-1] == ScansLost(NOTHING)
 
 
 def test_in_the_network_it_sets_no_speed() -> None:
     events = run(search(), 100.0)
-    assert events == [Lost(NOTHING)]
+    assert events == [ScansLost(NOTHING)]
 
 
 def test_only_speeds_of_the_port_are_tried() -> None:
     events = run(search((9600, 38400)), 3.0)
-    assert {event.baud for event in events if isinstance(event, SpeedWanted)} == {9600, 38400}
+    assert {event.baud for event in events if isinstance(event, LineSpeedWanted)} == {9600, 38400}
 
 
 def test_giving_up_takes_as_long_as_the_patience_and_no_longer() -> None:
     searching = search(SPEEDS, Patience(give_up=1.0))
     now = 0.0
-    while not any(isinstance(event, Lost) for event in searching.tick(now)):
+    while not any(isinstance(event, ScansLost) for event in searching.tick(now)):
         searching.outgoing()
         now = searching.deadline
         assert now < 2.0
@@ -231,7 +237,7 @@ def test_noise_at_a_wrong_speed_is_neither_a_laser_nor_asked(seed: int) -> None:
     now = 0.0
     for _ in range(15):
         for event in searching.tick(now):
-            assert isinstance(event, SpeedWanted)
+            assert isinstance(event, LineSpeedWanted)
         assert searching.receive(noise.randbytes(100), now + 0.005) == []
         sent += searching.outgoing()
         now += 0.01

@@ -9,8 +9,8 @@ import pytest
 
 from pioneer3.errors import ConfigError
 from pioneer3.models import load_model
-from pioneer3.ros.bridge.conversion import Converter, Frames
-from pioneer3.ros.bridge.rows import Robot, Side, rows_of
+from pioneer3.ros.bridge.conversion import Converter, FrameNames
+from pioneer3.ros.bridge.rows import BridgedRobot, Side, rows_of
 from pioneer3.ros.node.names import Profile
 from pioneer3.ros.ros2.distros import distro_of, distros
 from pioneer3.ros.ros2.types import MessageTypes
@@ -27,7 +27,7 @@ def types_of(distro: str) -> list[tuple[str, str]]:
     """Return the types of all rows, in ROS 1 and ROS 2."""
     pairs = set()
     for side, profile in ((Side.ROS2, Profile.BOTH), (Side.ROS1, Profile.COMPATIBILITY)):
-        robot = Robot(
+        robot = BridgedRobot(
             side=side, model=load_model("p3at-sh"), distro=distro_of(distro), profile=profile
         )
         pairs |= {(row.ros1_type, row.ros2_type) for row in rows_of(robot)}
@@ -84,7 +84,7 @@ def test_every_type_of_the_table_comes_back_as_it_was(distro: str, ros1: str, ro
 
 
 def test_frames_of_ros1_lose_their_slash_and_their_prefix() -> None:
-    converter = Converter(ROS1, MessageTypes(distro_of("jazzy")), Frames("robot1/"))
+    converter = Converter(ROS1, MessageTypes(distro_of("jazzy")), FrameNames("robot1/"))
     message = ROS1.make("tf2_msgs/TFMessage")
     transform = ROS1.make("geometry_msgs/TransformStamped")
     transform.header.frame_id, transform.child_frame_id = "/robot1/odom", "/robot1/base_link"

@@ -7,7 +7,15 @@ import pytest
 from pioneer3.errors import ConfigError
 from pioneer3.models import load_model
 from pioneer3.ros.bridge.conversion import Converter
-from pioneer3.ros.bridge.rows import Robot, Row, Side, Way, chosen, rows_of, services_of
+from pioneer3.ros.bridge.rows import (
+    BridgedRobot,
+    BridgedTopic,
+    BridgeWay,
+    Side,
+    chosen,
+    rows_of,
+    services_of,
+)
 from pioneer3.ros.bridge.start import BridgeOptions, table_of
 from pioneer3.ros.bridge.topic_file import parse_topic, read_topics, refuse_circles
 from pioneer3.ros.node.names import Profile
@@ -19,27 +27,30 @@ from pioneer3.ros.tcpros.types import Ros1Types
 CONVERTER = Converter(Ros1Types(), MessageTypes(distro_of("jazzy")))
 
 
-def robot(side: Side = Side.ROS2, distro: str = "jazzy", **parts: str) -> Robot:
+def robot(side: Side = Side.ROS2, distro: str = "jazzy", **parts: str) -> BridgedRobot:
     profile = Profile.BOTH if side is Side.ROS2 else Profile.COMPATIBILITY
     model = load_model("p3dx-sh")
-    return Robot(side=side, model=model, distro=distro_of(distro), profile=profile, **parts)
+    return BridgedRobot(side=side, model=model, distro=distro_of(distro), profile=profile, **parts)
 
 
-def pairs(robot: Robot, ros2: str) -> list[tuple[str, Way]]:
+def pairs(robot: BridgedRobot, ros2: str) -> list[tuple[str, BridgeWay]]:
     return [(row.ros1, row.way) for row in rows_of(robot) if row.ros2 == ros2]
 
 
 def test_a_robot_in_ros2_has_both_names_in_ros1() -> None:
-    assert pairs(robot(), "/odom") == [("/RosAria/pose", Way.TO_ROS1), ("/odom", Way.TO_ROS1)]
-    assert pairs(robot(), "/cmd_vel") == [
-        ("/RosAria/cmd_vel", Way.TO_ROS2),
-        ("/cmd_vel", Way.TO_ROS2),
+    assert pairs(robot(), "/odom") == [
+        ("/RosAria/pose", BridgeWay.TO_ROS1),
+        ("/odom", BridgeWay.TO_ROS1),
     ]
-    assert pairs(robot(), "/goal_pose") == [("/move_base_simple/goal", Way.TO_ROS2)]
+    assert pairs(robot(), "/cmd_vel") == [
+        ("/RosAria/cmd_vel", BridgeWay.TO_ROS2),
+        ("/cmd_vel", BridgeWay.TO_ROS2),
+    ]
+    assert pairs(robot(), "/goal_pose") == [("/move_base_simple/goal", BridgeWay.TO_ROS2)]
     assert pairs(robot(), "/cmd_vel_stamped") == []
     assert pairs(robot(distro="kilted"), "/cmd_vel") == []
     assert len(pairs(robot(distro="kilted"), "/cmd_vel_unstamped")) == 2
-    assert ("/sonar/range_7", Way.TO_ROS1) in pairs(robot(), "/sonar/range_7")
+    assert ("/sonar/range_7", BridgeWay.TO_ROS1) in pairs(robot(), "/sonar/range_7")
     assert pairs(robot(), "/sonar/range_16") == []
 
 
@@ -51,8 +62,8 @@ def test_a_robot_in_ros1_takes_both_types_of_commands_and_has_all_that_rosaria_h
     assert rows["/cmd_vel"].ros1 == rows["/cmd_vel_unstamped"].ros1 == "/RosAria/cmd_vel"
     assert rows["/odom"].ros1 == "/RosAria/pose"
     assert rows["/sonar"].ros1_type == "sensor_msgs/PointCloud"
-    assert rows["/tf"].way is Way.TO_ROS2
-    assert rows["/initialpose"].way is Way.TO_ROS1
+    assert rows["/tf"].way is BridgeWay.TO_ROS2
+    assert rows["/initialpose"].way is BridgeWay.TO_ROS1
 
 
 def test_every_row_can_be_converted() -> None:
@@ -66,10 +77,10 @@ def test_every_row_can_be_converted() -> None:
 def test_names_are_below_their_namespaces() -> None:
     named = robot(namespace="/robot1", ros1_namespace="/lab", ros1_node="RosAria_1")
     assert pairs(named, "/robot1/odom") == [
-        ("/lab/RosAria_1/pose", Way.TO_ROS1),
-        ("/lab/odom", Way.TO_ROS1),
+        ("/lab/RosAria_1/pose", BridgeWay.TO_ROS1),
+        ("/lab/odom", BridgeWay.TO_ROS1),
     ]
-    assert pairs(named, "/robot1/tf") == [("/tf", Way.TO_ROS1)]
+    assert pairs(named, "/robot1/tf") == [("/tf", BridgeWay.TO_ROS1)]
     assert ("/lab/RosAria_1/enable_motors", "/robot1/enable_motors") in {
         (row.ros1, row.ros2) for row in services_of(named)
     }
@@ -104,9 +115,9 @@ def test_rows_are_chosen_by_either_name() -> None:
 
 
 def test_an_option_is_a_row() -> None:
-    row = parse_topic("/joy:sensor_msgs/Joy", Way.TO_ROS2, CONVERTER)
+    row = parse_topic("/joy:sensor_msgs/Joy", BridgeWay.TO_ROS2, CONVERTER)
     assert (row.ros1, row.ros2, row.ros1_type) == ("/joy", "/joy", "sensor_msgs/Joy")
-    assert parse_topic("/joy:sensor_msgs/msg/Joy", Way.TO_ROS2, CONVERTER) == row
+    assert parse_topic("/joy:sensor_msgs/msg/Joy", BridgeWay.TO_ROS2, CONVERTER) == row
 
 
 @pytest.mark.parametrize(
@@ -121,7 +132,7 @@ def test_an_option_is_a_row() -> None:
 )
 def test_an_option_that_is_no_row_is_explained(text: str, words: str) -> None:
     with pytest.raises(ConfigError, match=words):
-        parse_topic(text, Way.TO_ROS2, CONVERTER)
+        parse_topic(text, BridgeWay.TO_ROS2, CONVERTER)
 
 
 def test_a_file_has_rows(tmp_path: Path) -> None:
@@ -132,8 +143,13 @@ def test_a_file_has_rows(tmp_path: Path) -> None:
         "latched = true\n"
     )
     joy, other = read_topics(path, CONVERTER)
-    assert (joy.ros2, joy.way, joy.reliable, joy.latched) == ("/joy", Way.BOTH, False, False)
-    assert (other.ros1, other.ros2, other.way, other.latched) == ("/a", "/b/c", Way.TO_ROS1, True)
+    assert (joy.ros2, joy.way, joy.reliable, joy.latched) == ("/joy", BridgeWay.BOTH, False, False)
+    assert (other.ros1, other.ros2, other.way, other.latched) == (
+        "/a",
+        "/b/c",
+        BridgeWay.TO_ROS1,
+        True,
+    )
 
 
 @pytest.mark.parametrize(
@@ -170,18 +186,20 @@ def test_an_unknown_way_is_told(tmp_path: Path) -> None:
         read_topics(path, CONVERTER)
 
 
-def row(ros1: str, ros2: str, way: Way) -> Row:
-    return Row(ros1=ros1, ros2=ros2, ros1_type="std_msgs/Bool", ros2_type="std_msgs/Bool", way=way)
+def row(ros1: str, ros2: str, way: BridgeWay) -> BridgedTopic:
+    return BridgedTopic(
+        ros1=ros1, ros2=ros2, ros1_type="std_msgs/Bool", ros2_type="std_msgs/Bool", way=way
+    )
 
 
 def test_circles_are_refused() -> None:
-    refuse_circles((row("/a", "/a", Way.BOTH), row("/b", "/b", Way.TO_ROS1)))
+    refuse_circles((row("/a", "/a", BridgeWay.BOTH), row("/b", "/b", BridgeWay.TO_ROS1)))
     with pytest.raises(ConfigError, match="in a circle"):
-        refuse_circles((row("/a", "/b", Way.TO_ROS2), row("/c", "/b", Way.TO_ROS1)))
+        refuse_circles((row("/a", "/b", BridgeWay.TO_ROS2), row("/c", "/b", BridgeWay.TO_ROS1)))
     with pytest.raises(ConfigError, match="in a circle"):
-        refuse_circles((row("/a", "/a", Way.BOTH), row("/a", "/b", Way.TO_ROS2)))
+        refuse_circles((row("/a", "/a", BridgeWay.BOTH), row("/a", "/b", BridgeWay.TO_ROS2)))
     with pytest.raises(ConfigError, match="two rows"):
-        refuse_circles((row("/a", "/a", Way.TO_ROS1), row("/a", "/a", Way.TO_ROS1)))
+        refuse_circles((row("/a", "/a", BridgeWay.TO_ROS1), row("/a", "/a", BridgeWay.TO_ROS1)))
 
 
 def test_a_row_of_a_user_takes_the_place_of_one_of_the_table() -> None:
@@ -189,7 +207,7 @@ def test_a_row_of_a_user_takes_the_place_of_one_of_the_table() -> None:
         node=NodeOptions(), to_ros2=["/diagnostics:diagnostic_msgs/DiagnosticArray"]
     )
     (found,) = (row for row in table_of(options).rows if row.ros1 == "/diagnostics")
-    assert found.way is Way.TO_ROS2
+    assert found.way is BridgeWay.TO_ROS2
 
 
 def test_options_that_make_no_sense_are_refused() -> None:

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from pioneer3.ros.checks.check import check
-from pioneer3.ros.checks.facts import Report, Row
-from pioneer3.ros.checks.listening import Listener
+from pioneer3.ros.checks.facts import CheckReport, CheckRow
+from pioneer3.ros.checks.listening import TopicListener
 from pioneer3.ros.node.services import SERVICES
 from pioneer3.ros.ros2.backend import LATCHED, NodeName, Qos
 from pioneer3.ros.ros2.distros import distro_of
@@ -195,7 +195,7 @@ class Network:
         *,
         rules: tuple[Remapping, ...] = (),
         transducers: int | None = None,
-    ) -> Report:
+    ) -> CheckReport:
         """Let the robot run, and return the report of it."""
         with _at_once():
             robot = MemoryBackend(self.memory, NODE)
@@ -213,7 +213,7 @@ class Network:
             running = asyncio.ensure_future(self._run(writers))
             await asyncio.sleep(0.25)
             own = MemoryBackend(self.memory, CHECK)
-            listener = Listener(
+            listener = TopicListener(
                 own,
                 CHECK,
                 TYPES,
@@ -244,7 +244,7 @@ class Network:
             await asyncio.sleep(0.1)
 
 
-def row(report: Report, name: str) -> Row:
+def row(report: CheckReport, name: str) -> CheckRow:
     """Return the row of a topic or service of the robot."""
     full = name if name.startswith("/") else f"/robot1/{name}"
     (found,) = (each for each in report.rows if each.name == full)

@@ -10,8 +10,8 @@ import pytest
 
 from pioneer3.doctor.facts import Level
 from pioneer3.ros.checks.check import check
-from pioneer3.ros.checks.facts import Facts
-from pioneer3.ros.ros2.backend import Endpoint, Graph, Kind, Qos
+from pioneer3.ros.checks.facts import RobotFacts
+from pioneer3.ros.ros2.backend import Endpoint, EndpointKind, Graph, Qos
 from pioneer3.ros.ros2.remapping import Remapping
 from tests.unit.ros.checks.robot import NANO, NODE, TYPES, Network, now, pose, row, stamp, transform
 from tests.unit.ros.ros2.memory import MemoryBackend
@@ -620,8 +620,8 @@ async def test_stamps_are_those_of_the_clock_where_the_node_takes_that() -> None
     assert "future" in row(report, "odom").faults[0].reason
 
 
-def facts(graph: Graph) -> Facts:
-    return Facts(node=NODE, graph=graph, heard={}, ended=0.0, types=TYPES, strict=True)
+def facts(graph: Graph) -> RobotFacts:
+    return RobotFacts(node=NODE, graph=graph, heard={}, ended=0.0, types=TYPES, strict=True)
 
 
 def test_two_nodes_of_one_name_are_told() -> None:
@@ -632,7 +632,7 @@ def test_two_nodes_of_one_name_are_told() -> None:
 
 def test_two_servers_of_one_name_are_told() -> None:
     server = Endpoint(
-        kind=Kind.SERVER,
+        kind=EndpointKind.SERVER,
         node="/a",
         name="/robot1/self_test",
         type_name="std_srvs/srv/Trigger",
@@ -645,7 +645,7 @@ def test_two_servers_of_one_name_are_told() -> None:
 def test_another_version_of_a_type_is_told() -> None:
     type_ = TYPES.message_type("nav_msgs/Odometry")
     odom = Endpoint(
-        kind=Kind.PUBLISHER,
+        kind=EndpointKind.PUBLISHER,
         node=NODE.full,
         name="/robot1/odom",
         type_name=type_.name,
@@ -660,7 +660,7 @@ def test_another_version_of_a_type_is_told() -> None:
 
 def test_quality_of_service_that_parts_nobody_is_worth_a_look_only() -> None:
     odom = Endpoint(
-        kind=Kind.PUBLISHER,
+        kind=EndpointKind.PUBLISHER,
         node=NODE.full,
         name="/robot1/odom",
         type_name="nav_msgs/msg/Odometry",

@@ -5,8 +5,8 @@ import pytest
 from pioneer3.doctor.facts import Level
 from pioneer3.models import load_model
 from pioneer3.ros.checks.check import check
-from pioneer3.ros.checks.facts import Report
-from pioneer3.ros.checks.listening import Listener
+from pioneer3.ros.checks.facts import CheckReport
+from pioneer3.ros.checks.listening import TopicListener
 from pioneer3.ros.ros2.backend import NodeName
 from tests.unit.ros.checks.robot import CHECK
 from tests.unit.ros.ros2.memory import MemoryBackend
@@ -18,11 +18,11 @@ async def checked(
     node: NodeName,
     distro: str = "jazzy",
     serves: bool = True,
-) -> Report:
+) -> CheckReport:
     """Return the report of a simulated robot's node."""
     async with a_node(*words, node=node, distro=distro, serves=serves) as the:
         backend = MemoryBackend(the.network, CHECK)
-        listener = Listener(
+        listener = TopicListener(
             backend,
             CHECK,
             the.types,

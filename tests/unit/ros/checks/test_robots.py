@@ -4,20 +4,24 @@ import pytest
 
 from pioneer3.errors import ConfigError, NoRobotError
 from pioneer3.ros.checks.robots import robot_called, robots_in
-from pioneer3.ros.ros2.backend import Endpoint, Graph, Kind
+from pioneer3.ros.ros2.backend import Endpoint, EndpointKind, Graph
 
 ODOMETRY = "nav_msgs/msg/Odometry"
 
 
 def graph(*nodes: str, type_name: str = ODOMETRY, commands: str = "Twist") -> Graph:
     """Return a graph in which each of `nodes` is a robot, and one that is none."""
-    endpoints = [Endpoint(kind=Kind.SUBSCRIBER, node="/rviz", name="/odom", type_name=ODOMETRY)]
+    endpoints = [
+        Endpoint(kind=EndpointKind.SUBSCRIBER, node="/rviz", name="/odom", type_name=ODOMETRY)
+    ]
     for node in nodes:
         space = node.rpartition("/")[0]
         endpoints += [
-            Endpoint(kind=Kind.PUBLISHER, node=node, name=f"{space}/odom", type_name=type_name),
             Endpoint(
-                kind=Kind.SUBSCRIBER,
+                kind=EndpointKind.PUBLISHER, node=node, name=f"{space}/odom", type_name=type_name
+            ),
+            Endpoint(
+                kind=EndpointKind.SUBSCRIBER,
                 node=node,
                 name=f"{space}/cmd_vel",
                 type_name=f"geometry_msgs/msg/{commands}",

@@ -3,11 +3,11 @@
 import pytest
 
 from pioneer3.errors import ConfigError
-from pioneer3.ros.ros1.environment import Network, check_environment, checked_master, is_own
+from pioneer3.ros.ros1.environment import NetworkProbe, check_environment, checked_master, is_own
 
 OWN = "192.168.0.7"
 NAMES = {"me": (OWN,), "other": ("192.168.0.9",), "127.0.0.1": ("127.0.0.1",)}
-NETWORK = Network(
+NETWORK = NetworkProbe(
     resolve=lambda name: NAMES.get(name, ()),
     is_own=lambda address: address in (OWN, "127.0.0.1"),
     own_address=lambda master: OWN,

@@ -6,9 +6,9 @@ from itertools import count
 
 from pioneer3.ros.ros2.backend import (
     Endpoint,
+    EndpointKind,
     Failed,
     Graph,
-    Kind,
     Left,
     MessageType,
     NodeName,
@@ -37,8 +37,8 @@ class MemoryEndpoint:
         mine, theirs = self.endpoint, other.endpoint
         if mine.name != theirs.name or mine.type_name != theirs.type_name:
             return False
-        own = Own(Kind.SUBSCRIBER, MessageType(mine.type_name), mine.qos)
-        are_pair = (mine.kind, theirs.kind) == (Kind.SUBSCRIBER, Kind.PUBLISHER)
+        own = Own(EndpointKind.SUBSCRIBER, MessageType(mine.type_name), mine.qos)
+        are_pair = (mine.kind, theirs.kind) == (EndpointKind.SUBSCRIBER, EndpointKind.PUBLISHER)
         return are_pair and not incompatible(own, theirs)
 
     @property
@@ -88,7 +88,7 @@ class MemoryBackend:
         self.network, self.node, self.serves = network, node or NodeName("test"), serves
         self.mine: list[MemoryEndpoint] = []
 
-    def _add(self, kind: Kind, name: str, type_: MessageType, qos: Qos) -> MemoryEndpoint:
+    def _add(self, kind: EndpointKind, name: str, type_: MessageType, qos: Qos) -> MemoryEndpoint:
         endpoint = Endpoint(
             kind=kind,
             node=self.node.full,
@@ -103,12 +103,12 @@ class MemoryBackend:
         return self.mine[-1]
 
     def advertise(self, name: str, type_: MessageType, qos: Qos) -> MemoryEndpoint:
-        return self._add(Kind.PUBLISHER, name, type_, qos)
+        return self._add(EndpointKind.PUBLISHER, name, type_, qos)
 
     def subscribe(
         self, name: str, type_: MessageType, qos: Qos, received: Received, left: Left
     ) -> MemoryEndpoint:
-        reader = self._add(Kind.SUBSCRIBER, name, type_, qos)
+        reader = self._add(EndpointKind.SUBSCRIBER, name, type_, qos)
         reader.received, reader.left = received, left
         for each in self.network.endpoints:
             if reader.hears(each) and qos.transient_local and each.last is not None:
@@ -119,7 +119,7 @@ class MemoryBackend:
         self, name: str, type_: ServiceType, respond: Callable[[bytes], bytes]
     ) -> MemoryEndpoint:
         self.network.servers[name] = respond
-        return self._add(Kind.SERVER, name, MessageType(type_.name, type_.hash), Qos())
+        return self._add(EndpointKind.SERVER, name, MessageType(type_.name, type_.hash), Qos())
 
     def call(self, name: str, type_: ServiceType, request: bytes, timeout: float) -> bytes:
         if name not in self.network.servers:

@@ -7,19 +7,23 @@ from typing import Any
 import pytest
 
 from pioneer3.ros.ros2.distros import distro_of, distros
-from pioneer3.ros.ros2.lifecycle import TRANSITIONS, Callbacks, Lifecycle, State
+from pioneer3.ros.ros2.lifecycle import TRANSITIONS, Callbacks, Lifecycle, LifecycleState
 from pioneer3.ros.ros2.types import MessageTypes
 
 TYPES = MessageTypes(distro_of("jazzy"))
-UNCONFIGURED, INACTIVE, ACTIVE = State.UNCONFIGURED, State.INACTIVE, State.ACTIVE
-FINALIZED = State.FINALIZED
+UNCONFIGURED, INACTIVE, ACTIVE = (
+    LifecycleState.UNCONFIGURED,
+    LifecycleState.INACTIVE,
+    LifecycleState.ACTIVE,
+)
+FINALIZED = LifecycleState.FINALIZED
 
 
 class Node:
     """A managed node whose services are called over the wire; `results` are its outcomes."""
 
     def __init__(self, **results: bool | Exception) -> None:
-        self.calls: list[tuple[str, State]] = []
+        self.calls: list[tuple[str, LifecycleState]] = []
         self.events: list[Any] = []
         self.lifecycle = Lifecycle(
             TYPES,
@@ -62,8 +66,8 @@ class Node:
 @pytest.mark.parametrize("distro", distros())
 def test_numbers_are_those_of_the_messages(distro: str) -> None:
     fields = MessageTypes(distro_of(distro)).fields
-    constants = {name: n for name, _, n in fields["lifecycle_msgs/msg/State"][0]}
-    for state in State:
+    constants = {name: n for name, _, n in fields["lifecycle_msgs/msg/LifecycleState"][0]}
+    for state in LifecycleState:
         kind = "TRANSITION" if state >= 10 else "PRIMARY"
         assert constants[f"{kind}_STATE_{state.name}"] == state
     constants = {name: n for name, _, n in fields["lifecycle_msgs/msg/Transition"][0]}
@@ -92,8 +96,8 @@ def test_a_whole_life_by_numbers_and_labels() -> None:
     assert [name for name, _ in node.calls] == [
         *("configure", "activate", "deactivate", "cleanup", "configure", "activate", "shutdown")
     ]
-    assert node.calls[0][1] is State.CONFIGURING
-    assert node.calls[-1][1] is State.SHUTTINGDOWN
+    assert node.calls[0][1] is LifecycleState.CONFIGURING
+    assert node.calls[-1][1] is LifecycleState.SHUTTINGDOWN
 
 
 def test_events_tell_each_change_of_the_state() -> None:
@@ -132,7 +136,7 @@ def test_the_label_counts_before_the_number() -> None:
     ],
 )
 def test_a_failure_leads_back_and_an_error_to_the_beginning(
-    before: list[str], failing: str, after: State
+    before: list[str], failing: str, after: LifecycleState
 ) -> None:
     node = Node(**{failing: False})
     assert node.change(*before, failing) == [True] * len(before) + [False]
@@ -141,7 +145,7 @@ def test_a_failure_leads_back_and_an_error_to_the_beginning(
         node = Node(**{failing: OSError("no port")}, error=recovers)
         assert node.change(*before, failing) == [True] * len(before) + [False]
         assert node.lifecycle.state is end
-        assert node.calls[-1] == ("error", State.ERRORPROCESSING)
+        assert node.calls[-1] == ("error", LifecycleState.ERRORPROCESSING)
 
 
 def test_states_and_transitions_are_listed() -> None:

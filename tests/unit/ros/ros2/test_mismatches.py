@@ -1,6 +1,6 @@
 import pytest
 
-from pioneer3.ros.ros2.backend import Endpoint, Graph, Kind, MessageType, Qos
+from pioneer3.ros.ros2.backend import Endpoint, EndpointKind, Graph, MessageType, Qos
 from pioneer3.ros.ros2.mismatches import Mismatch, Own, incompatible, mismatches
 
 TWIST = MessageType("geometry_msgs/msg/Twist", "RIHS01_1")
@@ -9,7 +9,7 @@ STAMPED = MessageType("geometry_msgs/msg/TwistStamped", "RIHS01_2")
 
 
 def endpoint(
-    kind: Kind,
+    kind: EndpointKind,
     name: str,
     qos: Qos | None = None,
     *,
@@ -50,13 +50,13 @@ def test_a_subscriber_may_not_want_more_than_is_offered(
     publisher: Qos, subscriber: Qos, why: str
 ) -> None:
     ours, theirs = (
-        Own(Kind.PUBLISHER, TWIST, publisher),
-        endpoint(Kind.SUBSCRIBER, "/x", subscriber),
+        Own(EndpointKind.PUBLISHER, TWIST, publisher),
+        endpoint(EndpointKind.SUBSCRIBER, "/x", subscriber),
     )
     assert _agrees(incompatible(ours, theirs), why)
     ours, theirs = (
-        Own(Kind.SUBSCRIBER, TWIST, subscriber),
-        endpoint(Kind.PUBLISHER, "/x", publisher),
+        Own(EndpointKind.SUBSCRIBER, TWIST, subscriber),
+        endpoint(EndpointKind.PUBLISHER, "/x", publisher),
     )
     assert _agrees(incompatible(ours, theirs), why)
 
@@ -67,19 +67,19 @@ def _agrees(found: Mismatch | None, why: str) -> bool:
 
 def test_other_types_versions_and_qualities_are_told_with_node_and_topic() -> None:
     own = {
-        (Kind.SUBSCRIBER, "/cmd_vel"): Own(Kind.SUBSCRIBER, TWIST, Qos()),
-        (Kind.SUBSCRIBER, "/cmd_vel_stamped"): Own(Kind.SUBSCRIBER, STAMPED, Qos()),
+        (EndpointKind.SUBSCRIBER, "/cmd_vel"): Own(EndpointKind.SUBSCRIBER, TWIST, Qos()),
+        (EndpointKind.SUBSCRIBER, "/cmd_vel_stamped"): Own(EndpointKind.SUBSCRIBER, STAMPED, Qos()),
     }
     graph = Graph(
         ("/me", "/other"),
         (
-            endpoint(Kind.PUBLISHER, "/cmd_vel", type_=STAMPED),
-            endpoint(Kind.PUBLISHER, "/cmd_vel", type_=OLDER),
-            endpoint(Kind.PUBLISHER, "/cmd_vel", Qos(reliable=False), node=""),
-            endpoint(Kind.PUBLISHER, "/cmd_vel", Qos(reliable=False), node="/me"),
-            endpoint(Kind.SUBSCRIBER, "/cmd_vel", type_=STAMPED),
-            endpoint(Kind.PUBLISHER, "/elsewhere", type_=STAMPED),
-            endpoint(Kind.PUBLISHER, "/cmd_vel"),
+            endpoint(EndpointKind.PUBLISHER, "/cmd_vel", type_=STAMPED),
+            endpoint(EndpointKind.PUBLISHER, "/cmd_vel", type_=OLDER),
+            endpoint(EndpointKind.PUBLISHER, "/cmd_vel", Qos(reliable=False), node=""),
+            endpoint(EndpointKind.PUBLISHER, "/cmd_vel", Qos(reliable=False), node="/me"),
+            endpoint(EndpointKind.SUBSCRIBER, "/cmd_vel", type_=STAMPED),
+            endpoint(EndpointKind.PUBLISHER, "/elsewhere", type_=STAMPED),
+            endpoint(EndpointKind.PUBLISHER, "/cmd_vel"),
         ),
     )
     told = list(mismatches(own, graph, "/me", strict=True))
@@ -92,13 +92,13 @@ def test_other_types_versions_and_qualities_are_told_with_node_and_topic() -> No
 
 def test_a_topic_that_is_published_and_subscribed_is_looked_at_from_both_sides() -> None:
     own = {
-        (Kind.SUBSCRIBER, "/goal"): Own(Kind.SUBSCRIBER, TWIST, Qos()),
-        (Kind.PUBLISHER, "/goal"): Own(Kind.PUBLISHER, TWIST, Qos()),
+        (EndpointKind.SUBSCRIBER, "/goal"): Own(EndpointKind.SUBSCRIBER, TWIST, Qos()),
+        (EndpointKind.PUBLISHER, "/goal"): Own(EndpointKind.PUBLISHER, TWIST, Qos()),
     }
     others = (
-        endpoint(Kind.PUBLISHER, "/goal", Qos(reliable=False)),
-        endpoint(Kind.SUBSCRIBER, "/goal", Qos(transient_local=True)),
-        endpoint(Kind.SERVER, "/goal", type_=STAMPED),
+        endpoint(EndpointKind.PUBLISHER, "/goal", Qos(reliable=False)),
+        endpoint(EndpointKind.SUBSCRIBER, "/goal", Qos(transient_local=True)),
+        endpoint(EndpointKind.SERVER, "/goal", type_=STAMPED),
     )
     told = list(mismatches(own, Graph(("/other",), others), "/me", strict=True))
     assert ["best effort" in told[0], "volatile" in told[1]] == [True, True]

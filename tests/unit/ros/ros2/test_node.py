@@ -16,7 +16,7 @@ from pioneer3.ros.node.names import Profile
 from pioneer3.ros.node.node import RobotNode
 from pioneer3.ros.node.parameter_reading import read_parameters
 from pioneer3.ros.ros2.arguments import parse
-from pioneer3.ros.ros2.backend import LATCHED, Kind, NodeName, Qos
+from pioneer3.ros.ros2.backend import LATCHED, EndpointKind, NodeName, Qos
 from pioneer3.ros.ros2.distros import distro_of, distros
 from pioneer3.ros.ros2.middleware import Ros2Middleware
 from pioneer3.ros.ros2.types import MessageTypes
@@ -274,7 +274,7 @@ async def test_quality_of_service_can_be_overridden() -> None:
         (odometry,) = [
             each.endpoint for each in the.network.endpoints if each.endpoint.name == "/odom"
         ]
-        assert odometry.kind is Kind.PUBLISHER
+        assert odometry.kind is EndpointKind.PUBLISHER
         assert not odometry.qos.reliable
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from pioneer3.errors import ConfigError
-from pioneer3.ros.node.parameter import Acts, Parameter, Value
+from pioneer3.ros.node.parameter import Effect, Parameter, Value
 from pioneer3.ros.node.parameter import ParameterKind as Kind
 from pioneer3.ros.ros2.distros import distro_of
 from pioneer3.ros.ros2.parameter_services import ParameterServices
@@ -28,7 +28,7 @@ FIRST: Mapping[str, Value] = {
 }
 TABLE: Mapping[Parameter, Value | None] = {
     **{
-        Parameter("", name=n, kind=k, acts=Acts.AT_ONCE): v
+        Parameter("", name=n, kind=k, acts=Effect.AT_ONCE): v
         for (n, v), k in zip(FIRST.items(), Kind, strict=True)
     },
     Parameter(
@@ -38,16 +38,16 @@ TABLE: Mapping[Parameter, Value | None] = {
         low=0.001,
         high=10.0,
         unit="m/s",
-        acts=Acts.AT_ONCE,
+        acts=Effect.AT_ONCE,
     ): 1,
-    Parameter("", name="count", kind=Kind.INTEGER, low=0, high=2**40, acts=Acts.AT_ONCE): 3,
+    Parameter("", name="count", kind=Kind.INTEGER, low=0, high=2**40, acts=Effect.AT_ONCE): 3,
     Parameter(
         "",
         name="drift",
         kind=Kind.INTEGER,
         low=-200,
         high=200,
-        acts=Acts.AT_ONCE,
+        acts=Effect.AT_ONCE,
         otherwise="the robot's own",
     ): None,
     Parameter("", name="frame", kind=Kind.STRING): "odom",

@@ -10,7 +10,7 @@ import pytest
 
 from pioneer3.errors import ConfigError
 from pioneer3.ros.rclpy.backend import RclpyBackend, installed_distro
-from pioneer3.ros.ros2.backend import LATCHED, Graph, Kind, NodeName, Qos
+from pioneer3.ros.ros2.backend import LATCHED, EndpointKind, Graph, NodeName, Qos
 from pioneer3.ros.ros2.distros import distro_of
 from pioneer3.ros.ros2.middleware import ROSOUT
 from pioneer3.ros.ros2.types import MessageTypes
@@ -70,7 +70,7 @@ def test_messages_come_with_the_identity_that_the_graph_has(flavour: Flavour) ->
             writer.write(each)
         wait_for(lambda: len(heard) == 50)
         assert [cdr for cdr, _ in heard] == sent
-        (endpoint,) = [e for e in robot.graph().endpoints if e.kind is Kind.PUBLISHER]
+        (endpoint,) = [e for e in robot.graph().endpoints if e.kind is EndpointKind.PUBLISHER]
         assert {gid for _, gid in heard} == {endpoint.gid}
         assert (endpoint.node, endpoint.name, endpoint.qos) == ("/other", "/chat", LATCHED)
         assert endpoint.type_hash.startswith("RIHS01_") == (flavour.distro != "humble")

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field
 
-from pioneer3.ros.ros2.backend import Endpoint, Graph, Kind
+from pioneer3.ros.ros2.backend import Endpoint, EndpointKind, Graph
 from pioneer3.ros.ros2.senders import REMEMBERED, UNKNOWN, Senders
 
 TOPIC = "/cmd_vel"
@@ -10,7 +10,11 @@ TOPIC = "/cmd_vel"
 
 def publisher(node: str, gid: bytes, name: str = TOPIC) -> Endpoint:
     return Endpoint(
-        kind=Kind.PUBLISHER, node=node, name=name, type_name="geometry_msgs/msg/Twist", gid=gid
+        kind=EndpointKind.PUBLISHER,
+        node=node,
+        name=name,
+        type_name="geometry_msgs/msg/Twist",
+        gid=gid,
     )
 
 
@@ -65,8 +69,8 @@ def test_a_publisher_that_is_found_later_keeps_its_connection() -> None:
 def test_only_publishers_of_the_topic_send_on_it() -> None:
     the = Looked()
     the.endpoints = [
-        Endpoint(kind=Kind.SERVER, node="/state", name="/state/get", type_name="x"),
-        Endpoint(kind=Kind.SUBSCRIBER, node="/me", name=TOPIC, type_name="x", gid=b"1"),
+        Endpoint(kind=EndpointKind.SERVER, node="/state", name="/state/get", type_name="x"),
+        Endpoint(kind=EndpointKind.SUBSCRIBER, node="/me", name=TOPIC, type_name="x", gid=b"1"),
         publisher("/elsewhere", b"1", "/odom"),
     ]
     senders = the.senders()

@@ -11,7 +11,7 @@ import pytest
 
 from pioneer3.errors import ConfigError, NoRobotError
 from pioneer3.fleet.members import Connect
-from pioneer3.fleet.spec import Robot
+from pioneer3.fleet.spec import FleetRobot
 from pioneer3.fleet.stop import stop_all
 from pioneer3.ros.ros2 import sessions as module
 from pioneer3.ros.ros2.backend import NodeName, Qos
@@ -120,7 +120,7 @@ async def test_a_silent_robot_has_no_age(networks: Networks) -> None:
 
 async def test_a_silent_robot_is_told_to_stop_all_the_same(networks: Networks) -> None:
     commands = robot_on(networks.memory, silent=True)
-    robots = [Robot(name="r1", host="r1", address="127.0.0.1", node="r1/pioneer3")]
+    robots = [FleetRobot(name="r1", host="r1", address="127.0.0.1", node="r1/pioneer3")]
     async with sessions("fleet_stop", SOON, at_once=True) as made:
         connect: Connect = lambda robot: made.robot(WELL, robot.node, None)  # noqa: E731
         (told,) = await stop_all(robots, connect, emergency=True, patience=1.0)
@@ -145,7 +145,7 @@ async def test_a_robot_that_takes_stamped_velocities_is_driven(networks: Network
 async def test_robots_of_one_name_are_all_stopped_and_none_is_driven(networks: Networks) -> None:
     both = [robot_on(networks.memory) for _ in range(2)]
     networks.memory.nodes = ["/r1/pioneer3"] * 2
-    robots = [Robot(name="r1", host="r1", address="127.0.0.1", node="r1/pioneer3")]
+    robots = [FleetRobot(name="r1", host="r1", address="127.0.0.1", node="r1/pioneer3")]
     async with sessions("fleet_stop", SOON, at_once=True) as made:
         connect: Connect = lambda robot: made.robot(WELL, robot.node, None)  # noqa: E731
         (told,) = await stop_all(robots, connect, patience=1.0)

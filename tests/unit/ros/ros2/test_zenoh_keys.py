@@ -5,11 +5,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pioneer3.ros.ros2.backend import LATCHED, Kind, NodeName, Qos
+from pioneer3.ros.ros2.backend import LATCHED, EndpointKind, NodeName, Qos
 from pioneer3.ros.zenoh.keys import (
     Attachment,
-    Token,
-    Topic,
+    KeyTopic,
+    LivelinessToken,
     from_dds,
     gid_of,
     parse_attachment,
@@ -37,7 +37,7 @@ qualities = st.builds(
     lifespan=st.sampled_from((inf, 0.25, 10.0)),
 )
 topics = st.builds(
-    Topic,
+    KeyTopic,
     name=names,
     type_name=st.builds("{}/msg/{}".format, words, words),
     type_hash=st.sampled_from(("", STRING)),
@@ -45,10 +45,10 @@ topics = st.builds(
 nodes = st.builds(NodeName, words, st.one_of(st.just("/"), names))
 
 
-def tokens(kind: Kind | None) -> st.SearchStrategy[Token]:
+def tokens(kind: EndpointKind | None) -> st.SearchStrategy[LivelinessToken]:
     endpoint = kind is not None
     return st.builds(
-        Token,
+        LivelinessToken,
         domain=st.integers(0, 232),
         session=st.from_regex(r"[1-9a-f][0-9a-f]{0,31}", fullmatch=True),
         node_id=st.integers(0, 9),
@@ -60,8 +60,8 @@ def tokens(kind: Kind | None) -> st.SearchStrategy[Token]:
     )
 
 
-@given(st.sampled_from([None, *Kind]).flatmap(tokens))
-def test_a_token_reads_as_it_was_written(token: Token) -> None:
+@given(st.sampled_from([None, *EndpointKind]).flatmap(tokens))
+def test_a_token_reads_as_it_was_written(token: LivelinessToken) -> None:
     assert parse_token(token.text) == token
     assert replace(parse_token(token.text), key="").text == token.text
     assert parse_token(f"{token.text}/of/later/versions") == token or token.kind is None
@@ -73,7 +73,11 @@ def test_a_token_of_ros_reads_as_its_publisher() -> None:
     assert replace(token, key="").text == CHATTER
     assert (token.domain, token.node_id, token.entity_id) == (2, 0, 10)
     assert endpoint is not None
-    assert (endpoint.kind, endpoint.node, endpoint.name) == (Kind.PUBLISHER, "/talker", "/chatter")
+    assert (endpoint.kind, endpoint.node, endpoint.name) == (
+        EndpointKind.PUBLISHER,
+        "/talker",
+        "/chatter",
+    )
     assert (endpoint.type_name, endpoint.type_hash) == ("std_msgs/msg/String", STRING)
     assert endpoint.qos == Qos(depth=7)
     assert endpoint.gid == gid_of(CHATTER)
@@ -94,7 +98,7 @@ def test_names_of_a_token_forge_no_lines_of_a_log() -> None:
 
 
 def test_a_node_in_a_namespace_has_signs_for_its_slashes() -> None:
-    token = Token(
+    token = LivelinessToken(
         domain=0, session="ab", node_id=0, entity_id=0, node=NodeName("pioneer3", "/lab/robot1")
     )
     assert token.text == "@ros2_lv/0/ab/0/0/NN/%/%lab%robot1/pioneer3"
@@ -118,9 +122,9 @@ def test_other_keys_are_no_tokens(text: str) -> None:
 
 
 def test_topics_have_the_keys_of_ros() -> None:
-    topic = Topic(name="/robot1/odom", type_name="nav_msgs/msg/Odometry", type_hash="RIHS01_12")
+    topic = KeyTopic(name="/robot1/odom", type_name="nav_msgs/msg/Odometry", type_hash="RIHS01_12")
     assert topic.key(7) == "7/robot1/odom/nav_msgs::msg::dds_::Odometry_/RIHS01_12"
-    humble = Topic(name="/chatter", type_name="std_msgs/msg/String")
+    humble = KeyTopic(name="/chatter", type_name="std_msgs/msg/String")
     assert humble.key(0) == "0/chatter/std_msgs::msg::dds_::String_/TypeHashNotSupported"
 
 

@@ -4,7 +4,7 @@ import pytest
 
 from pioneer3.arcos import commands, reports
 from pioneer3.arcos.commands import Command
-from pioneer3.sim.accessories.aux_port import BUFFER, AuxPort
+from pioneer3.sim.accessories.aux_port import BUFFER, SimulatedAuxPort
 from tests.unit.sim.accessories.carrier import answers
 
 
@@ -38,7 +38,7 @@ PORTS: list[tuple[int, int, type[Command], type[Command]]] = [
 def test_each_port_has_its_commands_and_its_report(
     port: int, number: int, tty: type[Command], getaux: type[Command]
 ) -> None:
-    aux = AuxPort(port, Echo())
+    aux = SimulatedAuxPort(port, Echo())
     for other, _, its_tty, its_getaux in PORTS:
         assert aux.obey(its_tty(b"abc"), 0.0) == (other == port)  # type: ignore[call-arg]
         assert aux.obey(its_getaux(2), 0.0) == (other == port)  # type: ignore[call-arg]
@@ -48,7 +48,7 @@ def test_each_port_has_its_commands_and_its_report(
 
 
 def test_a_request_waits_until_all_its_bytes_are_there() -> None:
-    aux = AuxPort(1)
+    aux = SimulatedAuxPort(1)
     aux.obey(commands.GetAux(4), 0.0)
     aux.deliver(b"abc")
     assert list(answers(aux)) == []
@@ -59,7 +59,7 @@ def test_a_request_waits_until_all_its_bytes_are_there() -> None:
 
 
 def test_zero_forgets_bytes_and_request() -> None:
-    aux = AuxPort(1)
+    aux = SimulatedAuxPort(1)
     aux.deliver(b"abc")
     aux.obey(commands.GetAux(5), 0.0)
     aux.obey(commands.GetAux(0), 0.0)
@@ -70,7 +70,7 @@ def test_zero_forgets_bytes_and_request() -> None:
 
 
 def test_zero_forgets_what_the_device_has_said_too() -> None:
-    aux = AuxPort(1, Echo())
+    aux = SimulatedAuxPort(1, Echo())
     aux.obey(commands.Tty2(b"old"), 0.0)
     aux.obey(commands.GetAux(0), 1.0)
     aux.obey(commands.GetAux(1), 1.0)
@@ -78,7 +78,7 @@ def test_zero_forgets_what_the_device_has_said_too() -> None:
 
 
 def test_a_new_request_takes_the_place_of_a_waiting_one() -> None:
-    aux = AuxPort(1)
+    aux = SimulatedAuxPort(1)
     aux.obey(commands.GetAux(6), 0.0)
     aux.obey(commands.GetAux(2), 0.0)
     aux.deliver(b"abcdefgh")
@@ -86,7 +86,7 @@ def test_a_new_request_takes_the_place_of_a_waiting_one() -> None:
 
 
 def test_two_requests_for_what_is_there_are_both_answered() -> None:
-    aux = AuxPort(1)
+    aux = SimulatedAuxPort(1)
     aux.deliver(b"abcdef")
     aux.obey(commands.GetAux(2), 0.0)
     aux.obey(commands.GetAux(3), 0.0)
@@ -94,7 +94,7 @@ def test_two_requests_for_what_is_there_are_both_answered() -> None:
 
 
 def test_more_than_a_packet_is_not_to_be_had() -> None:
-    aux = AuxPort(1)
+    aux = SimulatedAuxPort(1)
     aux.deliver(bytes(BUFFER))
     aux.obey(commands.GetAux(201), 0.0)
     assert list(answers(aux)) == []
@@ -103,7 +103,7 @@ def test_more_than_a_packet_is_not_to_be_had() -> None:
 
 
 def test_a_full_buffer_loses_what_comes_last() -> None:
-    aux = AuxPort(1)
+    aux = SimulatedAuxPort(1)
     aux.deliver(b"a" * BUFFER)
     aux.deliver(b"b")
     aux.obey(commands.GetAux(200), 0.0)
@@ -112,14 +112,14 @@ def test_a_full_buffer_loses_what_comes_last() -> None:
 
 
 def test_without_a_device_bytes_are_lost() -> None:
-    aux = AuxPort(1)
+    aux = SimulatedAuxPort(1)
     assert aux.obey(commands.Tty2(b"abc"), 0.0)
     aux.obey(commands.GetAux(1), 0.0)
     assert list(answers(aux, 9.0)) == []
 
 
 def test_the_end_of_the_session_forgets_everything() -> None:
-    aux = AuxPort(1)
+    aux = SimulatedAuxPort(1)
     aux.deliver(b"abc")
     aux.obey(commands.GetAux(2), 0.0)
     aux.obey(commands.GetAux(2), 0.0)
@@ -129,7 +129,7 @@ def test_the_end_of_the_session_forgets_everything() -> None:
 
 
 def test_it_is_due_when_the_device_says_what_somebody_waits_for() -> None:
-    aux = AuxPort(1, Echo())
+    aux = SimulatedAuxPort(1, Echo())
     aux.obey(commands.Tty2(b"abc"), 1.0)
     assert aux.due == inf
     aux.obey(commands.GetAux(3), 1.0)
@@ -139,7 +139,7 @@ def test_it_is_due_when_the_device_says_what_somebody_waits_for() -> None:
 
 
 def test_it_is_due_at_once_when_bytes_came_in_that_somebody_waits_for() -> None:
-    aux = AuxPort(1)
+    aux = SimulatedAuxPort(1)
     aux.obey(commands.GetAux(2), 0.0)
     aux.deliver(b"a")
     assert aux.due == inf

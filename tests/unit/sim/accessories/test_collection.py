@@ -15,12 +15,12 @@ from pioneer3.sim.accessories import (
     Accessories,
     CarryingRobot,
     Equipment,
-    Inputs,
+    SipFields,
     StickPosition,
     TableSensor,
 )
 from pioneer3.sim.accessories.collection import IGNORED
-from pioneer3.sim.accessories.sony import SonyEvi
+from pioneer3.sim.accessories.sony import SimulatedSonyEvi
 from pioneer3.sim.body import Body
 from tests.combinations import examples
 from tests.property.test_codecs import messages
@@ -43,7 +43,7 @@ def test_a_body_carries_accessories() -> None:
     carrier: CarryingRobot = Body(load_model("p3at-sh"))
     rack = Accessories(carrier)
     rack.tick(0.0)
-    assert rack.inputs(0.0) == Inputs()
+    assert rack.inputs(0.0) == SipFields()
 
 
 def test_a_bare_pioneer_has_lines_encoders_gauge_and_ports() -> None:
@@ -118,7 +118,7 @@ def test_the_standard_report_shows_all_of_them() -> None:
     rack.digital.set_analog(2, 5.0)
     rack.obey(commands.AdSel(2), 0.0)
     rack.obey(commands.DigOut(mask=0xFF, values=1), 0.0)
-    assert rack.inputs(0.0) == Inputs(
+    assert rack.inputs(0.0) == SipFields(
         analog_port=2,
         gripper_state=0x30,
         analog=255,
@@ -177,7 +177,7 @@ def test_the_gauge_shows_the_charge_or_what_a_test_has_set(
 
 def test_the_chosen_camera_hangs_on_the_chosen_port() -> None:
     rack = Accessories(FakeCarrier(), Equipment(camera="sony", camera_port=3))
-    assert isinstance(rack.camera, SonyEvi)
+    assert isinstance(rack.camera, SimulatedSonyEvi)
     assert [port.device for port in rack.aux] == [None, None, rack.camera]
 
 
@@ -246,7 +246,7 @@ def test_any_commands_give_reports_that_fit_the_wire_the_same_every_time(
     heard = run(said)
     assert heard == run(said)
     for report in heard:
-        if isinstance(report, Inputs):
+        if isinstance(report, SipFields):
             reports.to_payload(
                 reports.Sip(
                     compass_raw=report.compass_raw,

@@ -7,16 +7,16 @@ from pioneer3.arcos import commands, reports
 from pioneer3.arcos.commands import Tcm2Mode
 from pioneer3.geometry import Pose2, wrap
 from pioneer3.sim.accessories.base import NOTHING
-from pioneer3.sim.accessories.heading import Compass
+from pioneer3.sim.accessories.heading import SimulatedCompass
 from tests.unit.sim.accessories.carrier import FakeCarrier, answers, cycles
 
 
-def compass(theta: float = 0.0, north: float = pi / 2, noise: float = 0.0) -> Compass:
+def compass(theta: float = 0.0, north: float = pi / 2, noise: float = 0.0) -> SimulatedCompass:
     carrier = FakeCarrier(robot_in_world=Pose2(1, 2, theta))
-    return Compass(carrier, np.random.default_rng(3), north=north, noise=noise)
+    return SimulatedCompass(carrier, np.random.default_rng(3), north=north, noise=noise)
 
 
-def packet(made: Compass) -> reports.Compass:
+def packet(made: SimulatedCompass) -> reports.Compass:
     made.obey(commands.Tcm2(Tcm2Mode.ONCE), 0.0)
     (report,) = answers(made)
     assert isinstance(report, reports.Compass)

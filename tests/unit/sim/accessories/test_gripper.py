@@ -7,7 +7,7 @@ from pioneer3.arcos.commands import GripperAction, RequestMode
 from pioneer3.arcos.reports import GripperSwitch
 from pioneer3.errors import ConfigError
 from pioneer3.sim.accessories.base import NOTHING
-from pioneer3.sim.accessories.gripper import IDLE, OPENING, Gripper, HeldObject, NoGripper
+from pioneer3.sim.accessories.gripper import IDLE, OPENING, HeldObject, NoGripper, SimulatedGripper
 from tests.unit.sim.accessories.carrier import answers
 
 S = GripperSwitch
@@ -21,7 +21,7 @@ class Hand:
     """A gripper in time."""
 
     def __init__(self) -> None:
-        self.gripper = Gripper()
+        self.gripper = SimulatedGripper()
         self.now = 100.0
         self.gripper.switches(self.now)
 

@@ -6,7 +6,7 @@ import pytest
 from pioneer3.arcos import commands, reports
 from pioneer3.arcos.commands import GyroMode
 from pioneer3.geometry import Pose2, wrap
-from pioneer3.sim.accessories.heading import Gyro
+from pioneer3.sim.accessories.heading import SimulatedGyro
 from tests.unit.sim.accessories.carrier import FakeCarrier
 
 ON, OFF = commands.Gyro(GyroMode.ON), commands.Gyro(GyroMode.OFF)
@@ -14,12 +14,16 @@ ARIA_STEP_DEG = 5 / 1023 * 300 / 2.5 * 1.626
 """Degrees a second that ARIA reads in one count (protocol.md 5.4)."""
 
 
-def gyro(carrier: FakeCarrier, *, packets: bool = True, bias: float = 0, noise: float = 0) -> Gyro:
+def gyro(
+    carrier: FakeCarrier, *, packets: bool = True, bias: float = 0, noise: float = 0
+) -> SimulatedGyro:
     rng = np.random.default_rng(7)
-    return Gyro(carrier, rng, packets=packets, bias=bias, noise=noise)
+    return SimulatedGyro(carrier, rng, packets=packets, bias=bias, noise=noise)
 
 
-def turn(made: Gyro, carrier: FakeCarrier, rate: float, seconds: float = 1.0) -> list[list[int]]:
+def turn(
+    made: SimulatedGyro, carrier: FakeCarrier, rate: float, seconds: float = 1.0
+) -> list[list[int]]:
     """Turn at `rate` [rad/s] in steps of 20 ms; return the samples of each cycle."""
     made.obey(ON, 0.0)
     heard = []

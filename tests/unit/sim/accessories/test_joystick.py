@@ -6,12 +6,12 @@ from pioneer3.arcos.reports import SipFlag
 from pioneer3.errors import ConfigError
 from pioneer3.sim.accessories import StickPosition
 from pioneer3.sim.accessories.base import NOTHING
-from pioneer3.sim.accessories.gauges import Joystick
+from pioneer3.sim.accessories.gauges import SimulatedJoystick
 from tests.unit.sim.accessories.carrier import answers
 
 
 def packet(stick: StickPosition) -> reports.Joystick:
-    joystick = Joystick()
+    joystick = SimulatedJoystick()
     joystick.stick = stick
     joystick.obey(commands.JoyInfo(RequestMode.ONCE), 0.0)
     (report,) = answers(joystick)
@@ -47,7 +47,7 @@ def test_the_throttle_has_1024_steps(throttle: float, raw: int) -> None:
 
 
 def test_the_first_button_is_a_flag_too() -> None:
-    joystick = Joystick()
+    joystick = SimulatedJoystick()
     assert joystick.inputs(NOTHING, 0.0).flags == SipFlag(0)
     joystick.stick = StickPosition(button1=True, button2=True)
     assert joystick.inputs(NOTHING, 0.0).flags == SipFlag.JOYSTICK_BUTTON

@@ -8,11 +8,11 @@ import pytest
 from pioneer3.arcos import commands, reports
 from pioneer3.arcos.commands import Command, RequestMode, Tcm2Mode
 from pioneer3.arcos.reports import Report
-from pioneer3.sim.accessories.base import Accessory, ReportRequest
+from pioneer3.sim.accessories.base import Accessory, HostRequest
 from pioneer3.sim.accessories.digital_io import DigitalIo
-from pioneer3.sim.accessories.gauges import BatteryGauge, Encoders, Joystick
-from pioneer3.sim.accessories.gripper import Gripper, NoGripper
-from pioneer3.sim.accessories.heading import Compass
+from pioneer3.sim.accessories.gauges import BatteryGauge, SimulatedEncoders, SimulatedJoystick
+from pioneer3.sim.accessories.gripper import NoGripper, SimulatedGripper
+from pioneer3.sim.accessories.heading import SimulatedCompass
 from tests.unit.sim.accessories.carrier import FakeCarrier, answers, cycles
 
 TCM2 = {
@@ -23,15 +23,15 @@ TCM2 = {
 Case = tuple[Callable[[], Accessory], Callable[[RequestMode], Command], type[Report]]
 CASES: list[Case] = [
     (DigitalIo, commands.IoRequest, reports.Io),
-    (lambda: Encoders(FakeCarrier()), commands.RequestEncoders, reports.Encoders),
+    (lambda: SimulatedEncoders(FakeCarrier()), commands.RequestEncoders, reports.Encoders),
     (
-        lambda: Compass(FakeCarrier(), np.random.default_rng(1)),
+        lambda: SimulatedCompass(FakeCarrier(), np.random.default_rng(1)),
         lambda how: commands.Tcm2(TCM2[how]),
         reports.Compass,
     ),
-    (Gripper, commands.GripperPacRequest, reports.GripperState),
+    (SimulatedGripper, commands.GripperPacRequest, reports.GripperState),
     (NoGripper, commands.GripperPacRequest, reports.GripperState),
-    (Joystick, commands.JoyInfo, reports.Joystick),
+    (SimulatedJoystick, commands.JoyInfo, reports.Joystick),
     (lambda: BatteryGauge(FakeCarrier()), commands.RequestBatteryInfo, reports.BatteryInfo),
 ]
 
@@ -91,7 +91,7 @@ class TestRequests:
 
 
 def test_once_ends_a_stream() -> None:
-    asked = ReportRequest()
+    asked = HostRequest()
     asked.set(RequestMode.STREAM)
     asked.set(RequestMode.ONCE)
     assert [asked.due(cycle=True) for _ in range(3)] == [True, False, False]

@@ -14,7 +14,7 @@ from pioneer3.sim.physics.renderer import (
     Answer,
     Failed,
     LoadScene,
-    Picture,
+    PictureRequest,
     TakePicture,
     axes,
     framed,
@@ -70,7 +70,7 @@ def test_a_picture_that_cannot_be_is_refused_and_the_next_one_is_taken(
 
     monkeypatch.setattr("pioneer3.sim.physics.renderer.Renderer", Broken)
     said = answers(LOAD, ASKED, ASKED)[1:]
-    assert said == [Failed("no such camera"), Picture(b"jpeg")]
+    assert said == [Failed("no such camera"), PictureRequest(b"jpeg")]
 
 
 def answers(*requests: LoadScene | TakePicture) -> list[Answer]:

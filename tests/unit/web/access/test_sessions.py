@@ -3,15 +3,15 @@
 import pytest
 
 from pioneer3.names import NAME, clean_name
-from pioneer3.web.access.sessions import IDLE, MOST, Kind, Role, Session, Sessions
+from pioneer3.web.access.sessions import IDLE, MOST, LoginSession, LoginSessions, Role, SessionKind
 from tests.unit.web.access.test_invitations import Clock
 
 DRIVER, VIEWER = Role.DRIVER, Role.VIEWER
 
 
 def test_a_session_is_found_by_its_secret_only() -> None:
-    sessions = Sessions(Clock())
-    ann, secret = sessions.open("Ann", DRIVER, Kind.BROWSER)
+    sessions = LoginSessions(Clock())
+    ann, secret = sessions.open("Ann", DRIVER, SessionKind.BROWSER)
     assert sessions.find(secret) is ann
     assert sessions.find(ann.id) is None
     assert sessions.find("") is None
@@ -19,12 +19,12 @@ def test_a_session_is_found_by_its_secret_only() -> None:
 
 
 def test_revoking_ends_it_and_what_it_made_and_says_so() -> None:
-    sessions = Sessions(Clock())
-    ended: list[Session] = []
+    sessions = LoginSessions(Clock())
+    ended: list[LoginSession] = []
     sessions.on_end = ended.append
-    ann, secret = sessions.open("Ann", DRIVER, Kind.BROWSER)
-    script, token = sessions.open("script", DRIVER, Kind.SCRIPT, parent=ann.id)
-    bob, other = sessions.open("Bob", VIEWER, Kind.BROWSER)
+    ann, secret = sessions.open("Ann", DRIVER, SessionKind.BROWSER)
+    script, token = sessions.open("script", DRIVER, SessionKind.SCRIPT, parent=ann.id)
+    bob, other = sessions.open("Bob", VIEWER, SessionKind.BROWSER)
     assert sessions.revoke(ann.id)
     assert ended == [ann, script]
     assert ann.ended.is_set()
@@ -36,8 +36,8 @@ def test_revoking_ends_it_and_what_it_made_and_says_so() -> None:
 
 def test_a_session_that_nobody_uses_ends() -> None:
     clock = Clock()
-    sessions = Sessions(clock)
-    ann, secret = sessions.open("Ann", DRIVER, Kind.BROWSER)
+    sessions = LoginSessions(clock)
+    ann, secret = sessions.open("Ann", DRIVER, SessionKind.BROWSER)
     clock.now = IDLE - 1
     assert sessions.find(secret) is ann
     clock.now += IDLE - 1
@@ -48,11 +48,11 @@ def test_a_session_that_nobody_uses_ends() -> None:
 
 
 def test_names_are_unique() -> None:
-    sessions = Sessions(Clock())
-    names = [sessions.open("phone", VIEWER, Kind.BROWSER, others=["phone 2"])[0].name]
-    names += [sessions.open("phone", VIEWER, Kind.BROWSER, others=["phone 2"])[0].name]
+    sessions = LoginSessions(Clock())
+    names = [sessions.open("phone", VIEWER, SessionKind.BROWSER, others=["phone 2"])[0].name]
+    names += [sessions.open("phone", VIEWER, SessionKind.BROWSER, others=["phone 2"])[0].name]
     assert names == ["phone", "phone 3"]
-    assert sessions.open("", VIEWER, Kind.SCRIPT)[0].name == "script"
+    assert sessions.open("", VIEWER, SessionKind.SCRIPT)[0].name == "script"
 
 
 @pytest.mark.parametrize(
@@ -69,13 +69,13 @@ def test_names_are_short_and_printable(given: str, clean: str) -> None:
 
 
 def test_there_is_an_end_to_it() -> None:
-    sessions = Sessions(Clock())
+    sessions = LoginSessions(Clock())
     for _ in range(MOST):
-        sessions.open("a", VIEWER, Kind.BROWSER)
+        sessions.open("a", VIEWER, SessionKind.BROWSER)
     with pytest.raises(OverflowError, match="revoke"):
         sessions.make_room()
     with pytest.raises(OverflowError, match="revoke"):
-        sessions.open("a", VIEWER, Kind.BROWSER)
+        sessions.open("a", VIEWER, SessionKind.BROWSER)
 
 
 def test_drivers_may_do_what_viewers_may() -> None:

@@ -11,9 +11,9 @@ from pioneer3.mjpeg import END, Frame, Parser, part, stream_head
 from pioneer3.navigation.connect import connect_async
 from pioneer3.tasks import running
 from pioneer3.web import connections
-from pioneer3.web.access.sessions import Kind, Role
+from pioneer3.web.access.sessions import Role, SessionKind
 from pioneer3.web.page import Page
-from pioneer3.web.scene import Scene
+from pioneer3.web.scene import RobotScene
 from pioneer3.web.server import serve
 from tests.cameras import (
     FakeCamera,
@@ -70,7 +70,7 @@ async def test_a_stranger_sees_nothing(path: str) -> None:
 
 async def test_a_stream_ends_with_its_session() -> None:
     async with looking() as (the, camera):
-        session, secret = the.page.access.sessions.open("Vera", Role.VIEWER, Kind.SCRIPT)
+        session, secret = the.page.access.sessions.open("Vera", Role.VIEWER, SessionKind.SCRIPT)
         script = stranger(the.app).with_headers(authorization=f"Bearer {secret}")
         asked = asyncio.ensure_future(script.ask("GET", STREAM))
         await asyncio.sleep(1.05)
@@ -105,7 +105,7 @@ async def served(*scripts: CameraScript) -> AsyncIterator[tuple[FakeCamera, str,
         SimulatedRobot() as sim,
         connect_async(sim.open, camera=camera.url) as robot,
         serve(page, host="127.0.0.1", port=0) as at,
-        page.hosting(robot, Scene()),
+        page.hosting(robot, RobotScene()),
     ):
         yield camera, f"{at.http}{STREAM}", f"Host: {at.http.removeprefix('http://')}\r\n"
 

@@ -8,7 +8,7 @@ from math import hypot
 import pytest
 
 from pioneer3.geometry import Pose2
-from pioneer3.web.access.sessions import Kind, Role
+from pioneer3.web.access.sessions import Role, SessionKind
 from tests.unit.web.asking import Script, stranger
 from tests.unit.web.browser import Browser, Playground, playground, product
 
@@ -130,7 +130,7 @@ async def test_a_script_without_control_does_not_drive_but_may_ask() -> None:
 
 async def test_viewers_see_where_it_goes_and_ask_for_no_way() -> None:
     async with rooms() as (the, _):
-        _, token = the.page.access.sessions.open("survey", Role.VIEWER, Kind.SCRIPT)
+        _, token = the.page.access.sessions.open("survey", Role.VIEWER, SessionKind.SCRIPT)
         viewer = stranger(the.app).with_headers(authorization=f"Bearer {token}")
         told = (await viewer.ask("GET", f"{ROBOT}/navigation")).json
         assert (told["sure"], told["reason"]) == (False, "nobody has asked for a way yet")

@@ -9,11 +9,11 @@ import pytest
 from pioneer3.behaviors.modes import MODES
 from pioneer3.geometry import Pose2
 from pioneer3.tasks import running
-from pioneer3.web.access.sessions import Kind, Role
+from pioneer3.web.access.sessions import Role, SessionKind
 from pioneer3.web.api.operation import openapi
 from pioneer3.web.api.routes import LONGEST_BODY, OPERATIONS
 from pioneer3.web.control import KEPT
-from pioneer3.web.scene import Scene
+from pioneer3.web.scene import RobotScene
 from tests.support import STAYED
 from tests.unit.web.asking import Script, stranger
 from tests.unit.web.browser import Browser, Product, product
@@ -27,7 +27,7 @@ PATHS = [
 
 def script_of(the: Product, role: Role) -> Script:
     """Return a script on the network with a token."""
-    _, token = the.page.access.sessions.open("survey", role, Kind.SCRIPT)
+    _, token = the.page.access.sessions.open("survey", role, SessionKind.SCRIPT)
     return stranger(the.app).with_headers(authorization=f"Bearer {token}")
 
 
@@ -44,7 +44,7 @@ async def test_scripts_are_told_of_a_robot_as_pages_are() -> None:
 
 
 async def test_the_poses_of_a_snapshot_say_their_frames() -> None:
-    async with product(Scene(odom_in_map=Pose2(5.0, 1.0, pi / 2))) as the:
+    async with product(RobotScene(odom_in_map=Pose2(5.0, 1.0, pi / 2))) as the:
         snapshot = (await Script(the.app).ask("GET", f"{ROBOT}/snapshot")).json
         assert snapshot["robot_in_odom"] == {"x": 0.0, "y": 0.0, "theta": 0.0}
         assert snapshot["robot_in_map"] == {"x": 5.0, "y": 1.0, "theta": pi / 2}
