@@ -262,7 +262,7 @@ def test_history_forgets_what_is_old_and_breaks_lines_where_nothing_was_heard(
         const robot = { sonars: [{ theta: 0 }, { theta: 3 }], sonar_max: 5 };
         const one = (v) => ({
             twist: { v, w: 0 }, commanded: null, battery: { voltage: 12 },
-            sonar: { enabled: true, ranges: [2.5, 0.4] }, pose: { x: 1, y: 2, theta: 0 },
+            sonar: { enabled: true, ranges: [2.5, 0.4] }, robot_in_map: { x: 1, y: 2, theta: 0 },
         });
         for (let i = 0; i < 20000; i += 1) history.add(one(i), robot, i / 10);
         const kept = history.length;

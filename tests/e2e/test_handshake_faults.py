@@ -351,7 +351,7 @@ def hold_up(seconds: float) -> None:
     asyncio.get_running_loop()._autojump.now += seconds  # type: ignore[attr-defined]
 
 
-@pytest.mark.parametrize("event", ["Opened", "Configured", "Received"])
+@pytest.mark.parametrize("event", ["Opened", "Configured", "ReportReceived"])
 async def test_a_computer_that_is_busy_while_it_connects_loses_no_healthy_robot(
     event: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:

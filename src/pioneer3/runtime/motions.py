@@ -67,7 +67,7 @@ async def run_mode(mode: Stack, arbiter: Arbiter, snapshots: Snapshots, *, until
     try:
         await await_mode(mode, arbiter, snapshots, until=until)
     except MotionError as error:
-        raise MotionError(f"{mode.name}: {error}") from error
+        raise MotionError(f"{mode.name}: {error}") from error.__cause__
     finally:
         if arbiter.mode is mode:
             arbiter.end_mode("its time was over")

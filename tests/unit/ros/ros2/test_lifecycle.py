@@ -66,7 +66,7 @@ class Node:
 @pytest.mark.parametrize("distro", distros())
 def test_numbers_are_those_of_the_messages(distro: str) -> None:
     fields = MessageTypes(distro_of(distro)).fields
-    constants = {name: n for name, _, n in fields["lifecycle_msgs/msg/LifecycleState"][0]}
+    constants = {name: n for name, _, n in fields["lifecycle_msgs/msg/State"][0]}
     for state in LifecycleState:
         kind = "TRANSITION" if state >= 10 else "PRIMARY"
         assert constants[f"{kind}_STATE_{state.name}"] == state

@@ -49,7 +49,7 @@ def test_without_opengl_the_process_says_why_and_ends(monkeypatch: pytest.Monkey
     def missing() -> None:
         raise ImportError("no libEGL")
 
-    monkeypatch.setattr("pioneer3.sim.physics.renderer.Renderer", missing)
+    monkeypatch.setattr("pioneer3.sim.physics.renderer.SceneRenderer", missing)
     assert answers(ASKED) == [Failed("ImportError: no libEGL")]
 
 
@@ -68,7 +68,7 @@ def test_a_picture_that_cannot_be_is_refused_and_the_next_one_is_taken(
                 raise ValueError("no such camera")
             return b"jpeg"
 
-    monkeypatch.setattr("pioneer3.sim.physics.renderer.Renderer", Broken)
+    monkeypatch.setattr("pioneer3.sim.physics.renderer.SceneRenderer", Broken)
     said = answers(LOAD, ASKED, ASKED)[1:]
     assert said == [Failed("no such camera"), PictureRequest(b"jpeg")]
 
