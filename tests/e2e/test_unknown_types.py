@@ -270,7 +270,8 @@ async def test_commands_refuse_it_unless_they_are_told_what_it_is(file: Path) ->
         code, _, err = await pioneer3("move", "0.3", "--port", here.url)
         assert code == 1
         assert "--model FILE.p" in err
-        assert here.body.robot_in_world == begin
+        moved = begin.inverse() @ here.body.robot_in_world
+        assert (moved.x, moved.y, moved.theta) == pytest.approx((0, 0, 0), abs=1e-9)
         for model in (
             ("--port", here.url, "--model", str(file)),
             ("--robot", "a", "--fleet", str(fleet)),
