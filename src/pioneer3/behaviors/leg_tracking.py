@@ -50,7 +50,7 @@ STANDING_TIME = 2.0
 STAYING_WAY = 0.25
 """Way below which a track stays [m]."""
 MISSED_TIME = 1.0
-"""Time after which a person is given up who is not seen in plain sight [s]."""
+"""Time without plain sight after which a person is given up [s]."""
 HIDDEN_TIME = 3.0
 """Time after which a person is given up who is behind something, or outside the field of view [s].
 """

@@ -38,7 +38,7 @@ ONE_LEG = 0.5
 SURE = 0.3
 """Legs that have been seen for so long may be somebody's [s]: noise does not last."""
 WALKS_ON = 15
-"""Scans in turn in which somebody walks who comes before nearer things that have never walked."""
+"""Scans in turn of walking after which a person comes before nearer things that never walked."""
 
 
 class FollowedPerson(Protocol):

@@ -38,7 +38,7 @@ TURN_DRIFT_START = 0.06
 MOST_TURN_DRIFT = 0.35
 """Error of the heading beyond which is not searched [rad]."""
 SEEN_APART = 3.0
-"""Distance between what is seen from two places below which they are the same [m]."""
+"""Difference between the views from two places below which they are the same [m]."""
 SEARCHED_POINTS = 180
 """Points of a search, of all that there are."""
 SEARCH_SCORE = 0.4

@@ -34,11 +34,11 @@ LEGS_RANGE = 2.5
 ONE_PERSON = 0.3
 """Distance below which two things are one [m]: the legs of one person."""
 UNSEEN_TIME = 0.6
-"""Time after which somebody is forgotten who is not seen in plain sight [s]."""
+"""Time without plain sight after which a person is forgotten [s]."""
 KNOWN_TIMES = 10
-"""Sightings up to which somebody is forgotten at once."""
+"""Sightings up to which a lost person is forgotten at once."""
 BESIDE_RANGE = 1.0
-"""Range below which somebody who was seen is not forgotten so soon [m]."""
+"""Range within which people that were seen are remembered for longer [m]."""
 BELIEF_TIME = 15.0
 """Time for which somebody who looked like a person stays one [s]: two who stand together do not
 look so."""
