@@ -16,7 +16,6 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from pioneer3.errors import CommandError, MotionError, Refusal
 from pioneer3.geometry import Twist2
-from pioneer3.navigation.goals import GoalStatus
 from pioneer3.robot.limits import checked
 from pioneer3.web import group, requests
 from pioneer3.web.access.sessions import LoginSession, Role
@@ -317,10 +316,7 @@ class Client:
             case requests.StartMode(mode):
                 return view.control.start_mode(self, mode)
             case requests.EndMode():
-                refused = view.control.end_mode(self)
-                if refused is None:
-                    view.navigation.goals.end(GoalStatus.CANCELED, f"{self.name} ended it")
-                return refused
+                return view.end_mode(self)
             case requests.MakeMap():
                 return view.mapping.ask(self, request)
         if view.navigation.possible:

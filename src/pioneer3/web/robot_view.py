@@ -4,9 +4,11 @@ from collections.abc import Iterable
 from typing import Protocol
 
 from pioneer3.behaviors.action import Goal
+from pioneer3.errors import Refusal
 from pioneer3.geometry import Pose2, Twist2
 from pioneer3.limits import Limits
 from pioneer3.models import RobotModel
+from pioneer3.navigation.goals import GoalStatus
 from pioneer3.robot.explain import Reason
 from pioneer3.robot.supervisor import RobotInfo, kind
 from pioneer3.runtime.robot import Robot
@@ -100,6 +102,13 @@ class RobotView:
                 text = messages.encode(self.snapshot(snapshot, clients))
                 for audience in wanting:
                     audience.snapshots.put(self.number, text)
+
+    def end_mode(self, operator: Operator) -> Refusal | None:
+        """End the mode for an operator, and the goal, which may still wait for its way."""
+        if refused := self.control.end_mode(operator):
+            return refused
+        self.navigation.goals.end(GoalStatus.CANCELED, f"{operator.name} ended it")
+        return None
 
     def mode(self) -> messages.ModeState:
         """Return the running mode, and how the last one ended."""

@@ -123,7 +123,7 @@ def start_mode(request: ApiRequest, body: AnyMode) -> messages.ModeState | Error
 
 def end_mode(request: ApiRequest) -> messages.ModeState | ErrorResponse:
     """End the mode; its motion ends at once."""
-    return _refused(request.view.control.end_mode(request.caller)) or get_mode(request)
+    return _refused(request.view.end_mode(request.caller)) or get_mode(request)
 
 
 def list_group_modes(request: ApiRequest) -> list[ModeForm]:

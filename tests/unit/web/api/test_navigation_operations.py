@@ -8,6 +8,7 @@ from math import hypot
 import pytest
 
 from pioneer3.geometry import Pose2
+from pioneer3.navigation.goals import GoalStatus
 from pioneer3.web.access.sessions import Role, SessionKind
 from tests.unit.web.asking import Script, stranger
 from tests.unit.web.browser import Browser, Playground, playground, product
@@ -115,6 +116,36 @@ async def test_a_stop_while_the_way_is_planned_ends_the_request() -> None:
         await script.ask("POST", f"{ROBOT}/stop")
         planned.set()
         assert (await asked).status == 409
+        await asyncio.sleep(2.0)
+        assert where(the) == pytest.approx(BEGIN)
+
+
+async def test_a_goal_that_a_script_ends_is_canceled_on_its_way() -> None:
+    async with rooms() as (the, script):
+        await script.ask("POST", f"{ROBOT}/goto_place", {"name": "Kitchen"})
+        await asyncio.sleep(1.0)
+        goal = the.page.robot(1).navigation.goals.current
+        assert goal is not None
+        assert (await script.ask("DELETE", f"{ROBOT}/mode")).json["mode"] is None
+        await asyncio.sleep(1.0)
+        assert (goal.status, goal.text) == (GoalStatus.CANCELED, "this computer ended it")
+
+
+async def test_a_goal_that_a_script_ends_while_its_way_is_planned_never_sets_out() -> None:
+    async with rooms() as (the, script):
+        planned = asyncio.Event()
+
+        async def slowly(function: object, *arguments: object) -> object:
+            await planned.wait()
+            assert callable(function)
+            return function(*arguments)
+
+        the.page.robot(1).navigation.in_thread = slowly
+        asked = asyncio.ensure_future(script.ask("POST", f"{ROBOT}/goto_place", {"x": 2.5, "y": 0}))
+        await asyncio.sleep(1.0)
+        await script.ask("DELETE", f"{ROBOT}/mode")
+        planned.set()
+        assert (await asked).detail == "this computer ended it"
         await asyncio.sleep(2.0)
         assert where(the) == pytest.approx(BEGIN)
 
