@@ -31,6 +31,12 @@ from pioneer3.sim.realism import Realism
 from pioneer3.sim.world import World
 from pioneer3.sim.worldfile.spec import Physics
 
+DISTINCT = (
+    *("amigo-sh", "p2pb", "p3at", "p3at-sh", "p3dx", "p3dx-sh"),
+    *("peoplebot-sh", "pionat", "powerbot", "seekur"),
+)
+"""Models that stand for all: of each body, of old and new units, with few and many sonars."""
+
 PHYSICS = "PYTEST_PHYSICS"
 """Set in the environment by pytest's option `--physics`: commands simulate with MuJoCo, too."""
 TICK = 0.02

@@ -194,27 +194,26 @@ def mm(metres: float) -> str:
 
 def model_table() -> str:
     """Return the numbers in which the shipped models differ."""
-    rows: dict[str, Callable[[RobotModel], str]] = {
+    columns: dict[str, Callable[[RobotModel], str]] = {
+        "model": lambda model: model.name,
+        "robot": lambda model: model.title,
         "radius": lambda model: mm(model.radius),
         "width": lambda model: mm(model.width),
         "front, rear": lambda model: f"{mm(model.length_front)}, {mm(model.length_rear)}",
         "fastest": lambda model: mm(model.max_speed),
-        "fastest turn": lambda model: f"{degrees(model.max_turn_rate):g}",
+        "turn": lambda model: f"{degrees(model.max_turn_rate):g}",
         "wheel base": lambda model: mm(round(model.wheel_base, 3)),
-        "mm per unit of x and y": lambda model: mm(model.distance_factor),
+        "x, y": lambda model: mm(model.distance_factor),
+        "speed": lambda model: mm(model.speed_factor),
+        "range": lambda model: mm(model.range_factor),
         "sonars": lambda model: str(len(model.sonars)),
         "bumpers": lambda model: f"{model.front_bumpers}, {model.rear_bumpers}",
-        "table sensors": lambda model: str(len(model.table_irs)),
         "laser, at x": lambda model: (
-            f"{model.laser.kind}, {mm(model.laser.x)}" if model.laser else "none"
+            f"{model.laser.kind}, {mm(model.laser.x)}" if model.laser else ""
         ),
-        "asks for IO": lambda model: "yes" if model.request_io else "no",
     }
     models = [load_model(name) for name in model_names()]
-    return table(
-        ("", *(model.name for model in models)),
-        ((what, *(tell(model) for model in models)) for what, tell in rows.items()),
-    )
+    return table(tuple(columns), ((tell(model) for tell in columns.values()) for model in models))
 
 
 def sonar_table() -> str:

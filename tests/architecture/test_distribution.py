@@ -70,7 +70,7 @@ def files_of(folder: Path) -> set[str]:
 def test_the_wheel_holds_all_of_the_package_and_nothing_else(unpacked: Path) -> None:
     assert files_of(unpacked / "pioneer3") == files_of(ROOT / "src/pioneer3")
     assert len(list(unpacked.iterdir())) == 2
-    for pattern in ("web/static/index.html", "maps/office.map", "models/p3at-sh.toml"):
+    for pattern in ("web/static/index.html", "maps/office.map", "models/robots.toml"):
         assert [*(unpacked / "pioneer3").glob(pattern)], pattern
 
 

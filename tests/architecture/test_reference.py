@@ -23,7 +23,7 @@ HEADING = re.compile(r"^#{2,3} (\d+(?:\.\d+)?)\.? ", re.MULTILINE)
 PAGE = re.compile(r"[\w./-]*\w\.md\b")
 LINK = re.compile(r"\]\((?!https?:|mailto:|#)([^)#\s]+)")
 CODE = re.compile(r"```.*?```", re.DOTALL)
-ELSEWHERE = re.compile(r"user-needs|\.\./shared/|\bshared/(?!maps|captures)\w")
+ELSEWHERE = re.compile(r"user-needs|\.\./shared/|\bshared/(?!maps|captures|cases|robots.tsv)\w")
 
 
 def texts() -> Iterator[tuple[str, str]]:

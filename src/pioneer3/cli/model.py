@@ -17,14 +17,46 @@ if TYPE_CHECKING:
 
 model_app = App(
     name="model",
-    help="""Show a robot's body in numbers; write it for simulators and for RViz.
+    help="""List robot types; show a body in numbers, or write it for simulators and RViz.
 
+    Example: pioneer3 model list
     Example: pioneer3 model show p3at-sh
     Example: pioneer3 model export p3at-sh --format mjcf
     """,
     help_format="plaintext",
 )
 Format = Literal["urdf", "sdf", "mjcf", "bridge"]
+
+
+@model_app.command(name="list")
+def list_models(*, json: Flag = False) -> int:
+    """List the robot types that are known by name.
+
+    Example: pioneer3 model list
+
+    Args:
+        json: Print JSON for programs, nothing else.
+    """
+    from rich.table import Table
+
+    from pioneer3.cli.process import write_json
+    from pioneer3.cli.terminal import Terminal
+    from pioneer3.models import load_model, model_names
+
+    models = [load_model(name) for name in model_names()]
+    if json:
+        write_json([{"name": model.name, "title": model.title} for model in models], indent=2)
+        return 0
+    table = Table(box=None, pad_edge=False, padding=(0, 1, 0, 0), header_style="bold")
+    for heading in ("name", "robot", "size [m]", "m/s", "sonars", "laser"):
+        table.add_column(heading, no_wrap=True)
+    for model in models:
+        size = f"{model.length:.2f} x {model.width:.2f}"
+        laser = model.laser.kind if model.laser else ""
+        numbers = (f"{model.max_speed:g}", str(len(model.sonars)))
+        table.add_row(model.name, model.title, size, *numbers, laser)
+    Terminal().print(table)
+    return 0
 
 
 @model_app.command
@@ -34,7 +66,7 @@ def show(name: str, *, json: Flag = False) -> int:
     Example: pioneer3 model show p3dx-sh
 
     Args:
-        name: A shipped model (p3at-sh, p3dx-sh), or a .toml or ARIA .p file.
+        name: One of `pioneer3 model list`, or a .toml or ARIA .p file.
         json: Print JSON for programs, nothing else.
     """
     from pioneer3.cli.process import write_json
@@ -67,7 +99,7 @@ def export(
     Example: pioneer3 model export p3dx-sh --format mjcf
 
     Args:
-        name: A shipped model (p3at-sh, p3dx-sh), or a .toml or ARIA .p file.
+        name: One of `pioneer3 model list`, or a .toml or ARIA .p file.
         format_: Of the description.
         output: The new file; without it, the terminal.
         force: Write over a file that is there.

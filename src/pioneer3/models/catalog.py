@@ -2,14 +2,13 @@
 
 import re
 from collections.abc import Mapping
-from dataclasses import replace
 from difflib import get_close_matches
+from functools import cache
 from importlib.resources import files
 from math import radians
 from pathlib import Path
 from stat import S_ISDIR, S_ISREG
-from types import MappingProxyType
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from pioneer3.errors import ConfigError
 from pioneer3.models.aria import parse_aria
@@ -20,28 +19,17 @@ from pioneer3.models.model import (
     CAREFUL_TURN_BRAKING,
     START_ACCELERATION,
     START_TURN_ACCELERATION,
-    LaserMount,
     RobotModel,
     UnknownModel,
 )
 from pioneer3.names import printable
-from pioneer3.tables import Source, converted, load
+from pioneer3.tables import Source, converted, load, table_of
 from pioneer3.units import MM
 
-_LASERS: Mapping[str, LaserMount] = MappingProxyType(
-    {
-        "p3at-sh-lms1xx": LaserMount(kind="lms1XX", x=0.197, y=0.0, theta=0.0),
-        "p3at-sh-lms500": LaserMount(kind="lms5XX", x=0.125, y=0.0, theta=0.0),
-        "p3dx-sh-lms1xx": LaserMount(kind="lms1XX", x=0.055, y=0.0, theta=0.0),
-        "p3dx-sh-lms500": LaserMount(kind="lms5XX", x=0.021, y=0.0, theta=0.0),
-        "peoplebot-sh-lms1xx": LaserMount(kind="lms1XX", x=0.055, y=0.0, theta=0.0),
-        "peoplebot-sh-lms500": LaserMount(kind="lms5XX", x=0.021, y=0.0, theta=0.0),
-        "amigo-sh-tim3xx": LaserMount(kind="tim5XX", x=0.11, y=0.0, theta=0.0),
-    }
-)
-"""All that these parameter files change in the model they are named after (facts.md 6.3)."""
-
-_SUBTYPE = re.compile("[a-z0-9_-]+")
+LIKE = "like"
+"""Key of a model's file: the shipped model whose numbers count where it has none."""
+_SHIPPED = "robots.toml"
+_SUBTYPE = re.compile("[a-z0-9_+-]+")
 """A robot or the network tells it, and it becomes part of fleet files: never a path."""
 _SPEED = 0.75
 _TURN_RATE = radians(100)
@@ -50,25 +38,22 @@ _LARGEST_FILE = 1_000_000
 
 def model_names() -> tuple[str, ...]:
     """Return the names of the shipped models, sorted."""
-    entries = files(__package__).iterdir()
-    return tuple(sorted(e.name.removesuffix(".toml") for e in entries if e.name.endswith(".toml")))
+    return tuple(sorted(_shipped()[1]))
 
 
 def find_model(subtype: str) -> RobotModel | None:
     """Return the shipped model of the subtype that a robot reports, or `None` if there is none.
 
-    A name such as `p3at-sh-lms500`, a shipped one that ends in `-sh` and more, is that robot with
+    A name such as `p3at-sh-lidar`, a shipped one that ends in `-sh` and more, is that robot with
     another laser.
     """
     wanted = subtype.strip().lower()
     if not _SUBTYPE.fullmatch(wanted):
         return None
-    for name in model_names():
-        if wanted == name or (name.endswith("-sh") and wanted.startswith(f"{name}-")):
-            resource = files(__package__) / f"{name}.toml"
-            model = parse_model(resource.read_text(encoding="utf-8"), resource.name)
-            return replace(model, laser=_LASERS.get(wanted, model.laser))
-    return None
+    names = model_names()
+    kin = (name for name in names if name.endswith("-sh") and wanted.startswith(f"{name}-"))
+    name = wanted if wanted in names else next(kin, None)
+    return _shipped_model(name) if name else None
 
 
 def load_model(name_or_path: str | Path) -> RobotModel:
@@ -93,6 +78,8 @@ def load_model(name_or_path: str | Path) -> RobotModel:
 def parse_model(text: str, name: str) -> RobotModel:
     """Read the text of a model's TOML file: the fields of `RobotModel`, angles in degrees.
 
+    One that is `like` a shipped model needs only the fields that differ.
+
     Args:
         text: The whole file.
         name: Its name, for messages.
@@ -101,7 +88,12 @@ def parse_model(text: str, name: str) -> RobotModel:
         ConfigError: It is wrong; names file, line and key.
     """
     source = Source(name, text)
-    return converted(source, load(source), RobotModel)
+    table = load(source)
+    kin = table.pop(LIKE, None)
+    if kin is not None and not (isinstance(kin, str) and find_model(kin)):
+        raise source.wrong(LIKE, _no_such_model(str(kin)))
+    base = table_of(find_model(kin)) if kin is not None else {}
+    return converted(source, base | table, RobotModel)
 
 
 class Fallback(NamedTuple):
@@ -182,6 +174,22 @@ def generic_model(
     )
 
 
+@cache
+def _shipped() -> tuple[Source, Mapping[str, Mapping[str, Any]]]:
+    """Return the file of the shipped models, and their tables by their names."""
+    source = Source(_SHIPPED, files(__package__).joinpath(_SHIPPED).read_text(encoding="utf-8"))
+    tables: dict[str, Mapping[str, Any]] = {}
+    for name, own in load(source).items():
+        tables[name] = {**tables.get(own.pop(LIKE, ""), {}), "name": name, **own}
+    return source, tables
+
+
+@cache
+def _shipped_model(name: str) -> RobotModel:
+    source, tables = _shipped()
+    return converted(source, tables[name], RobotModel, name)
+
+
 def _printable(name: str) -> str:
     return "".join(filter(str.isprintable, name)) or "unknown"
 
@@ -212,10 +220,9 @@ def _shown(path: Path) -> str:
 
 
 def _no_such_model(wanted: str) -> str:
-    names = model_names()
-    close = get_close_matches(wanted.lower(), names, n=1)
-    hint = f", did you mean {close[0]}?" if close else ";"
+    close = get_close_matches(wanted.lower(), model_names(), n=1)
+    hint = f"did you mean {close[0]}?" if close else "known are p3at-sh, p3dx and others:"
     return (
-        f"{wanted!r}: no such robot model{hint} known are {', '.join(names)}, "
-        "and files that end in .toml or .p"
+        f"{wanted!r}: no such robot model, {hint} `pioneer3 model list` shows all; files end in"
+        " .toml or .p"
     )

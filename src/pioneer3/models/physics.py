@@ -6,7 +6,7 @@ from types import MappingProxyType
 from typing import Final, NamedTuple
 
 from pioneer3.models.model import RobotModel
-from pioneer3.models.shape import BodyShape, shape_of
+from pioneer3.models.shape import BodyShape, kin_of, shape_of
 from pioneer3.units import MM
 
 GUESS: Final = "assumption"
@@ -232,13 +232,12 @@ PEOPLEBOT: Final = BodyPhysics(
 BODIES: Final[Mapping[str, BodyPhysics]] = MappingProxyType(
     {"p3at": P3AT, "p3dx": P3DX, "amigo": AMIGO, "peoplebot": PEOPLEBOT}
 )
-"""By the first word of a model's name. None was measured on a robot."""
+"""By the name that :func:`.kin_of` gives. None was measured on a robot."""
 
 
 def physics_of(model: RobotModel) -> BodyPhysics:
     """Return the masses and motors of `model`; for an unknown one, of the most similar type."""
-    kin = P3AT if model.drive == "skid" else P3DX
-    return BODIES.get(model.name.partition("-")[0], kin)
+    return BODIES[kin_of(model)]
 
 
 def total_mass(model: RobotModel) -> float:

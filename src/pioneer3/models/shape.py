@@ -1,7 +1,7 @@
 """Heights, wheels and casters of a robot, which ARIA's flat files do not have."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Final
 
@@ -159,9 +159,19 @@ SHAPES: Final[Mapping[str, BodyShape]] = MappingProxyType(
     {"p3at": P3AT, "p3dx": P3DX, "amigo": AMIGO, "peoplebot": PEOPLEBOT}
 )
 """By the first word of a model's name."""
+PEOPLEBOTS: Final = ("p2pb", "p2pp", "perfpb", "perfpb+")
+"""First words of names that are PeopleBots, too."""
+
+
+def kin_of(model: RobotModel) -> str:
+    """Return the name in `SHAPES` that a model has, or the most similar type."""
+    word = model.name.partition("-")[0]
+    if word in PEOPLEBOTS:
+        return "peoplebot"
+    return word if word in SHAPES else "p3at" if model.drive == "skid" else "p3dx"
 
 
 def shape_of(model: RobotModel) -> BodyShape:
-    """Return the body of `model`; for an unknown one, that of the most similar type."""
-    kin = P3AT if model.drive == "skid" else P3DX
-    return SHAPES.get(model.name.partition("-")[0], kin)
+    """Return the body of `model`, or that of the most similar type; wheels stay below its shell."""
+    shape = SHAPES[kin_of(model)]
+    return replace(shape, track=min(shape.track, model.width - shape.wheel_width))

@@ -83,7 +83,7 @@ class Editor:
 
     async def _add_robot(self, model: str, pose: Pose2) -> SimulatedRobot:
         if model not in model_names():  # a page reads no files
-            raise CommandError(f"{model[:40]}: no such model; there are {', '.join(model_names())}")
+            raise CommandError(f"{model[:40]}: no such model; `pioneer3 model list` shows all")
         if not self._simulation.has_room(load_model(model), pose):
             raise CommandError(
                 f"{model}: something stands at {pose.x:.2f} {pose.y:.2f}; choose another place"

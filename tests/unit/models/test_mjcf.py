@@ -5,12 +5,13 @@ from xml.etree import ElementTree as ET
 
 import pytest
 
-from pioneer3.models import RobotModel, load_model, model_names, physics_of, shape_of, total_mass
+from pioneer3.models import RobotModel, load_model, physics_of, shape_of, total_mass
 from pioneer3.models.description.mjcf import SIDES, mjcf_of
 from pioneer3.models.description.tree import wheel_joint_names
+from tests.support import DISTINCT
 from tests.unit.models.mujoco_robot import Drive, mujoco
 
-EVERY = [load_model(name) for name in model_names()]
+EVERY = [load_model(name) for name in DISTINCT]
 TYPES = [load_model(name) for name in ("p3at-sh", "p3dx-sh", "amigo-sh", "peoplebot-sh")]
 P3AT, P3DX = TYPES[:2]
 

@@ -1,7 +1,7 @@
 """TOML model files: what is wrong is named by file and key."""
 
 import re
-from importlib.resources import files
+from dataclasses import replace
 from math import pi, radians
 from pathlib import Path
 
@@ -13,7 +13,7 @@ from pioneer3.errors import ConfigError
 from pioneer3.models import RobotModel, load_model
 from pioneer3.models.catalog import parse_model
 
-SHIPPED = files("pioneer3.models").joinpath("p3at-sh.toml").read_text(encoding="utf-8")
+SHIPPED = Path(__file__).with_name("full.toml").read_text(encoding="utf-8")
 MINIMAL = """
 name = "lab"
 title = "Lab robot"
@@ -39,6 +39,23 @@ def test_what_every_modern_robot_shares_may_be_left_out() -> None:
     assert (model.radius, model.max_turn_rate) == (1.0, radians(90))
     assert (model.heading_factor, model.vel2_unit) == (2 * pi / 4096, 0.02)
     assert (model.sonars, model.laser, model.drive) == ((), None, "differential")
+
+
+def test_a_file_that_is_like_a_shipped_model_says_what_differs() -> None:
+    model = parse_model(
+        'like = "p2at"\nmax_speed = 0.5\n[laser]\nkind = "tim5XX"\nx = 0.2\ny = 0\ntheta_deg = 0',
+        "my.toml",
+    )
+    assert model.laser is not None
+    assert (model.max_speed, model.laser.x) == (0.5, 0.2)
+    assert replace(model, max_speed=1.2, laser=None) == load_model("p2at")
+
+
+@pytest.mark.parametrize("kin", ['"p2att"', "7", '"../p2at"'])
+def test_a_file_that_is_like_nothing_known_is_refused(kin: str) -> None:
+    told = str(outcome(f"width = 0.5\nlike = {kin}"))
+    assert told.startswith("my.toml:2: like: ")
+    assert "no such robot model" in told
 
 
 def test_a_backward_sonar_is_wrapped_like_every_angle() -> None:

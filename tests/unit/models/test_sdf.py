@@ -7,7 +7,7 @@ from xml.etree import ElementTree as ET
 import pytest
 import yaml
 
-from pioneer3.models import RobotModel, load_model, model_names, physics_of, shape_of, total_mass
+from pioneer3.models import RobotModel, load_model, physics_of, shape_of, total_mass
 from pioneer3.models.description import gazebo
 from pioneer3.models.description.gazebo import bridge_of, exchanges_of
 from pioneer3.models.description.sdf import SONAR_FAR, SONAR_NEAR, sdf_of
@@ -15,8 +15,9 @@ from pioneer3.models.description.tree import Frames, body_tree
 from pioneer3.ros.messages.update import Beam
 from pioneer3.ros.node.names import Profile
 from pioneer3.ros.node.topics import topics_of
+from tests.support import DISTINCT
 
-EVERY = [load_model(name) for name in model_names()]
+EVERY = [load_model(name) for name in DISTINCT]
 P3AT, P3DX, PEOPLEBOT = (load_model(name) for name in ("p3at-sh", "p3dx-sh", "peoplebot-sh"))
 KNOWN = {
     ("gz-sim-diff-drive-system", "gz::sim::systems::DiffDrive"): {

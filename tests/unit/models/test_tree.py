@@ -13,7 +13,6 @@ from pioneer3.models import (
     RobotModel,
     generic_model,
     load_model,
-    model_names,
     physics_of,
     shape_of,
     total_mass,
@@ -31,9 +30,10 @@ from pioneer3.models.description.urdf import describe
 from pioneer3.ros.installation import MODELS
 from pioneer3.ros.messages import motion
 from pioneer3.ros.messages.update import MessageOptions
+from tests.support import DISTINCT
 from tests.unit.ros.support import P3AT, Blank, seen, update
 
-EVERY = [load_model(name) for name in model_names()]
+EVERY = [load_model(name) for name in DISTINCT]
 UNKNOWN = generic_model("p9", max_speed=inf, max_turn_rate=0.0)
 
 

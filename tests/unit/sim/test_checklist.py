@@ -23,12 +23,12 @@ from pioneer3.arcos.reports import (
     SyncEcho,
     SyncIdentity,
 )
-from pioneer3.models import load_model, model_names
+from pioneer3.models import load_model
 from pioneer3.sim.equipment import Equipment
-from tests.support import frame, wall_at
+from tests.support import DISTINCT, frame, wall_at
 from tests.unit.sim.bench import ON, SYNCS, Bench
 
-EVERY_MODEL = model_names()
+EVERY_MODEL = DISTINCT
 LASER_SETUP = (
     commands.OldLaserStart(radians(-90)),
     commands.OldLaserEnd(radians(90)),

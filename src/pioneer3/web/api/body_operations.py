@@ -18,7 +18,7 @@ def get_body(request: ApiRequest) -> types.RobotBody | ErrorResponse:
     model = _model(request.page, name)
     if model is None:
         return ErrorResponse(
-            404, f"there is no model {name[:40]!r}; there are {', '.join(model_names())}"
+            404, f"there is no model {name[:40]!r}; `pioneer3 model list` shows all"
         )
     return body_of(model)
 

@@ -40,5 +40,5 @@ async def test_an_unknown_model_is_refused_and_a_stranger_gets_none() -> None:
     async with product() as the:
         answer = await Script(the.app).ask("GET", "/api/models/p4at")
         assert answer.status == 404
-        assert "p3at-sh" in answer.detail
+        assert "pioneer3 model list" in answer.detail
         assert (await stranger(the.app).ask("GET", "/api/models/p3at-sh")).status == 401
