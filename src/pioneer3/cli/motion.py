@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from pioneer3.runtime.robot import Robot
 
 TURN_RATE = radians(45)
-MOVES = "The robot MOVES: stand by its stop button. Space stops it, k is the emergency stop."
+MOVES = "The robot MOVES: stand by its stop button. Any key stops it, k is the emergency stop."
 WIDTH = 78
 """Width of a help's paragraphs [characters]."""
 
@@ -45,7 +45,7 @@ def move(
     """Drive straight ahead, or backwards, and stop.
 
     The robot MOVES, and looks out for nothing but its bumpers: see that the way
-    is free. Space stops it, k is the emergency stop.
+    is free. Any key stops it, k is the emergency stop.
 
     Example: pioneer3 move -0.5 --speed 0.2
 
@@ -76,7 +76,7 @@ def turn(
 ) -> int:
     """Turn on the spot and stop.
 
-    The robot MOVES: see that its corners are free. Space stops it, k is the
+    The robot MOVES: see that its corners are free. Any key stops it, k is the
     emergency stop.
 
     Example: pioneer3 turn -90

@@ -40,7 +40,7 @@ def patrol(
     It stands 3 s at each place. A place that no way leads to is left out until the
     next round.
 
-    The robot MOVES: stand by its stop button. Space stops it, k is the emergency
+    The robot MOVES: stand by its stop button. Any key stops it, k is the emergency
     stop.
 
     Example: pioneer3 patrol Lab Kitchen home --map office --rounds 3

@@ -65,6 +65,8 @@ def destination_of(text: str, line_map: "LineMap", command: str) -> "Destination
 async def require_place(navigator: "Navigator", command: str, *, looks: bool) -> None:
     """Wait until it is sure where the robot is; have it look around first if it `looks`.
 
+    A goal waits for the same, but knows no options to advise.
+
     Raises:
         MotionError: It is not sure; says how to tell.
     """

@@ -92,6 +92,13 @@ class MotionRequest:
 class Pilot:
     """Decides the motion of one robot, over all sessions with it.
 
+    Four things tell why a command does not count:
+
+    * `refusal`: nothing may drive a robot of this type; set with each session.
+    * `forbidden`: the emergency stop is latched, or there is a `refusal`; no command counts.
+    * `last_stop.told`: the command began before the last stop; a fresh one counts.
+    * `blocked`: why people have to ask anew, until a command counts; in words only.
+
     Attributes:
         deadline: Time of the next call of :meth:`tick` [s, monotonic, as every `now`].
         limits: Bounds of the present robot, or `None` before the first session.
@@ -99,8 +106,6 @@ class Pilot:
         auto_enable: Whether a command switches the motors on.
         last_stop: A command must have begun after this stop.
         drove: Whether a command of this session may have moved the robot.
-        refusal: The reason that nothing may drive the present robot, or `None`.
-        blocked: The reason to ignore velocity commands until a fresh one, or `None`.
         sent: The last twist sent [m/s, rad/s]; `None` while raw commands drive the robot.
     """
 

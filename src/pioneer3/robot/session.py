@@ -72,8 +72,8 @@ class Session:
         timing: Timeouts of the host.
 
     Attributes:
-        taken: Whether another program drives the robot, and this one watches, as over a bridge:
-            its motors have had power since the beginning, though this session switched them off.
+        taken: True while the motors have had power in every report since the session began, though
+            it switched them off: another program drives, as over a bridge, and this one watches.
     """
 
     def __init__(

@@ -5,7 +5,7 @@ module     contents
 =========  =======================================================================================
 connect    connecting, and every way of leaving
 robot      `Robot`, as programs see it
-driven     the interface of a robot that can be driven, at a cable or behind topics
+driven     the commands and snapshots of a robot that programs get, at a cable or over topics
 arbiter    asks all actions, sends one velocity command, tells the reason to stand still
 motions    moves, turns and modes that are waited for
 signals    signals end a program, and stop its robot

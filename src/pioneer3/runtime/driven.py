@@ -1,4 +1,4 @@
-"""The interface of a robot that can be driven, at a cable or on the other side of topics."""
+"""The commands and snapshots of a robot that programs get, at a cable or over topics."""
 
 import asyncio
 from collections.abc import AsyncIterator
@@ -18,7 +18,7 @@ LOST_AFTER = 2.5
 
 
 class Driven(Protocol):
-    """A robot with an arbiter, as programs, keyboards, modes and live displays use it."""
+    """A robot and its arbiter: the commands of programs, keyboards, modes and live displays."""
 
     arbiter: Arbiter
 

@@ -33,7 +33,7 @@ class Robot(Driven):
     Attributes:
         lasers: The laser range finders at the computer, each on a link of its own; without any,
             that of a simulator, in the robot's own stream.
-        navigator: Knows where it is on a map; `None` without a map.
+        navigator: Knows where it is on a map; `None` without a map, and where a page makes its own.
     """
 
     def __init__(

@@ -4,12 +4,12 @@
 module              contents
 ==================  ================================================================================
 start               the part of a node's start that is the same on every middleware
-node                a robot as a ROS node, over any middleware; `ros1` runs it on rospy
+node                a robot as a ROS node, over any middleware
 commands            commands from topics to the robot
 command_order       order of commands from several publishers, and from one after a silence. Pure
 services            the table of services, and their work
 navigation          the navigation of a node: publishes map, place and way; takes starts and goals
-goals               carries out goals from topics, one at a time
+goals               passes goals from topics on to the goal server, and tells of them
 goal_list           the goals of one action server, by the rules of actionlib's protocol
 navigation_topics   the table of topics of a node that has a map
 laser_node          a laser range finder as a ROS node
