@@ -44,7 +44,7 @@ def goto(
     the wheels, which drift; it drives straight, slows down and turns aside for
     obstacles.
 
-    The robot MOVES: stand by its stop button. Space stops it, k is the emergency
+    The robot MOVES: stand by its stop button. Any key stops it, k is the emergency
     stop.
 
     Example: pioneer3 goto kitchen --map office
@@ -105,6 +105,6 @@ async def _along_a_way(
 
     navigator = robot.navigator
     assert navigator is not None
-    goal = find_place(navigator.line_map, name) if numbers is None else Destination(**numbers)  # type: ignore[arg-type]
-    await require_place(navigator, f"goto {goal}", looks=looks)
-    await navigator.goto(goal, speed)
+    there = find_place(navigator.line_map, name) if numbers is None else Destination(**numbers)  # type: ignore[arg-type]
+    await require_place(navigator, f"goto {there}", looks=looks)
+    await navigator.goto(there, speed)

@@ -113,7 +113,7 @@ async def _confirmed(driven: Driven, *, emergency: bool) -> None:
         async for snapshot in driven.snapshots(patience=inf):
             if snapshot.stamp <= told:
                 continue
-            if not _stands(snapshot) or (emergency and not driven.supervisor.held):
+            if not _stands(snapshot) or (emergency and not driven.supervisor.without_power):
                 since = inf
             elif snapshot.stamp - (since := min(since, snapshot.stamp)) >= HELD:
                 return
@@ -133,7 +133,11 @@ def _trouble(driven: Driven, *, emergency: bool) -> str:
         return str(driven.why_not_moving() or "")
     if not _stands(snapshot):
         return "It moves: does another program drive it?"
-    return "" if driven.supervisor.held or not emergency else "Its emergency stop is not latched"
+    return (
+        ""
+        if driven.supervisor.without_power or not emergency
+        else "Its emergency stop is not latched"
+    )
 
 
 def _stands(snapshot: Snapshot) -> bool:

@@ -46,7 +46,7 @@ class Drive:
         aside: Whether it lets others pass, at a place beside their ways.
     """
 
-    goals: tuple[Destination, ...]
+    places: tuple[Destination, ...]
     legs: float
     action: FollowWay
     mode: Stack
@@ -60,9 +60,9 @@ class Drive:
     aside: bool = False
 
     @property
-    def goal(self) -> Destination:
+    def place(self) -> Destination:
         """The present place."""
-        return self.goals[self.at]
+        return self.places[self.at]
 
     @property
     def is_last(self) -> bool:
@@ -71,7 +71,7 @@ class Drive:
 
     def go_on(self) -> None:
         """Take the next place."""
-        self.at, self.legs = (self.at + 1) % len(self.goals), self.legs - 1
+        self.at, self.legs = (self.at + 1) % len(self.places), self.legs - 1
         self.closed_since = self.arrived = None
 
 
@@ -187,8 +187,8 @@ class Drives:
         place = await self._in_thread(passing_place, seen, mine, others)
         if place is not None:
             drive.aside, drive.action.waits = True, ""
-            goal = Destination(x=place.x, y=place.y)
-            drive.action.send_on(self._follower(goal, place), last=False)
+            beside = Destination(x=place.x, y=place.y)
+            drive.action.send_on(self._follower(beside, place), last=False)
 
     def _braking_distance(self) -> float:
         snapshot = self.robot.snapshot
@@ -201,7 +201,7 @@ class Drives:
         here = self._localization.estimate.robot_in_map
         if drive.action.held_up(now) > settings.held_up and not people and here is not None:
             self.ways.avoid(drive.way, here)
-        way = await self.plan(drive.goal)
+        way = await self.plan(drive.place)
         if isinstance(way, Way):
             drive.action.follower.cost_to_go, drive.way = way.cost_to_go, way
             drive.closed_since = None
@@ -229,52 +229,52 @@ class Drives:
             await self._begin_leg(drive)
 
     async def _begin_leg(self, drive: Drive) -> None:
-        way = await self.plan(drive.goal)
+        way = await self.plan(drive.place)
         if isinstance(way, Way):
             drive.way = way
-            follower = self._follower(drive.goal, way.cost_to_go)
+            follower = self._follower(drive.place, way.cost_to_go)
             drive.action.send_on(follower, last=drive.is_last)
         else:
             await self._skip(drive, way)
 
     async def _skip(self, drive: Drive, no_way: NoWay) -> None:
         """Leave out a place that no way leads to; give up if there is none to any."""
-        log.warning("leaves out %s: %s", drive.goal, no_way.why)
+        log.warning("leaves out %s: %s", drive.place, no_way.why)
         drive.skipped += 1
-        if drive.is_last or drive.skipped >= len(drive.goals):
+        if drive.is_last or drive.skipped >= len(drive.places):
             drive.action.failed = no_way.why
             return
         drive.go_on()
         await self._begin_leg(drive)
 
-    async def plan(self, goal: Destination, start: Pose2 | None = None) -> Way | NoWay:
+    async def plan(self, place: Destination, start: Pose2 | None = None) -> Way | NoWay:
         """Return a way from `start`, or where the robot is, around all that it has seen."""
         estimate = self._localization.estimate
         here = start or (estimate.robot_in_map if estimate.sure else None)
         if here is None:
             return NoWay(f"it is not sure where the robot is: {estimate.reason}")
         stay = [other.body for other in self._traffic.others(self) if not len(other.way)]
-        return await self.ways.to(goal, here, np.concatenate([NOWHERE, *stay]))
+        return await self.ways.to(place, here, np.concatenate([NOWHERE, *stay]))
 
-    def _follower(self, goal: Destination, cost_to_go: CostToGo) -> Follower:
-        info, where = self.robot.info, (goal.x, goal.y, goal.heading)
+    def _follower(self, place: Destination, cost_to_go: CostToGo) -> Follower:
+        info, where = self.robot.info, (place.x, place.y, place.heading)
         return Follower(info.model, info.limits, where, cost_to_go)
 
     def begin(
-        self, goals: tuple[Destination, ...], way: Way, speed: float | None, rounds: float
+        self, places: tuple[Destination, ...], way: Way, speed: float | None, rounds: float
     ) -> Stack:
-        """Return the mode that drives along `way` to the first of `goals`, then to the others.
+        """Begin a drive along `way`, to one place after the other; return its mode.
 
         Args:
-            goals: The places, in their order.
+            places: In their order.
             way: To the first.
             speed: At most [m/s].
             rounds: How often it is driven to all.
         """
         limits = self.robot.info.limits
-        legs = rounds * len(goals)
+        legs = rounds * len(places)
         action = FollowWay(
-            follower=self._follower(goals[0], way.cost_to_go),
+            follower=self._follower(places[0], way.cost_to_go),
             odom_in_map=lambda: self._localization.odom_in_map,
             unsure=self._unsure,
             sightings=self._sightings,
@@ -283,8 +283,8 @@ class Drives:
             top_speed=min(speed or limits.max_speed, limits.max_speed),
             last=legs <= 1,
         )
-        mode = follow_way(action, *PATROL) if len(goals) > 1 else follow_way(action)
-        self.present = Drive(goals, legs, action, mode, way, self._clock())
+        mode = follow_way(action, *PATROL) if len(places) > 1 else follow_way(action)
+        self.present = Drive(places, legs, action, mode, way, self._clock())
         return mode
 
     def _unsure(self) -> str | None:

@@ -113,19 +113,19 @@ class Planning(Protocol):
     async def find(self) -> bool:
         """Wait until it is sure where the robot is; return whether."""
 
-    async def plan(self, goal: Destination) -> "Way | NoWay":
+    async def plan(self, place: Destination) -> "Way | NoWay":
         """Return a way from where the robot is."""
 
-    def mode(
+    def begin_drive(
         self,
-        goal: Destination,
+        place: Destination,
         way: "Way",
         speed: float | None = None,
         *,
         after: Sequence[Destination] = (),
         rounds: float = 1,
     ) -> Stack:
-        """Return the mode that drives along a way."""
+        """Begin a drive along a way; return its mode, to start at once."""
 
     def looking_around(self) -> Stack:
         """Return the mode that finds out where the robot is."""
@@ -268,7 +268,7 @@ class GoalServer:
             return None
         places = None
         with suppress(MotionError):  # only a robot that knows where it is can tell
-            places = goal.places()
+            places = goal.places()  # at once: a wrong one fails, one in its frame moves with it
         await navigator.find()  # planning gives the reason if it is not sure
         return places or goal.places()
 
@@ -281,7 +281,8 @@ class GoalServer:
 
         first, *rest = places
         goal.found = found = await navigator.plan(first)
-        mode = navigator.mode(first, to_drive(found), goal.speed, after=rest, rounds=goal.rounds)
+        way = to_drive(found)
+        mode = navigator.begin_drive(first, way, goal.speed, after=rest, rounds=goal.rounds)
         return mode, f"{found.why}; it waits before it" if isinstance(found, NoWay) else ""
 
     async def _run(self, goal: NavigationGoal, mode: Stack, text: str) -> None:

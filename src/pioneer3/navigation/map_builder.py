@@ -290,7 +290,7 @@ class MapBuilder:
             trip.exploration.give_up("")
         elif leg is not None and leg.failed:
             trip.exploration.give_up(leg.failed)
-        elif arbiter.driver not in {None, trip.action.name}:
+        elif arbiter.driving_action not in {None, trip.action.name}:
             trip.exploration.wait(now)
         seen = self._sightings.points(now) if self._sightings is not None else None
         costs: CostMap = await self._in_thread(

@@ -69,7 +69,8 @@ class Navigator:
         line_map: The map.
         state: Published with each snapshot.
         costs: The same.
-        goals: Carries out the goals of programs, of the command line and of ROS.
+        goals: Carries out the goals of programs, of the command line and of ROS; a robot of the
+            page has a server that outlives its navigators (:mod:`pioneer3.web.navigation`).
     """
 
     def __init__(
@@ -178,32 +179,32 @@ class Navigator:
         self.state.publish(
             NavigatorState(
                 estimate=estimate,
-                goal=drive.goal if drive else None,
+                goal=drive.place if drive else None,
                 way=drive.way if drive else None,
                 top_speed=drive.action.top_speed if drive else 0.0,
                 problem=self._drives.problem,
             )
         )
 
-    async def plan(self, goal: Destination, start: Pose2 | None = None) -> Way | NoWay:
+    async def plan(self, place: Destination, start: Pose2 | None = None) -> Way | NoWay:
         """Return a way from `start`, or where the robot is, around all that it has seen."""
-        return await self._drives.plan(goal, start)
+        return await self._drives.plan(place, start)
 
-    def mode(
+    def begin_drive(
         self,
-        goal: Destination,
+        place: Destination,
         way: Way,
         speed: float | None = None,
         *,
         after: Sequence[Destination] = (),
         rounds: float = 1,
     ) -> Stack:
-        """Return the mode that drives along `way`, at `speed` [m/s] at most.
+        """Begin a drive along `way`, at `speed` [m/s] at most; return its mode, to start at once.
 
-        If there are places to go to `after` that, it is a patrol: it begins anew after the last
-        place, until it has been driven for so many `rounds`.
+        The drive ends with any other mode. If there are places to go to `after` that, it is a
+        patrol: it begins anew after the last place, until it has been driven for so many `rounds`.
         """
-        return self._drives.begin((goal, *after), way, speed, rounds)
+        return self._drives.begin((place, *after), way, speed, rounds)
 
     async def find(self, patience: float = FIND_PATIENCE) -> bool:
         """Wait for up to `patience` [s] until it is sure where the robot is; return whether."""
@@ -221,18 +222,18 @@ class Navigator:
         """
         await self._carry_out("look around", NavigationGoal(places=None))
 
-    async def goto(self, goal: Destination | str, speed: float | None = None) -> None:
+    async def goto(self, place: Destination | str, speed: float | None = None) -> None:
         """Drive to a place, or to the one of the map with this name.
 
         Raises:
             ConfigError: The map has no such place.
             MotionError: There is no way, or the robot did not get there; see the message.
         """
-        there = find_place(self.line_map, goal) if isinstance(goal, str) else goal
+        there = find_place(self.line_map, place) if isinstance(place, str) else place
         await self._carry_out(f"goto {there}", NavigationGoal(places=lambda: (there,), speed=speed))
 
     async def patrol(
-        self, goals: Sequence[Destination], speed: float | None = None, rounds: float = inf
+        self, places: Sequence[Destination], speed: float | None = None, rounds: float = inf
     ) -> None:
         """Drive from place to place, and begin anew after the last one, for so many `rounds`.
 
@@ -241,7 +242,7 @@ class Navigator:
         Raises:
             MotionError: There is no way to any, or the robot was stopped; see the message.
         """
-        goal = NavigationGoal(places=lambda: goals, speed=speed, rounds=rounds)
+        goal = NavigationGoal(places=lambda: places, speed=speed, rounds=rounds)
         await self._carry_out("patrol", goal)
 
     async def _carry_out(self, title: str, goal: NavigationGoal) -> None:

@@ -77,11 +77,11 @@ class Ways:
         log.info("keeps out of (%.1f, %.1f): it does not get through there", x, y)
         self._avoided.append((x, y, now))
 
-    async def to(self, goal: Destination, here: Pose2, robots: Float) -> Way | NoWay:
+    async def to(self, place: Destination, here: Pose2, robots: Float) -> Way | NoWay:
         """Return a way around all that was seen.
 
         Args:
-            goal: Where to.
+            place: Where to.
             here: Where from.
             robots: Outlines of other robots that stay where they are [m], shape (N, 2).
         """
@@ -101,21 +101,21 @@ class Ways:
             if number and len(obstacles) == len(tries[number - 1]):
                 continue  # the same once more
             around = self._costs.with_obstacles(obstacles).with_lines(self._sightings.lines(now))
-            way = await self._in_thread(plan, around, (here.x, here.y), (goal.x, goal.y))
+            way = await self._in_thread(plan, around, (here.x, here.y), (place.x, place.y))
             if isinstance(way, Way):
                 return way
         if not len(seen):
             return way
-        free = await self._in_thread(plan, self._costs, (here.x, here.y), (goal.x, goal.y))
-        return self._closed(free, goal) if isinstance(free, Way) else free
+        free = await self._in_thread(plan, self._costs, (here.x, here.y), (place.x, place.y))
+        return self._closed(free, place) if isinstance(free, Way) else free
 
-    def _closed(self, way: Way, goal: Destination) -> NoWay:
+    def _closed(self, way: Way, place: Destination) -> NoWay:
         """Return the reason that a way of the map cannot be driven: where, and when it was seen."""
         now, needed = self._clock(), self._costs.needed
         for x, y in way.points.tolist():
             seen = self._sightings.seen_at(x, y, needed)
             if seen is not None:
-                left = hypot(goal.x - x, goal.y - y)
-                words = f"the way to {goal} is closed {left:.1f} m from it, at ({x:.1f}, {y:.1f})"
+                left = hypot(place.x - x, place.y - y)
+                words = f"the way to {place} is closed {left:.1f} m from it, at ({x:.1f}, {y:.1f})"
                 return NoWay(f"{words}: seen {max(0.0, now - seen):.0f} s ago", (x, y), way)
-        return NoWay(f"things in the way leave none to {goal}", free=way)
+        return NoWay(f"things in the way leave none to {place}", free=way)

@@ -164,8 +164,8 @@ class Supervisor:
         return self._snapshot
 
     @property
-    def held(self) -> bool:
-        """Whether its motors have no power, without which it does not drive."""
+    def without_power(self) -> bool:
+        """Whether the robot reports that its motors have no power, as after an emergency stop."""
         return self._snapshot is not None and not self._snapshot.motors.enabled
 
     @property

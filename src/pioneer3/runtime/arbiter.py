@@ -42,7 +42,7 @@ log = logging.getLogger(__name__)
 
 
 class Drivable(Protocol):
-    """A robot that an arbiter drives, at a cable or on the other side of topics.
+    """The part of a robot that an arbiter drives it by, at a cable or over topics.
 
     Attributes:
         pilot: Keeps the rules: limits, expiry, fresh commands.
@@ -63,8 +63,8 @@ class Drivable(Protocol):
         """The latest snapshot, or `None` without a connection."""
 
     @property
-    def held(self) -> bool:
-        """Whether the robot reports that an emergency stop holds it, and has no power."""
+    def without_power(self) -> bool:
+        """Whether the robot reports that its motors have no power, as after an emergency stop."""
 
     @property
     def taken(self) -> bool:
@@ -139,7 +139,7 @@ class Arbiter:
         self._remark = remark
         self._remarked: str | None = None
         self._parts: list[_Part] = []
-        self._decided_after = self.last_stop
+        self._stop_before_decision = self.last_stop
         self._memory: RangeMemory | None = None
         self._progress = ProgressChecker()
         self._lacks_since = inf
@@ -150,7 +150,7 @@ class Arbiter:
         supervisor.snapshot_taken = self._take
 
     @property
-    def driver(self) -> str | None:
+    def driving_action(self) -> str | None:
         """Name of the action that drives, or `None`."""
         if self._clock() >= self.decision.until:
             return None
@@ -201,7 +201,7 @@ class Arbiter:
             self.decide()
             return Refusal(why_it_ends)
         if decision.wanted:
-            self._decided_after = situation.last_stop
+            self._stop_before_decision = situation.last_stop
             command = VelocityCommand(
                 decision.twist,
                 decision.until,
@@ -210,8 +210,9 @@ class Arbiter:
                 accelerations=_accelerations(decision, situation.limits),
             )
             return self._supervisor.drive(command)
-        stopped, self._decided_after = self._decided_after, situation.last_stop
-        if stopped == self._decided_after and before.wanted and situation.now < before.until:
+        stopped = situation.last_stop != self._stop_before_decision
+        self._stop_before_decision = situation.last_stop
+        if before.wanted and situation.now < before.until and not stopped:
             return self._stand()  # somebody let go; the pilot itself ends what expires
         return None
 
@@ -300,7 +301,7 @@ class Arbiter:
         held.release()
         self.decide()
         if not self.decision.wanted:
-            self._stand()
+            self._stand()  # even if nothing drove: to let go answers the stop before
 
     def stop(self, by: Hold | None = None, *, why: str = STOPPED) -> None:
         """End every command and stand still; other holds count again only after a release.

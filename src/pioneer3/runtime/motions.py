@@ -48,7 +48,7 @@ async def carry_out(
                     return
                 _check(action, arbiter, supervisor)
                 stuck = arbiter.why_not_moving()
-                if stuck is None or arbiter.driver != action.name:
+                if stuck is None or arbiter.driving_action != action.name:
                     moved_at = clock()
                 elif clock() - moved_at >= STUCK_PATIENCE:
                     raise MotionError(f"{action.name}: {stuck}")

@@ -195,9 +195,9 @@ class Control:
         """The operator who has control, or `None`."""
         return self._starter() or self._lease.holder(self._clock())
 
-    def driver(self) -> Operator | str | None:
-        """Return the operator who drives, or the name of the action that does, or `None`."""
-        name = self._robot.arbiter.driver
+    def who_drives(self) -> Operator | str | None:
+        """Return the operator who drives, or the name of another driving action, or `None`."""
+        name = self._robot.arbiter.driving_action
         if name in self._inputs.names:
             return self.holder
         if self._mode and name in {ranked.action.name for ranked in self._mode[1].actions}:
@@ -216,9 +216,9 @@ class Control:
     def drive_from_page(
         self, operator: Operator, twist: Twist2, source: Input = "touch"
     ) -> Refusal | None:
-        """Drive; return only a refusal that asks the operator to do something.
+        """Drive; return the refusal of an operator who must let go first, or has no control.
 
-        Snapshots tell the reasons of others.
+        Snapshots tell all other reasons.
         """
         refused = self.drive(operator, twist, source)
         return refused if self._inputs.ignored or self.holder is not operator else None

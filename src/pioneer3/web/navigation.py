@@ -69,7 +69,8 @@ class RobotNavigation:
         name: Of the robot, for the drivers of the others.
 
     Attributes:
-        goals: Carries out the goals of pages and scripts.
+        goals: Carries out the goals of pages and scripts. It outlives the navigators, one for each
+            map, whose own goal servers have nothing to do here.
         in_thread: Runs what takes long.
     """
 
@@ -146,11 +147,11 @@ class RobotNavigation:
         self, operator: Operator, places: Sequence[Place], speed: float | None, seconds: float
     ) -> NavigationGoal:
         """Return the goal of a page: places, or without one to look around."""
-        goals = [self._destination(each) for each in places]
+        there = [self._destination(each) for each in places]
         return NavigationGoal(
-            places=(lambda: goals) if goals else None,
+            places=(lambda: there) if there else None,
             speed=speed,
-            rounds=inf if len(goals) > 1 else 1,
+            rounds=inf if len(there) > 1 else 1,
             begin=partial(self._control.start, operator, seconds=seconds, patience=SILENCE),
             told=lambda goal: self._show(
                 operator, messages.GoalProgress(self._number, goal.status.value, goal.text)
@@ -253,19 +254,19 @@ class RobotNavigation:
         name = place.name if place.name in names else ""
         return Destination(x=place.x, y=place.y, heading=place.heading, name=name)
 
-    def _shown(self, goal: "Destination", way: "Way | NoWay", speed: float) -> messages.PlannedWay:
+    def _shown(self, place: Destination, way: "Way | NoWay", speed: float) -> messages.PlannedWay:
         """Return the answer to a request that only asks for a way."""
         from pioneer3.nav.planner import NoWay
         from pioneer3.navigation.ways import to_drive
 
         why = way.why if isinstance(way, NoWay) else ""
         if isinstance(way, NoWay) and way.free is None:
-            return messages.PlannedWay(self._number, goal.x, goal.y, refusal=why)
+            return messages.PlannedWay(self._number, place.x, place.y, refusal=why)
         driven = to_drive(way)
         return messages.PlannedWay(
             self._number,
-            goal.x,
-            goal.y,
+            place.x,
+            place.y,
             points=points_of(driven),
             length=round(driven.length, 2),
             seconds=_seconds(driven.length, min(speed, self._robot.info.limits.max_speed)),
@@ -307,7 +308,11 @@ class RobotNavigation:
         return await asyncio.shield(self._coming)
 
     async def _keep_navigator(self) -> None:
-        """Make the navigator that is wanted, and have it work until another one is."""
+        """Make the navigator that is wanted, and have it work until another one is.
+
+        This is the only task that makes one. :meth:`_ready` asks for it by `_wanted`, and all who
+        ask meanwhile await the same future `_coming`.
+        """
         while True:
             await self._wanted.wait()
             self._wanted.clear()

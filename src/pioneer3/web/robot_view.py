@@ -131,7 +131,7 @@ class RobotView:
             mode=self.mode(),
             commanded=self.robot.supervisor.pilot.sent,
             emergency_stop=self.robot.supervisor.pilot.emergency,
-            driver=_driver(self.control.driver(), clients),
+            driver=_driver(self.control.who_drives(), clients),
             target=self._target(arbiter.mode.goal, odom) if arbiter.mode else None,
         )
 

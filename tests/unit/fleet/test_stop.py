@@ -27,7 +27,7 @@ class Reporting:
 
     def __init__(self, *speeds: float, held: bool = True) -> None:
         self._speeds = list(speeds)
-        self.supervisor = SimpleNamespace(taken=False, held=held)
+        self.supervisor = SimpleNamespace(taken=False, without_power=held)
         self.told: set[str] = set()
 
     def stop(self) -> None:

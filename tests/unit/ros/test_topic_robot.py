@@ -263,7 +263,7 @@ async def test_an_emergency_stop_holds_once_the_node_says_so(tells_stops: bool) 
     )
     robot = TopicSupervisor(info, lambda _: None, lambda _: None, tells_stops=tells_stops)
     clock = asyncio.get_running_loop().time
-    assert not robot.held
+    assert not robot.without_power
     for motors, held in (
         (Motors(enabled=True), False),
         (Motors(enabled=False), not tells_stops),
@@ -271,4 +271,4 @@ async def test_an_emergency_stop_holds_once_the_node_says_so(tells_stops: bool) 
         (Motors(enabled=False, stop_button=True), True),
     ):
         robot.take(replace(seen(motors=motors), stamp=clock()))
-        assert robot.held == held
+        assert robot.without_power == held

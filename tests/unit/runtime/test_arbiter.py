@@ -64,21 +64,21 @@ def test_hands_come_before_programs_and_near_before_far() -> None:
 
 async def test_nobody_drives_to_begin_with() -> None:
     async with bridge() as the:
-        assert the.arbiter.driver is None
+        assert the.arbiter.driving_action is None
         assert the.asked == STILL
 
 
 async def test_the_keyboard_wins_over_the_page_and_the_page_over_a_program() -> None:
     async with bridge() as the:
         the.arbiter.hold(the.program, TURNING, LONG)
-        assert (the.arbiter.driver, the.asked) == ("program", TURNING)
+        assert (the.arbiter.driving_action, the.asked) == ("program", TURNING)
         the.arbiter.hold(the.web, BACK, LONG)
-        assert (the.arbiter.driver, the.asked) == ("web", BACK)
+        assert (the.arbiter.driving_action, the.asked) == ("web", BACK)
         the.arbiter.hold(the.keyboard, FORTH, LONG)
-        assert (the.arbiter.driver, the.asked) == ("keyboard", FORTH)
+        assert (the.arbiter.driving_action, the.asked) == ("keyboard", FORTH)
         the.arbiter.hold(the.program, TURNING, LONG)
         the.arbiter.hold(the.web, BACK, LONG)
-        assert (the.arbiter.driver, the.asked) == ("keyboard", FORTH)
+        assert (the.arbiter.driving_action, the.asked) == ("keyboard", FORTH)
 
 
 async def test_who_lets_go_leaves_the_robot_to_the_next() -> None:
@@ -86,9 +86,9 @@ async def test_who_lets_go_leaves_the_robot_to_the_next() -> None:
         the.arbiter.hold(the.program, TURNING, LONG)
         the.arbiter.hold(the.keyboard, FORTH, LONG)
         the.arbiter.release(the.keyboard)
-        assert (the.arbiter.driver, the.asked) == ("program", TURNING)
+        assert (the.arbiter.driving_action, the.asked) == ("program", TURNING)
         the.arbiter.release(the.program)
-        assert (the.arbiter.driver, the.asked) == (None, STILL)
+        assert (the.arbiter.driving_action, the.asked) == (None, STILL)
 
 
 async def test_letting_go_without_holding_disturbs_nobody() -> None:
@@ -96,7 +96,7 @@ async def test_letting_go_without_holding_disturbs_nobody() -> None:
         the.arbiter.hold(the.web, FORTH, LONG)
         the.arbiter.release(the.keyboard)
         the.arbiter.release(the.program)
-        assert (the.arbiter.driver, the.asked) == ("web", FORTH)
+        assert (the.arbiter.driving_action, the.asked) == ("web", FORTH)
 
 
 async def test_a_wish_expires_to_the_moment_and_the_next_takes_over_within_a_cycle() -> None:
@@ -104,19 +104,19 @@ async def test_a_wish_expires_to_the_moment_and_the_next_takes_over_within_a_cyc
         the.arbiter.hold(the.program, TURNING, LONG)
         the.arbiter.hold(the.keyboard, FORTH, 0.25)
         await asyncio.sleep(0.249)
-        assert (the.arbiter.driver, the.asked) == ("keyboard", FORTH)
+        assert (the.arbiter.driving_action, the.asked) == ("keyboard", FORTH)
         await asyncio.sleep(0.001 + 1e-9)
-        assert the.arbiter.driver != "keyboard"
+        assert the.arbiter.driving_action != "keyboard"
         assert the.asked != FORTH
         await asyncio.sleep(0.1)
-        assert (the.arbiter.driver, the.asked) == ("program", TURNING)
+        assert (the.arbiter.driving_action, the.asked) == ("program", TURNING)
 
 
 async def test_a_wish_of_zero_is_a_wish_and_holds_the_robot_back() -> None:
     async with bridge() as the:
         the.arbiter.hold(the.program, FORTH, LONG)
         the.arbiter.hold(the.keyboard, STILL, LONG)
-        assert (the.arbiter.driver, the.asked) == ("keyboard", STILL)
+        assert (the.arbiter.driving_action, the.asked) == ("keyboard", STILL)
 
 
 async def test_an_action_that_is_taken_out_ends_at_once() -> None:
@@ -124,7 +124,7 @@ async def test_an_action_that_is_taken_out_ends_at_once() -> None:
         the.arbiter.hold(the.keyboard, FORTH, LONG)
         the.arbiter.remove(the.keyboard)
         assert the.keyboard not in the.arbiter
-        assert (the.arbiter.driver, the.asked) == (None, STILL)
+        assert (the.arbiter.driving_action, the.asked) == (None, STILL)
         the.arbiter.remove(the.keyboard)
 
 
@@ -139,7 +139,7 @@ async def test_a_stop_ends_what_everybody_wants() -> None:
         for held in (the.keyboard, the.web, the.program):
             the.arbiter.hold(held, FORTH, LONG)
         the.arbiter.stop()
-        assert (the.arbiter.driver, the.asked) == (None, STILL)
+        assert (the.arbiter.driving_action, the.asked) == (None, STILL)
         await asyncio.sleep(1.0)
         assert the.sim.body.robot_in_world.x < 0.01
 
@@ -150,7 +150,7 @@ async def test_what_was_held_during_a_stop_stays_muted_while_it_is_renewed() -> 
         the.arbiter.stop(by=the.keyboard)
         for _ in range(20):
             assert str(the.arbiter.hold(the.web, FORTH, LONG)) == STOPPED
-            assert the.arbiter.driver is None
+            assert the.arbiter.driving_action is None
             await asyncio.sleep(0.1)
         assert the.sim.speed == 0.0
 
@@ -161,7 +161,7 @@ async def test_a_muted_hold_counts_again_once_released() -> None:
         the.arbiter.stop()
         the.arbiter.release(the.web)
         assert the.arbiter.hold(the.web, FORTH, LONG) is None
-        assert the.arbiter.driver == "web"
+        assert the.arbiter.driving_action == "web"
 
 
 async def test_a_muted_hold_counts_again_after_it_has_run_out() -> None:
@@ -172,7 +172,7 @@ async def test_a_muted_hold_counts_again_after_it_has_run_out() -> None:
         assert str(the.arbiter.hold(the.web, FORTH, LONG)) == STOPPED
         await asyncio.sleep(LONG)
         assert the.arbiter.hold(the.web, FORTH, LONG) is None
-        assert the.arbiter.driver == "web"
+        assert the.arbiter.driving_action == "web"
 
 
 async def test_what_was_not_held_during_a_stop_is_not_muted() -> None:
@@ -191,7 +191,7 @@ async def test_who_stops_may_drive_again_at_once_and_the_others_may_not() -> Non
         the.arbiter.stop(by=the.keyboard)
         assert str(the.arbiter.hold(the.web, FORTH, LONG)) == STOPPED
         assert the.arbiter.hold(the.keyboard, BACK, LONG) is None
-        assert (the.arbiter.driver, the.asked) == ("keyboard", BACK)
+        assert (the.arbiter.driving_action, the.asked) == ("keyboard", BACK)
 
 
 async def test_a_stop_by_somebody_ends_a_move() -> None:
@@ -213,7 +213,7 @@ async def test_a_key_interrupts_a_move_which_goes_on_afterwards() -> None:
         await asyncio.sleep(1.0)
         await the.keep(the.keyboard, BACK, 1.5)
         assert the.sim.speed < 0
-        assert the.arbiter.driver == "keyboard"
+        assert the.arbiter.driving_action == "keyboard"
         the.arbiter.release(the.keyboard)
         await moving
         assert the.sim.body.robot_in_world.x == pytest.approx(1.0, abs=0.02)
@@ -241,7 +241,7 @@ async def test_who_lets_go_and_asks_again_at_once_drives_after_a_reset() -> None
         assert the.arbiter.hold(the.keyboard, FORTH, LONG) is not None
         the.arbiter.release(the.keyboard)
         assert the.arbiter.hold(the.keyboard, FORTH, LONG) is None
-        assert (the.arbiter.driver, the.asked) == ("keyboard", FORTH)
+        assert (the.arbiter.driving_action, the.asked) == ("keyboard", FORTH)
 
 
 async def test_letting_go_answers_no_block_for_somebody_else_who_holds_on() -> None:

@@ -103,13 +103,13 @@ async def test_the_stick_alone_moves_nothing() -> None:
 async def test_it_drives_while_the_deadman_is_held_at_the_gamepads_priority() -> None:
     async with playing() as player:
         await go(player)
-        assert player.robot.arbiter.driver == "gamepad"
+        assert player.robot.arbiter.driving_action == "gamepad"
         await asyncio.sleep(60.0)  # a hand that does not tremble sends nothing
         assert player.speed == pytest.approx(SCHEME.speed)
         player.let_go(SCHEME.deadman)
         await asyncio.sleep(BRAKING)
         assert player.speed == 0.0
-        assert player.robot.arbiter.driver is None
+        assert player.robot.arbiter.driving_action is None
 
 
 async def test_the_stick_in_the_middle_stops_and_goes_on_while_it_is_held() -> None:

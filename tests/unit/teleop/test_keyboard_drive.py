@@ -69,10 +69,10 @@ async def test_one_press_moves_and_ends_by_itself() -> None:
     async with seat() as the:
         the.press(Key.FORWARD)
         await asyncio.sleep(HOLD - 0.01)
-        assert the.arbiter.driver == "keyboard"
+        assert the.arbiter.driving_action == "keyboard"
         assert the.sim.speed > 0.05
         await asyncio.sleep(0.02)
-        assert the.arbiter.driver is None
+        assert the.arbiter.driving_action is None
         await asyncio.sleep(BRAKING)
         assert the.sim.speed == 0.0
         assert the.sim.body.robot_in_world.x > 0.02
@@ -212,7 +212,7 @@ async def test_the_quit_key_ends_and_stops() -> None:
         await the.driving
         await asyncio.sleep(BRAKING)
         assert the.sim.speed == 0.0
-        assert the.arbiter.driver is None
+        assert the.arbiter.driving_action is None
 
 
 @pytest.mark.parametrize("way", ["end of keys", "cancel"])
@@ -227,7 +227,7 @@ async def test_every_other_way_out_stops_too(way: str) -> None:
         await asyncio.wait([the.driving])
         await asyncio.sleep(BRAKING)
         assert the.sim.speed == 0.0
-        assert the.arbiter.driver is None
+        assert the.arbiter.driving_action is None
 
 
 async def test_a_program_that_hangs_drives_no_longer_than_its_lease() -> None:

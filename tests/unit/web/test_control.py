@@ -96,7 +96,7 @@ async def test_a_mode_keeps_control_for_who_started_it() -> None:
         assert control.start(ANN, wander(), 20.0, patience=inf) is None
         await asyncio.sleep(10.0)
         assert the.travelled > 0.3
-        assert control.holder is control.driver() is ANN
+        assert control.holder is control.who_drives() is ANN
         assert str(control.start(BOB, wander(), 20.0, patience=inf)) == "ann has control"
         assert str(control.end_mode(BOB)) == "ann has control"
         await asyncio.sleep(10.1)

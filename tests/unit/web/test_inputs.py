@@ -38,7 +38,7 @@ class Grip:
 
 def wanted(the: Product) -> float:
     """Return the speed that was decided [m/s]."""
-    return the.robot.arbiter.decision.twist.v if the.robot.arbiter.driver else 0.0
+    return the.robot.arbiter.decision.twist.v if the.robot.arbiter.driving_action else 0.0
 
 
 @pytest.mark.parametrize("source", get_args(Input))
@@ -47,7 +47,7 @@ async def test_each_input_drives_at_its_priority(source: Input) -> None:
         grip = Grip(ann, source, 0.3)
         await asyncio.sleep(1.5)
         assert the.speed == pytest.approx(0.3, abs=0.01)
-        assert the.robot.arbiter.driver == INPUTS[source][0]
+        assert the.robot.arbiter.driving_action == INPUTS[source][0]
         assert ann.driver == "you"
         await grip.let_go()
         await asyncio.sleep(BRAKING)
@@ -169,9 +169,9 @@ async def test_who_leaves_lets_go_of_all_inputs() -> None:
 async def test_scripts_count_as_touch() -> None:
     async with product() as the:
         assert the.control.drive(ANN, Twist2(0.2, 0.0)) is None
-        assert the.robot.arbiter.driver == "web"
+        assert the.robot.arbiter.driving_action == "web"
         the.control.drive(ANN, STILL)
-        assert the.robot.arbiter.driver is None
+        assert the.robot.arbiter.driving_action is None
 
 
 async def test_an_unknown_input_is_refused_and_moves_nothing() -> None:

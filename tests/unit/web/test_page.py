@@ -29,12 +29,12 @@ async def test_a_drive_expires_after_half_a_second() -> None:
     async with product() as the:
         began = asyncio.get_running_loop().time()
         assert the.control.drive_from_page(ANN, SLOW) is None
-        assert the.control.driver() == ANN
+        assert the.control.who_drives() == ANN
         await asyncio.sleep(EXPIRY - 0.001)
-        assert the.control.driver() == ANN
+        assert the.control.who_drives() == ANN
         await asyncio.sleep(0.001 + 1e-9)
         assert asyncio.get_running_loop().time() == pytest.approx(began + 0.5)
-        assert the.control.driver() is None
+        assert the.control.who_drives() is None
         assert the.robot.supervisor.pilot.asked(asyncio.get_running_loop().time()) == STILL
 
 
@@ -42,7 +42,7 @@ async def test_a_zero_drive_lets_go_but_keeps_control() -> None:
     async with product() as the:
         the.control.drive_from_page(ANN, SLOW)
         the.control.drive_from_page(ANN, STILL)
-        assert the.control.driver() is None
+        assert the.control.who_drives() is None
         assert str(the.control.drive_from_page(BOB, SLOW)) == "ann has control"
         assert the.control.drive_from_page(ANN, SLOW) is None
 
@@ -51,14 +51,14 @@ async def test_even_letting_go_is_refused_to_who_does_not_hold_control() -> None
     async with product() as the:
         the.control.drive_from_page(ANN, SLOW)
         assert str(the.control.drive_from_page(BOB, STILL)) == "ann has control"
-        assert the.control.driver() == ANN
+        assert the.control.who_drives() == ANN
 
 
 async def test_a_driver_who_goes_leaves_nothing_behind() -> None:
     async with product() as the:
         the.control.drive_from_page(ANN, SLOW)
         the.control.release(ANN)
-        assert the.control.driver() is None
+        assert the.control.who_drives() is None
         assert the.control.drive_from_page(BOB, SLOW) is None
 
 
@@ -66,16 +66,16 @@ async def test_somebody_else_who_goes_changes_nothing() -> None:
     async with product() as the:
         the.control.drive_from_page(ANN, SLOW)
         the.control.release(BOB)
-        assert the.control.driver() == ANN
+        assert the.control.who_drives() == ANN
 
 
 async def test_a_stop_by_the_holder_lets_her_drive_again_at_once() -> None:
     async with product() as the:
         the.control.drive_from_page(ANN, SLOW)
         the.control.stop(ANN)
-        assert the.control.driver() is None
+        assert the.control.who_drives() is None
         the.control.drive_from_page(ANN, SLOW)
-        assert the.control.driver() == ANN
+        assert the.control.who_drives() == ANN
 
 
 async def test_a_stop_by_another_mutes_the_holder_until_she_lets_go() -> None:
@@ -84,11 +84,11 @@ async def test_a_stop_by_another_mutes_the_holder_until_she_lets_go() -> None:
         the.control.stop(BOB)
         for _ in range(10):
             the.control.drive_from_page(ANN, SLOW)
-            assert the.control.driver() is None
+            assert the.control.who_drives() is None
             await asyncio.sleep(0.1)
         the.control.drive_from_page(ANN, STILL)
         the.control.drive_from_page(ANN, SLOW)
-        assert the.control.driver() == ANN
+        assert the.control.who_drives() == ANN
 
 
 async def test_a_keyboard_that_takes_over_is_named_as_the_driver() -> None:
@@ -97,9 +97,9 @@ async def test_a_keyboard_that_takes_over_is_named_as_the_driver() -> None:
         the.robot.arbiter.add(held, KEYBOARD)
         the.control.drive_from_page(ANN, SLOW)
         the.robot.arbiter.hold(held, Twist2(-0.2, 0.0), 0.3)
-        assert the.control.driver() == "keyboard"
+        assert the.control.who_drives() == "keyboard"
         the.robot.arbiter.release(held)
-        assert the.control.driver() == ANN
+        assert the.control.who_drives() == ANN
 
 
 async def test_the_robot_is_drawn_where_the_scene_has_it() -> None:

@@ -164,7 +164,7 @@ async def test_the_server_ends_with_pages_open_and_stops_the_robot() -> None:
             page = await connect(f"ws://{urlsplit(address).netloc}/ws")
             await until_driving(sim, page)
         assert await closing_code(page) == 1012
-        assert robot.arbiter.driver is None
+        assert robot.arbiter.driving_action is None
         await until_standing(sim)
 
 

@@ -69,8 +69,11 @@ class TopicSupervisor:
         self._clock = asyncio.get_running_loop().time
 
     @property
-    def held(self) -> bool:
-        """Whether its motors have no power, and its node says that an emergency stop holds it."""
+    def without_power(self) -> bool:
+        """Whether the robot reports that its motors have no power, as after an emergency stop.
+
+        Where its node tells of emergency stops, only while one holds the robot.
+        """
         if self._fresh is None:
             return False
         motors = self._fresh.motors

@@ -62,7 +62,7 @@ class Commands:
         self._newest = NewestCommand()
         self._streams: OrderedDict[int, tuple[Sender, CommandStream]] = OrderedDict()
         self._age: Callable[[Any], float | None] = lambda stamp: None
-        self._driver: object = None
+        self._source: object = None  # connection of the publisher that drives
         self._refusal: Refusal | None = None
         self._told: Refusal | None = None
         self._warned_at = deque([-inf] * WARNINGS, maxlen=WARNINGS)
@@ -119,9 +119,9 @@ class Commands:
     def _leave(self, sender: Sender) -> None:
         self._drive()  # its last messages come first
         self._streams.pop(id(sender.connection), None)
-        if self._driver is not sender.connection:
+        if self._source is not sender.connection:
             return
-        self._driver = None
+        self._source = None
         self._robot.arbiter.hold(self._hold, STILL, self._timeout)
         self._expect_more(sender.node, STILL)
         self._warn(f"{sender.node}, which drove the robot by cmd_vel, is gone: the robot stops")
@@ -142,7 +142,7 @@ class Commands:
         for by, twist in wanted:
             self._hold.release()  # its stream has decided that this counts
             self._refusal = self._robot.arbiter.hold(self._hold, twist, self._timeout)
-            self._driver = by.connection if by is not None and not twist.is_zero else None
+            self._source = by.connection if by is not None and not twist.is_zero else None
             self._expect_more(by.node if by is not None else "", twist)
         if received:
             self._tell()
@@ -165,7 +165,7 @@ class Commands:
             self._refusal = Refusal(str(error))
             return None
         stream = self._stream(sender)
-        contested = self._driver is not None and self._driver is not sender.connection
+        contested = self._source is not None and self._source is not sender.connection
         self._refusal = stream.take(twist, at, self._last_stop, contested=contested)
         if self._refusal is not None or stream.waits:
             return None
@@ -227,7 +227,7 @@ class Commands:
 
     def _expired(self, sender: str) -> None:
         """Log the reason of a stop, once for each sender; another stop has its own reason."""
-        self._driver = None
+        self._source = None
         stopped = self._hold.ignored(self._last_stop) is not None
         if stopped or self._robot.snapshot is None or sender in self._expired_of:
             return

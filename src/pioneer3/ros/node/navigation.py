@@ -178,9 +178,9 @@ class NodeNavigation:
         try:
             begin, end = plan_request(request)
             start = self._in_map(begin.frame) @ begin.pose if begin else None
-            goal = self._place_of(end)
-            heading = goal.heading
-            found = await self._navigator.plan(goal, start)
+            place = self._place_of(end)
+            heading = place.heading
+            found = await self._navigator.plan(place, start)
             points = _sparse(to_drive(found))
             if isinstance(found, NoWay):
                 self._middleware.warn(f"make_plan: {found.why}")

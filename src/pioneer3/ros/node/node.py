@@ -1,4 +1,4 @@
-"""A robot as a ROS node, over any middleware; `ros1` runs it on rospy."""
+"""A robot as a ROS node; `ros1` and `ros2` run it over their middleware."""
 
 import asyncio
 from collections.abc import AsyncGenerator, Callable, Iterable
@@ -283,7 +283,7 @@ class RobotNode:
                 lost=status.message if status is not None and lost else "",
                 emergency=robot.supervisor.pilot.emergency,
                 auto_enable=robot.supervisor.pilot.auto_enable,
-                driver=robot.arbiter.driver,
+                driver=robot.arbiter.driving_action,
                 why_not_moving=robot.why_not_moving(),
                 refused=robot.supervisor.pilot.blocked,
                 lasers=tuple(

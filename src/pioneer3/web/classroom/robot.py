@@ -166,7 +166,7 @@ def _driver(
     """Return the kind of driver, and its name."""
     if program is not None:
         return "program", program
-    driver = view.control.driver()
+    driver = view.control.who_drives()
     if driver is None or isinstance(driver, str):
         return ("mode", driver) if driver else (None, None)
     return ("student" if is_student(driver) else "teacher"), driver.name
