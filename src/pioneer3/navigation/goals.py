@@ -207,7 +207,7 @@ class GoalServer:
             await self._wait(goal, lambda status: status.is_over)
         finally:
             if self.current is goal:
-                self.end(GoalStatus.CANCELED, "its time was over")
+                self.end(GoalStatus.CANCELED, "its sender called it back")
 
     async def _wait(self, goal: NavigationGoal, enough: Callable[[GoalStatus], bool]) -> None:
         async for status in goal.progress.values(latest_first=True):

@@ -149,10 +149,14 @@ class OperatorInputs:
         self._last = self._holds[INPUTS[source][1]]
         self._arbiter.release(self._last)
 
-    def release_all(self) -> None:
-        """Let go of every input; the robot stops if nothing else drives."""
+    def forget(self) -> None:
+        """Let go of every input, before the arbiter decides anew."""
         for hold in self._holds.values():
             hold.release()
+
+    def release_all(self) -> None:
+        """Let go of every input; the robot stops if nothing else drives."""
+        self.forget()
         self._arbiter.decide()
 
     def stop(self, why: str = STOPPED) -> None:
@@ -160,8 +164,7 @@ class OperatorInputs:
 
         Commands that others hold must be let go before they count again.
         """
-        for hold in self._holds.values():
-            hold.release()
+        self.forget()
         self._arbiter.stop(why=why)
 
 
@@ -258,7 +261,7 @@ class Control:
             return Refusal(_nothing_heard(operator, patience))
         if refused := self.take(operator) or self._stopping():
             return refused
-        self._inputs.stop()
+        self._inputs.forget()
         self._mode = (operator, mode)
         asyncio.get_running_loop().call_later(seconds, self._end, mode, "its time was over")
         refused = self._robot.arbiter.start(mode)
