@@ -28,9 +28,10 @@ from pioneer3.bridge.guard import STOPS, Guard, HeldBack
 from pioneer3.bridge.robot_side import RobotSide, RobotSideState
 
 EXPIRY: Final = 0.5
+"""Longest time without an acknowledgement of the holder's computer [s]."""
 SILENCE: Final = 1.5
-"""ARIA is silent for up to 0.8 s while it drives, and the robot's own watchdog waits for 2 s
-(protocol.md 2.4)."""
+"""Longest silence of the holder [s]: ARIA sends nothing for up to 0.8 s while it drives, and the
+robot's own watchdog waits for 2 s (protocol.md 2.4)."""
 MOST_WATCHERS: Final = 8
 UNDECIDED: Final = 10.0
 """A connection that has not opened a session by then is closed [s]."""

@@ -6,10 +6,8 @@ from enum import StrEnum
 from typing import final
 
 from pioneer3.robot.limits import limit
-from pioneer3.robot.pilot import STANDING, Pilot
+from pioneer3.robot.pilot import REPORT_TIMEOUT, STANDING, Pilot
 from pioneer3.state import Snapshot
-
-SILENT = 0.5
 
 
 class ReasonKind(StrEnum):
@@ -64,7 +62,7 @@ def _reasons(pilot: Pilot, snapshot: Snapshot, now: float, decided: str | None) 
         yield Reason(fault, f"Nothing drives it: {pilot.refusal}.")
     if snapshot.motors.stop_button:
         yield Reason(fault, "The stop button on the robot is pressed: pull it out, then ask again.")
-    if silent > SILENT:
+    if silent > REPORT_TIMEOUT:
         yield Reason(fault, f"The robot has said nothing for {silent:.1f} s: the link is failing.")
     if pilot.blocked:
         yield Reason(fault, f"Waiting for a fresh command: {pilot.last_stop.told}.")

@@ -116,7 +116,10 @@ export class Drive {
     this.#onChange();
   }
 
-  /** Releases all inputs and stops the robot, whoever drives it. */
+  /**
+   * Releases all inputs and stops the robot, whoever drives it. It is sent once, now or never: if it is lost, the
+   * velocity expires all the same, and one that came late would stop somebody who drives by then.
+   */
   stop() {
     this.forget();
     this.#send({ type: "stop" });
