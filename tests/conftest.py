@@ -207,4 +207,5 @@ def _homes(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
 @pytest.fixture(autouse=True)
 def _no_home(_homes: Iterator[Path], monkeypatch: pytest.MonkeyPatch) -> None:
     """Nothing is remembered from one test to the next, or from this machine."""
-    monkeypatch.setenv("XDG_STATE_HOME", str(next(_homes)))
+    for variable in ("XDG_STATE_HOME", "XDG_CONFIG_HOME"):
+        monkeypatch.setenv(variable, str(next(_homes)))

@@ -31,6 +31,7 @@ diagnosis         `pioneer3 info`, `doctor` and `find-port`
 tables            tables of a robot, a diagnosis and a list of ports for a terminal
 patrol            `pioneer3 patrol`: from place to place of a map, again and again
 model             `pioneer3 model`
+robot             `pioneer3 robot`: the own file of a robot
 laser             `pioneer3 laser`: a laser range finder alone, without a robot
 goto              `pioneer3 goto`: to a place of the map by its name, or to a point
 places            places of a map on the command line: a name, or numbers

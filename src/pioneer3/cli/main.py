@@ -28,6 +28,7 @@ from pioneer3.cli.motion import MODE_COMMANDS, move, turn
 from pioneer3.cli.options import UNITS, shown_default
 from pioneer3.cli.patrol import patrol
 from pioneer3.cli.process import LogFormatter, write_error
+from pioneer3.cli.robot import robot_app
 from pioneer3.cli.ros1 import ros1_app
 from pioneer3.cli.ros2 import gather_ros_arguments, ros2_app
 from pioneer3.cli.run import run
@@ -84,12 +85,13 @@ GROUPS: dict[str, tuple[Callable[..., object], ...]] = {
     "Maps, models, ROS, and who may use the page": (
         map_app,
         model_app,
+        robot_app,
         ros1_app,
         ros2_app,
         access_app,
     ),
 }
-WITHOUT_UNITS = (sim, class_, info, find_port, setup_app, map_app, model_app, access_app)
+WITHOUT_UNITS = (sim, class_, info, find_port, setup_app, map_app, model_app, robot_app, access_app)
 for number, (name, commands) in enumerate(GROUPS.items()):
     group = Group(name, sort_key=number)
     for place, command in enumerate(commands):

@@ -69,6 +69,7 @@ def _summary(robot: RobotInfo, snapshot: Snapshot | None) -> Table:
         f"commands expire after {limits.expiry:g} s",
         "sensors": f"{len(model.sonars)} sonar, usual laser {laser}",
         "battery": battery_text(snapshot) if snapshot else "unknown",
+        "own file": str(robot.own.path) if robot.own else "none, as pioneer3 robot init makes one",
     }
     for name, value in rows.items():
         grid.add_row(name, escape(value))

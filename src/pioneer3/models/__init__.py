@@ -10,7 +10,8 @@ physics      masses, motors and tires of a robot's body, for simulators in three
 shape        heights, wheels and casters of a robot, which ARIA's flat files do not have
 cameras      the makes of cameras that robots carry, as far as their pictures go
 catalog      finds the model of a robot: shipped ones by name, others from a file
-aria         reads ARIA's `.p` robot parameter files (facts.md 6.1)
+own          finds and reads the own file of a robot, by its name or serial number
+aria         reads and writes ARIA's `.p` robot parameter files (facts.md 6.1)
 parameters   keys and values of an ARIA parameter file, converted to SI
 model        one robot type as frozen numbers, and the range of each number
 ===========  ================================================================================

@@ -1,7 +1,8 @@
-"""Reads ARIA's `.p` robot parameter files (facts.md 6.1)."""
+"""Reads and writes ARIA's `.p` robot parameter files (facts.md 6.1)."""
 
+from collections.abc import Iterator
 from dataclasses import replace
-from math import tau
+from math import degrees, tau
 
 from pioneer3.models.model import (
     BOUNDS,
@@ -29,6 +30,7 @@ _HEADING_UNITS = (1024, 4096)
 _LENGTH = Bounds(2 * BOUNDS["length_front"].low, 2 * BOUNDS["length_front"].high)
 _TALL = ("p2pb", "p2pp", "peoplebot", "perfpb", "wheelchair")
 _SKID = ("p2at", "p2it", "p3at", "pionat", "seekurjr")
+_FIRST_LASER = "laser parameters"
 _TITLES = {
     "p2at": "Pioneer 2-AT",
     "p2dx": "Pioneer 2-DX",
@@ -39,7 +41,9 @@ _TITLES = {
 }
 
 
-def parse_aria(text: str, source: str, fallback_name: str) -> RobotModel:
+def parse_aria(
+    text: str, source: str, fallback_name: str, base: RobotModel | None = None
+) -> RobotModel:
     """Read the text of a parameter file; keys that do not concern us are skipped.
 
     A non-zero TransVelMax or RotVelMax below the absolute maximum takes its place, and a
@@ -49,11 +53,14 @@ def parse_aria(text: str, source: str, fallback_name: str) -> RobotModel:
         text: The whole file.
         source: Its name, for messages.
         fallback_name: Used where the file has no Subclass.
+        base: The model whose values count where the file has none, as in a robot's own file.
 
     Raises:
         ConfigError: Naming file, line and key.
     """
     lines = split(text, source)
+    if base is not None:
+        lines = split(aria_text(base), base.name) + lines
     given = Parameters(source, lines)
     model = _with_dynamics(_body(given, fallback_name), given)
     model = _with_protocol(model, given)
@@ -153,7 +160,7 @@ def _laser(source: str, lines: tuple[ParameterLine, ...]) -> LaserMount | None:
     sections: dict[str, list[ParameterLine]] = {}
     for line in lines:
         if line.key.lower().startswith("laser"):
-            sections.setdefault(line.section, []).append(line)
+            sections.setdefault(line.section or _FIRST_LASER, []).append(line)
     lasers = (_laser_in(Parameters(source, section)) for section in sections.values())
     return next((laser for laser in lasers if laser), None)
 
@@ -172,3 +179,65 @@ def _laser_in(given: Parameters) -> LaserMount | None:
         theta=theta,
         upside_down=given.flag("LaserFlipped", default=False),
     )
+
+
+def aria_text(model: RobotModel) -> str:
+    """Return the parameter file of a model, for ARIA; masked sectors are left out."""
+    return "".join(f"{line}\n" for line in _lines(model))
+
+
+def _lines(model: RobotModel) -> Iterator[str]:
+    """Yield keys with their values, in mm and degrees."""
+    lengths = {
+        "RobotRadius": model.radius,
+        "RobotWidth": model.width,
+        "RobotLength": model.length,
+        "RobotLengthFront": model.length_front,
+        "RobotLengthRear": model.length_rear,
+        "MaxVelocity": model.max_speed,
+        "DistConvFactor": model.distance_factor,
+        "VelConvFactor": model.speed_factor,
+        "RangeConvFactor": model.range_factor,
+        "Vel2Divisor": model.vel2_unit,
+        "TransAccel": model.acceleration,
+        "TransDecel": model.deceleration,
+    }
+    angles = {
+        "MaxRVelocity": model.max_turn_rate,
+        "RotAccel": model.turn_acceleration,
+        "RotDecel": model.turn_deceleration,
+    }
+    flags = {
+        "HasMoveCommand": model.has_move_command,
+        "SettableVelMaxes": model.settable_speed,
+        "SettableAccsDecs": model.settable_acceleration,
+        "RequestIOPackets": model.request_io,
+        "RequestEncoderPackets": model.request_encoders,
+        "TableSensingIR": bool(model.table_irs),
+        "FrontBumpers": model.front_bumpers > 0,
+        "RearBumpers": model.rear_bumpers > 0,
+    }
+    yield f'Class "{model.family}"'
+    yield f'Subclass "{model.name}"'
+    yield from (f"{key} {value / MM:.10g}" for key, value in lengths.items())
+    yield from (f"{key} {degrees(value):.10g}" for key, value in angles.items())
+    yield from (f"{key} {str(value).lower()}" for key, value in flags.items())
+    yield f"AngleConvFactor {model.heading_factor:.10g}"
+    yield f"DiffConvFactor {2 * MM / model.wheel_base:.10g}"
+    yield f"GyroScaler {model.gyro_scaler:.10g}"
+    yield f"SwitchToBaudRate {model.switch_speed}"
+    yield f"NumFrontBumpers {model.front_bumpers}"
+    yield f"NumRearBumpers {model.rear_bumpers}"
+    for number, ir in enumerate(model.table_irs):
+        yield f"IRUnit {number} 1 2 {ir.x / MM:.10g} {ir.y / MM:.10g}"
+    yield f"SonarNum {len(model.sonars)}"
+    for number, sonar in enumerate(model.sonars):
+        pose = f"{sonar.x / MM:.10g} {sonar.y / MM:.10g} {degrees(sonar.theta):.10g}"
+        yield f"SonarUnit {number} {pose}"
+    if model.laser is None:
+        return
+    yield f"LaserType {model.laser.kind}"
+    yield f"LaserX {model.laser.x / MM:.10g}"
+    yield f"LaserY {model.laser.y / MM:.10g}"
+    yield f"LaserTh {degrees(model.laser.theta):.10g}"
+    yield f"LaserFlipped {str(model.laser.upside_down).lower()}"

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Mapping
+from dataclasses import replace
 from difflib import get_close_matches
 from functools import cache
 from importlib.resources import files
@@ -19,6 +20,7 @@ from pioneer3.models.model import (
     CAREFUL_TURN_BRAKING,
     START_ACCELERATION,
     START_TURN_ACCELERATION,
+    OwnFile,
     RobotModel,
     UnknownModel,
 )
@@ -66,9 +68,9 @@ def load_model(name_or_path: str | Path) -> RobotModel:
     path = Path(name_or_path)
     match path.suffix.lower():
         case ".toml":
-            return parse_model(_read(path), _shown(path))
+            return parse_model(read_model_text(path), _shown(path))
         case ".p":
-            return parse_aria(_read(path), _shown(path), _printable(path.stem))
+            return parse_aria(read_model_text(path), _shown(path), _printable(path.stem))
     model = find_model(str(name_or_path))
     if model is None:
         raise ConfigError(_no_such_model(str(name_or_path)))
@@ -87,13 +89,35 @@ def parse_model(text: str, name: str) -> RobotModel:
     Raises:
         ConfigError: It is wrong; names file, line and key.
     """
+    return parse_own(text, name).model
+
+
+def parse_own(text: str, name: str, kin: RobotModel | None = None) -> OwnFile:
+    """Read the text of a model's file that may have lasers and a camera, too.
+
+    Args:
+        text: The whole file.
+        name: Its name, for messages.
+        kin: The model that it is like if it does not say; `None` if it has to be complete then.
+
+    Raises:
+        ConfigError: It is wrong; names file, line and key.
+    """
     source = Source(name, text)
+    own = converted(source, _table_like(source, kin), OwnFile)
+    first = own.lasers[0].mount if own.lasers else own.model.laser
+    return replace(own, model=replace(own.model, laser=first))
+
+
+def _table_like(source: Source, kin: RobotModel | None) -> dict[str, object]:
+    """Return the table of a model's file, on top of that of the model that it is `like`."""
     table = load(source)
-    kin = table.pop(LIKE, None)
-    if kin is not None and not (isinstance(kin, str) and find_model(kin)):
-        raise source.wrong(LIKE, _no_such_model(str(kin)))
-    base = table_of(find_model(kin)) if kin is not None else {}
-    return converted(source, base | table, RobotModel)
+    if LIKE in table:
+        name = table.pop(LIKE)
+        kin = find_model(name) if isinstance(name, str) else None
+        if kin is None:
+            raise source.wrong(LIKE, _no_such_model(str(name)))
+    return table_of(kin) | table if kin else table
 
 
 class Fallback(NamedTuple):
@@ -199,8 +223,12 @@ def _usable(field: str, value: float, default: float) -> float:
     return min(max(value, bounds.low), bounds.high) if value > 0 else default
 
 
-def _read(path: Path) -> str:
-    """Return a file's text; comments need not be UTF-8."""
+def read_model_text(path: Path) -> str:
+    """Return the text of a model's file; comments need not be UTF-8.
+
+    Raises:
+        ConfigError: It cannot be read, or is no text.
+    """
     try:
         status = path.stat()
         fit = (

@@ -7,6 +7,7 @@ as metres, and degrees as radians.
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import hypot, pi, radians, tau
+from pathlib import Path
 from types import MappingProxyType
 from typing import Annotated, ClassVar, Final, Literal, NamedTuple, get_args, get_type_hints
 
@@ -281,6 +282,29 @@ class RobotModel:
     def length(self) -> float:
         """From the rear end to the front end [m]."""
         return self.length_front + self.length_rear
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OwnLaser:
+    """A laser range finder of one robot: its port as for `--laser`, and its place."""
+
+    port: str
+    mount: Annotated[LaserMount, FieldForm(type=LaserMount, spread=True)]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OwnFile:
+    """The file of one robot: its model, lasers and camera.
+
+    Attributes:
+        camera: URL of its camera; `None` without one.
+        path: Of the file.
+    """
+
+    model: Annotated[RobotModel, FieldForm(type=RobotModel, spread=True)]
+    lasers: tuple[OwnLaser, ...] = ()
+    camera: str | None = None
+    path: Annotated[Path, FieldForm()] = Path()
 
 
 BOUNDS: Mapping[str, Bounds] = MappingProxyType(

@@ -27,6 +27,8 @@ from pioneer3.limits import Accelerations, Limits
 from pioneer3.links import Link
 from pioneer3.links.base import HUNG_UP
 from pioneer3.models import GivenModel, RobotModel, find_model, generic_model, loaded_model
+from pioneer3.models.model import OwnFile
+from pioneer3.models.own import find_own
 from pioneer3.robot.assemble import Assembler
 from pioneer3.robot.limits import limits_for
 from pioneer3.robot.pilot import BRAKING, MotionRequest, Pilot
@@ -92,6 +94,7 @@ class Session:
         self.identity: Identity | None = None
         self.config: Config | None = None
         self.model: RobotModel | None = None
+        self.own: OwnFile | None = None
         self._given = model
         self.speed: int | None = None
         self._pilot = pilot
@@ -266,6 +269,7 @@ class Session:
             log.warning("the robot did not send its configuration; the model's values are used")
         elif not trusted:
             log.warning("the configuration came with a wrong checksum, twice the same: accepted")
+        self.own = own_of(self.identity, config)
         self.model = model_of(self.identity, config, self._given)
         if self.model.refusal:
             log.warning("nothing drives this robot: %s", self.model.refusal)
@@ -393,15 +397,27 @@ def _acceleration_commands(accelerations: Accelerations) -> list[Command]:
     ]
 
 
-def model_of(identity: Identity, config: Config | None, given: GivenModel = None) -> RobotModel:
-    """Return the model that is given, or the one that the robot names, or else a guess.
+def own_of(identity: Identity, config: Config | None) -> OwnFile | None:
+    """Return the robot's own file, if it has one.
 
     Raises:
-        ConfigError: There is no such model as is given.
+        ConfigError: The file is wrong.
+    """
+    names = (identity.name, *([config.serial_number] if config else []))
+    return find_own(names, find_model(identity.model))
+
+
+def model_of(identity: Identity, config: Config | None, given: GivenModel = None) -> RobotModel:
+    """Return the model that is given, that of its own file, its type's, or else a guess.
+
+    Raises:
+        ConfigError: There is no such model as is given, or the own file is wrong.
     """
     given = loaded_model(given)
     if isinstance(given, RobotModel):
         return given
+    if own := own_of(identity, config):
+        return own.model
     if found := find_model(identity.model):
         return found
     if given is not None:

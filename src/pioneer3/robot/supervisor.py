@@ -11,10 +11,18 @@ from typing import Generic, Literal, TypeVar
 from pioneer3.arcos.commands import Command, moves
 from pioneer3.arcos.host_events import Timing
 from pioneer3.arcos.reports import Config, Report
-from pioneer3.errors import CommandError, LinkError, NoRobotError, RecordingOverError, Refusal
+from pioneer3.errors import (
+    CommandError,
+    ConfigError,
+    LinkError,
+    NoRobotError,
+    RecordingOverError,
+    Refusal,
+)
 from pioneer3.limits import Limits
 from pioneer3.links import Opener
 from pioneer3.models import GivenModel, RobotModel, loaded_model
+from pioneer3.models.model import OwnFile
 from pioneer3.robot.assemble import Assembler
 from pioneer3.robot.explain import Reason, ReasonKind, why_not_moving
 from pioneer3.robot.limits import limits_for
@@ -103,6 +111,7 @@ class RobotInfo:
     Attributes:
         config: Its CONFIG report, or `None` if it sent none.
         speed: Line speed [baud], or `None` on links without one.
+        own: Its own file, if it has one.
     """
 
     identity: Identity
@@ -111,6 +120,7 @@ class RobotInfo:
     config: Config | None
     url: str
     speed: int | None
+    own: OwnFile | None = None
 
 
 class Supervisor:
@@ -304,6 +314,7 @@ class Supervisor:
             config=session.config,
             url=session.link.url,
             speed=session.speed,
+            own=session.own,
         )
         _remember_speed(session)
         self._publish_status(
@@ -340,7 +351,7 @@ class Supervisor:
                 timing=self._timing,
             )
             await self._session.run()
-        except (LinkError, NoRobotError) as error:
+        except (LinkError, NoRobotError, ConfigError) as error:
             if self.snapshots.latest is None or isinstance(error, RecordingOverError):
                 self.pilot.session_lost(str(error), self._clock())
                 raise

@@ -1,7 +1,7 @@
 """Connecting to a robot, and every way of leaving it."""
 
 import asyncio
-from collections.abc import AsyncIterator, Callable, Sequence
+from collections.abc import AsyncIterator, Callable, Coroutine, Iterator, Sequence
 from contextlib import ExitStack, asynccontextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -20,6 +20,7 @@ from pioneer3.runtime.signals import StopOnSignals
 from pioneer3.tasks import running
 
 if TYPE_CHECKING:
+    from pioneer3.models.model import OwnFile
     from pioneer3.robot.camera_driver import CameraDriver
     from pioneer3.robot.lasers.driver import LaserDriver
     from pioneer3.robot.lasers.mounting import Mounting
@@ -62,14 +63,21 @@ async def connect_robot(
         )
         arbiter = Arbiter(supervisor, remark)
         drivers = [_laser(spec, supervisor, stack) for spec in lasers]
-        eye = _camera(camera)
-        work = [supervisor.run(), *(driver.run() for driver in drivers)]
-        work += [eye.run()] if eye else []
+        eyes = _cameras(camera)
         load_model(USUAL)  # the reader of models loads slowly, and a robot that waits is lost
         stack.enter_context(StopOnSignals(asyncio.get_running_loop(), arbiter.stop))
-        async with running(*work):
+        async with running(supervisor.run(), *_runs(drivers, eyes)):
             await _first_snapshot(supervisor)
-            yield Robot(supervisor, arbiter, drivers, eye)
+            own = supervisor.info.own if supervisor.info else None
+            own_drivers, own_eyes = [], []
+            if own is not None and not lasers:
+                own_drivers = [_laser(spec, supervisor, stack) for spec in _specs(own)]
+            if own is not None and camera is None:
+                own_eyes = _cameras(own.camera)
+            async with running(*_runs(own_drivers, own_eyes)):
+                yield Robot(
+                    supervisor, arbiter, drivers + own_drivers, next(iter(eyes + own_eyes), None)
+                )
 
 
 @asynccontextmanager
@@ -122,13 +130,28 @@ def _laser(
     return LaserDriver(config, poses.at, mounting)
 
 
-def _camera(url: str | None) -> "CameraDriver | None":
+def _runs(
+    drivers: "Sequence[LaserDriver]", eyes: "Sequence[CameraDriver]"
+) -> Iterator[Coroutine[None, None, None]]:
+    """Yield the work of drivers."""
+    yield from (driver.run() for driver in drivers)
+    yield from (eye.run() for eye in eyes)
+
+
+def _specs(own: "OwnFile") -> "tuple[LaserSpec, ...]":
+    """Return the lasers that a robot's own file gives it."""
+    from pioneer3.robot.lasers.spec import own_lasers
+
+    return own_lasers(own)
+
+
+def _cameras(url: str | None) -> "list[CameraDriver]":
     """Return the driver of the camera at this URL, if there is one."""
     if url is None:
-        return None
+        return []
     from pioneer3.robot.camera_driver import CameraDriver  # imports ssl
 
-    return CameraDriver(url)
+    return [CameraDriver(url)]
 
 
 async def _first_snapshot(supervisor: Supervisor) -> None:

@@ -10,7 +10,7 @@ from pioneer3.lasers.client import AS_DELIVERED, ScanSettings
 from pioneer3.links.urls import BARE_HOST, HOST_AND_PORT, opener, split_url
 from pioneer3.models import LaserMount, RobotModel
 from pioneer3.models.lasers import HOKUYO_PORT, LASERS, LaserProtocol, load_laser
-from pioneer3.models.model import REACH
+from pioneer3.models.model import REACH, OwnFile, OwnLaser
 from pioneer3.robot.lasers.driver import LaserConfig
 from pioneer3.robot.lasers.mounting import Mounting, Sector
 from pioneer3.units import ANGLE, LENGTH
@@ -112,6 +112,43 @@ def parse_lasers(
     if twice:
         raise ConfigError(f"--laser {twice}: given twice")
     return tuple(specs)
+
+
+def own_lasers(own: OwnFile) -> tuple[LaserSpec, ...]:
+    """Return the lasers that a robot's own file gives it.
+
+    Raises:
+        ConfigError: one of them has no port.
+    """
+    kinds = (laser.mount.kind for laser in own.lasers)
+    urls = [
+        f"{kind}@{laser.port}" if kind in LASERS else laser.port
+        for kind, laser in zip(kinds, own.lasers, strict=True)
+    ]
+    try:
+        specs = parse_lasers(urls)
+    except ConfigError as error:
+        raise ConfigError(f"{own.path}: {error}") from None
+    return tuple(
+        replace(spec, mounting=mounting_of(laser.mount))
+        for spec, laser in zip(specs, own.lasers, strict=True)
+    )
+
+
+def own_laser(text: str, spec: LaserSpec, model: RobotModel) -> OwnLaser:
+    """Return a laser, `text` as it was asked for, as the own file of a robot has it."""
+    place = spec.mounting_on(model)
+    return OwnLaser(
+        port=spec.url,
+        mount=LaserMount(
+            kind=text.rpartition("@")[0] or "laser",
+            x=place.sensor_in_robot.x,
+            y=place.sensor_in_robot.y,
+            theta=place.sensor_in_robot.theta,
+            upside_down=place.upside_down,
+            masked=tuple((sector.first, sector.last) for sector in place.masked),
+        ),
+    )
 
 
 def parse_laser(text: str) -> LaserSpec:

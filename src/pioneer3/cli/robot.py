@@ -1,0 +1,141 @@
+"""`pioneer3 robot`: the own file of a robot, found by its name or serial number."""
+
+from pathlib import Path
+
+from cyclopts import App
+
+from pioneer3.cli.options import LINK, Flag, LinkOptions
+
+robot_app = App(
+    name="robot",
+    help="""Show, make and edit a robot's own file: model, limits, lasers, camera.
+
+    Every command that connects finds it by the name that the robot says, or its
+    serial number, in ~/.config/pioneer3/robots: NAME.toml, or ARIA's NAME.p.
+
+    Example: pioneer3 robot init --port /dev/ttyUSB0
+    """,
+    help_format="plaintext",
+)
+
+
+@robot_app.command
+def show(name: str | None = None) -> int:
+    """Show the own file of a robot; without a name, list the files that there are.
+
+    Example: pioneer3 robot show rosie
+
+    Args:
+        name: That the robot says, or its serial number.
+    """
+    from pioneer3.cli.process import write_line
+    from pioneer3.models.catalog import read_model_text
+    from pioneer3.models.own import own_files, own_folder, read_own
+
+    if name is None:
+        paths = own_files()
+        told = f"no robot has a file of its own in {own_folder()}: pioneer3 robot init"
+        write_line("\n".join(map(str, paths)) or told)
+        return 0
+    path = _path(name)
+    model = read_own(path).model
+    write_line(f"# {path}: {model.title} ({model.name}), at most {model.max_speed:g} m/s")
+    write_line(read_model_text(path).rstrip())
+    return 0
+
+
+@robot_app.command
+def init(
+    name: str | None = None,
+    *,
+    link: LinkOptions = LINK,
+    force: Flag = False,
+) -> int:
+    """Make the own file of a robot, with what it says and the options tell.
+
+    With NAME and --model no robot is asked; else the one at --port says both.
+
+    Example: pioneer3 robot init --port /dev/ttyUSB0 --laser urg-04lx@/dev/ttyACM0
+    Example: pioneer3 robot init rosie --model p3at-sh
+
+    Args:
+        name: That the robot says; else the robot is asked.
+        link: The robot, and what is to be in the file.
+        force: Write over a file that is there.
+    """
+    from pioneer3.cli.process import run_until_told_to_leave
+
+    return run_until_told_to_leave(_init(name, link, force=force))
+
+
+async def _init(name: str | None, link: LinkOptions, *, force: bool) -> int:
+    from pioneer3.cli.process import write_line
+    from pioneer3.errors import ConfigError
+    from pioneer3.models import load_model
+    from pioneer3.models.own import new_own_text, own_path
+    from pioneer3.robot.lasers.spec import own_laser
+    from pioneer3.text import shown, write_bytes
+
+    model = link.model
+    if name is None or model is None:
+        async with link.connect(auto_enable=False) as robot:
+            name = name or robot.info.identity.name
+            model = model or robot.info.model.name
+    path = own_path(name)
+    if path is None:
+        raise ConfigError(f"{shown(name)}: no name of a file; give one: pioneer3 robot init NAME")
+    if path.exists() and not force:
+        raise ConfigError(f"{path}: is there already; edit it, or --force writes over it")
+    kin = load_model(model)
+    specs = zip(link.lasers.laser, await link.lasers.specs(), strict=True)
+    lasers = [own_laser(text, spec, kin) for text, spec in specs]
+    text = new_own_text(name, model, lasers, link.camera)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    write_bytes(path, text.encode())
+    write_line(f"wrote {path}; pioneer3 robot edit {name}")
+    return 0
+
+
+@robot_app.command
+def edit(name: str) -> int:
+    """Open the own file of a robot in $VISUAL or $EDITOR, and check it.
+
+    Example: pioneer3 robot edit rosie
+
+    Args:
+        name: That the robot says, or its serial number.
+    """
+    import os
+    import shlex
+    import subprocess
+
+    from pioneer3.cli.process import write_line
+    from pioneer3.errors import ConfigError
+    from pioneer3.models.own import read_own
+
+    path = _path(name)
+    editor = os.environ.get("VISUAL") or os.environ.get("EDITOR")
+    if not editor:
+        raise ConfigError(f"no editor is named: set EDITOR, or open {path}")
+    try:
+        subprocess.run([*shlex.split(editor), str(path)], check=True)
+    except (OSError, ValueError, subprocess.CalledProcessError) as error:
+        raise ConfigError(f"{editor}: {error}") from None
+    read_own(path)
+    write_line(f"{path}: is right, and counts from the next connection on")
+    return 0
+
+
+def _path(name: str) -> Path:
+    """Return the path of the own file of a robot.
+
+    Raises:
+        ConfigError: There is none.
+    """
+    from pioneer3.errors import ConfigError
+    from pioneer3.models.own import own_folder, path_of
+
+    path = path_of((name,))
+    if path is None:
+        raise ConfigError(f"no file {name}.toml or {name}.p in {own_folder()}: pioneer3 robot init")
+    return path
