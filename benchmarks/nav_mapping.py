@@ -29,7 +29,8 @@ from benchmarks.table import Row
 from pioneer3.geometry import Pose2
 from pioneer3.maps import LineMap
 from pioneer3.nav.beams import Beams, beams_of
-from pioneer3.nav.carmen import LoggedOdometry, read_carmen
+from pioneer3.nav.carmen import read_carmen
+from pioneer3.nav.logged import LoggedOdometry
 from pioneer3.nav.mapper import Mapper, prepare
 from pioneer3.nav.matching import rotation
 from pioneer3.nav.rendering import MapRenderer

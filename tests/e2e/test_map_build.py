@@ -6,7 +6,7 @@ import subprocess
 import sys
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
-from math import hypot
+from math import cos, hypot, inf, radians, sin
 from pathlib import Path
 
 import numpy as np
@@ -20,9 +20,10 @@ from pioneer3.maps.grid import samples
 from pioneer3.maps.line_map import distances
 from pioneer3.nav.mapper import Mapper
 from pioneer3.navigation.connect import connect_async
+from pioneer3.navigation.log_files import is_recording
 from pioneer3.navigation.map_builder import MapBuilder, whereabouts
 from pioneer3.navigation.map_files import files_of, load_survey, save_map, save_survey
-from pioneer3.navigation.map_logs import is_recording, map_log, map_recording
+from pioneer3.navigation.map_logs import map_log, map_recording
 from pioneer3.robot.devices.laser import Laser
 from pioneer3.runtime.fast_time import FastTimeLoop
 from pioneer3.runtime.robot import Robot
@@ -211,7 +212,7 @@ def test_a_recording_becomes_a_map(tmp_path: Path) -> None:
             await robot.turn(3.0)
 
     async def play() -> Mapper:
-        return await map_recording(path, told.append)
+        return (await map_recording(path, told.append)).mapper
 
     told: list[float] = []
     with asyncio.Runner(loop_factory=FastTimeLoop) as runner:
@@ -230,18 +231,54 @@ def test_a_log_becomes_a_map_and_damaged_files_are_refused(tmp_path: Path) -> No
     scans = (f"FLASER 181 {ranges} {x} 0 0 {x} 0 0 {x} host {x}" for x in (0.0, 0.3, 0.6))
     log.write_text("PARAM x y\n" + "\n".join(scans))
     assert not is_recording(log)
-    assert map_log(log, told.append).survey.frames[0].beams.points.shape == (181, 2)
+    assert map_log(log, told.append).mapper.survey.frames[0].beams.points.shape == (181, 2)
     log.write_text("nothing\n")
-    with pytest.raises(ConfigError, match="has no scans"):
+    with pytest.raises(ConfigError, match="is a text that is no log of scans"):
         map_log(log, told.append)
-    with pytest.raises(ConfigError, match="cannot be read"):
-        is_recording(tmp_path / "none.log")
     survey = tmp_path / "a.survey.npz"
     with pytest.raises(ConfigError, match=r"a.survey.npz has to lie beside it"):
         load_survey(tmp_path / "a.map")
     survey.write_bytes(b"no")
     with pytest.raises(ConfigError, match="is no survey"):
         load_survey(tmp_path / "a.map")
+
+
+def room(robot: Pose2) -> str:
+    """Return what a laser at a pose ahead sees of walls around a room, in mm."""
+    ranges = []
+    for degrees in range(-90, 91):
+        x, y = cos(radians(degrees) + robot.theta), sin(radians(degrees) + robot.theta)
+        ways = [(5.0 - robot.x) / x if x > 1e-9 else inf, (2.0 - robot.y) / y if y > 1e-9 else inf]
+        ways += [(-2.0 - robot.y) / y if y < -1e-9 else inf]
+        ranges.append(f"{1000 * min(ways):.0f}")
+    return " ".join(ranges)
+
+
+def test_a_scan_log_of_aria_becomes_a_map_with_its_goals(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    log, new = tmp_path / "lab.2d", tmp_path / "lab.map"
+    lines = ["LaserOdometryLog", "version: 2", "sick1pose: 0 0 0", "sick1conf: -90 90 181"]
+    poses = [Pose2(0.3 * number, 0.0, 0.0) for number in range(8)]
+    for pose in poses:
+        odometry = pose.x if pose.x < 1.0 else pose.x + 500.0
+        lines += [f"robot: {1000 * odometry:.0f} 0 0.00", f"sick1: {room(pose)}"]
+    lines += ["robot: 9e7 0 0", "robot: 502100 0 0"]
+    lines += ['cairn: GoalWithHeading "" ICON_GOALWITHHEADING "goal1"']
+    log.write_text("\n".join(lines))
+    assert execute(["map", "build", "--from", str(log), "-o", str(new)]) == 0
+    assert "lab.2d is a scan log of ARIA: scans of scan1, odometry of robot" in (
+        capsys.readouterr().out
+    )
+    line_map = read_map(new)
+    (goal,) = (each for each in line_map.objects if each.name == "goal1")
+    # the way of 300 mm within which odometry began anew is not known from odometry
+    assert goal.pose.x == pytest.approx(2.1, abs=0.35)
+    assert line_map.bounds.x_max == pytest.approx(5.0, abs=0.1)
+    assert execute(["map", "build", "--from", str(log), "--scans", "scan2"]) == 2
+    assert "--scans scan2: lab.2d has scan1" in capsys.readouterr().err
+    assert execute(["map", "build", "--scans", "scan2"]) == 2
+    assert "only with --from" in capsys.readouterr().err
 
 
 def test_nothing_is_written_over_unless_asked_for(tmp_path: Path) -> None:

@@ -47,6 +47,8 @@ def build(
     explore: Flag = False,
     continue_: Annotated[Path | None, Parameter(name="--continue", metavar="FILE")] = None,
     from_: Annotated[Path | None, Parameter(name="--from", metavar="FILE")] = None,
+    scans: Annotated[str | None, Parameter(metavar="NAME")] = None,
+    odometry: Annotated[str | None, Parameter(metavar="NAME")] = None,
     start: Annotated[str | None, Parameter(metavar="PLACE", allow_leading_hyphen=True)] = None,
     speed: Speed = SPEED,
     max_speed: Speed | None = None,
@@ -71,7 +73,10 @@ def build(
         output: The new map: .map, .yaml or .toml. Without it a .map named after the time.
         explore: The robot drives by itself to where the map ends.
         continue_: Go on with this map, and save there unless -o says otherwise.
-        from_: Make it of a log of CARMEN, or of what --record has written, without a robot.
+        from_: Make it without a robot: of a scan log of ARIA (.2d), a rosbag of ROS 1 or 2, MCAP,
+            a log of CARMEN, or what --record has written; --laser-pose tells where its laser is.
+        scans: Of this laser in a log that has several: a topic, ROBOTLASER2, scan2.
+        odometry: By this of a log that has several: a topic, tf, robotGlobal.
         start: Where the robot is on the map that is continued: a name, or x,y,heading; without
             it at the map's home, or else it is looked for while you drive.
         speed: Of the forward key, or at most.
@@ -79,12 +84,15 @@ def build(
         force: Write over files that are there.
         navigation: Settings.
     """
+    from pioneer3.errors import ConfigError
     from pioneer3.navigation.connect import require_navigation
 
     require_navigation()
     target = _target(output, continue_, force=force)
     if from_ is not None:
-        return _from_file(from_, target, link, navigation.settings(link))
+        return _from_file(from_, target, link, navigation.settings(link), (scans, odometry))
+    if scans is not None or odometry is not None:
+        raise ConfigError("--scans and --odometry choose among those of a log: only with --from")
     begin = _Begin.of(continue_, start)
     keeper = _Keeper(target)
     connect = partial(link.connect, max_speed=max_speed, navigation=navigation)
@@ -272,13 +280,20 @@ def _require_laser(robot: "Robot") -> None:
 
 
 def _from_file(
-    source: Path, target: Path, link: LinkOptions, settings: "NavigationSettings"
+    source: Path,
+    target: Path,
+    link: LinkOptions,
+    settings: "NavigationSettings",
+    sources: tuple[str | None, str | None],
 ) -> int:
     from pioneer3.nav.rendering import drawn
-    from pioneer3.navigation.map_logs import is_recording, map_log, map_recording
+    from pioneer3.navigation.log_files import is_recording
+    from pioneer3.navigation.map_logs import LogMap, SourceChoice, map_log, map_recording
+    from pioneer3.robot.lasers.spec import parse_mounting
     from pioneer3.runtime.fast_time import FastTimeLoop
 
-    made: list[Mapper] = []
+    made: list[LogMap] = []
+    choice = SourceChoice(*sources, *map(parse_mounting, link.lasers.laser_pose[:1]))
     with busy_sign(f"reading {source}") as tell:
 
         def progress(share: float) -> None:
@@ -294,10 +309,14 @@ def _from_file(
             if code:
                 return code
         else:
-            made.append(map_log(source, progress, settings))
-        (mapper,) = made
+            made.append(map_log(source, progress, settings, choice))
+        (log_map,) = made
         tell("drawing the map")
-        line_map = drawn(mapper.survey, ROOM, settings.mapper.cell, objects=_Begin().objects)
+        mapper, objects = log_map.mapper, (*_Begin().objects, *log_map.places)
+        line_map = drawn(mapper.survey, ROOM, settings.mapper.cell, objects=objects)
+    write_line(f"{source} is {log_map.source}")
+    for note in log_map.notes:
+        write_warning(note)
     return 0 if _save(line_map, mapper, target) else 1
 
 

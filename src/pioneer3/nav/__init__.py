@@ -34,7 +34,9 @@ rendering         draws the map of a survey: which cells are free, and which are
 survey_arrays     a survey as arrays, to be written to a file and read again
 frontiers         where a map ends: places from which a robot sees what is unknown
 exploring         chooses the edge of a map that a robot looks at next, until none is left
+logged            readings of logs, and scans that wait for the odometry of their time
 carmen            reads logs of CARMEN, the format in which laser logs of robots are published
+scan_log          reads scan logs of ARIA, `.2d`
 settings          settings of navigation that a lab may tune
 kernels           the inner loops of navigation
 warm_up           compiles or loads all kernels, by navigating in a small room

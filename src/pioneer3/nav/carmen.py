@@ -2,9 +2,12 @@
 
 `ODOM x y theta tv rv accel stamp host stamp` is a reading of the odometry. `FLASER n range.. x y
 theta odom_x odom_y odom_theta stamp host stamp` is a scan of n readings from -90 to +90 degrees,
-the pose of the laser and of the robot. `PARAM name value` is a setting of the robot. Lengths are
-[m], angles [rad], stamps [s]; a stamp has six digits and may go backwards, so the order of lines
-counts. Everything else is skipped.
+the pose of the laser and of the robot; `RLASER` that of the rear laser. Since 2006 `RAWLASER1 type
+start fov step far accuracy mode n range.. m remission.. stamp host stamp` is a scan with its
+directions, without poses, and `ROBOTLASER1` has after the remissions the two poses, two speeds, the
+axis of turns and two lengths. `PARAM name value` is a setting of the robot. Lengths are [m], angles
+[rad], stamps [s]; a stamp has six digits and may go backwards, so the order of lines counts where
+a scan has poses. Everything else is skipped.
 
 Logs that gmapping has corrected hold the corrected pose in each FLASER, and again in a line `ODOM`
 after it, from which odometry goes on; the stamp of that line means nothing. The raw odometry is
@@ -13,59 +16,78 @@ chained from the ways between.
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from math import hypot, inf, isfinite, pi
+from math import hypot, isfinite, pi
 
-from pioneer3.geometry import ORIGIN, Pose2
+from pioneer3.geometry import ORIGIN, TURN, Pose2, wrap
+from pioneer3.nav.logged import (
+    NO_ECHO,
+    LoggedOdometry,
+    LoggedScan,
+    Pairing,
+    Reading,
+    Sources,
+    is_pose,
+    range_of,
+)
 from pioneer3.state import Scan
 
-NO_ECHO = 50.0
-"""Reading from which on a laser of the time has seen nothing [m]."""
-CODES = (8.18, 8.2), (16.36, 16.4), (32.74, 32.8)
-"""Readings that mean the same where a SICK's 13 bits count in 1, 2 or 4 mm [m]."""
-OFFSET_PARAMETER = "robot_frontlaser_offset"
-"""Parameter of the laser's place ahead of the robot's middle."""
 RANGE_PARAMETER = "robot_front_laser_max"
-"""Parameter of the laser's longest range."""
+"""Parameter of the longest range of the front laser."""
 SAME_POSE = 1e-3
 """Difference below which two poses are the same [m, rad]."""
+MOST_OFFSET = 3.0
+"""Distance of a laser from the middle of its robot at most [m]."""
 STAMP_GAP = 1.0
 """Difference of neighbouring lines' stamps at most [s], unless one of them means nothing."""
+HALF = pi / 2
+"""Directions of the first and the last reading of an FLASER, on both sides [rad]."""
+FEWEST = 2
+"""Readings of a scan at least."""
+HEADER = 8
+"""Words before the readings of a scan that tells its directions."""
 
 
-@dataclass(frozen=True, slots=True)
-class LoggedOdometry:
-    """A reading of the odometry between scans.
-
-    Attributes:
-        stamp: [s], as in the log.
-        robot_in_odom: The raw odometry.
-    """
-
-    stamp: float
-    robot_in_odom: Pose2
-
-
-@dataclass(frozen=True, slots=True)
-class LoggedScan:
-    """A scan.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Message:
+    """A kind of scan.
 
     Attributes:
-        scan: The readings, with the raw odometry.
-        corrected: Its pose in the map that the log was corrected with [m, rad], or `None` in a raw
-            log.
+        directed: The line tells directions and the longest range.
+        posed: It tells the poses of laser and robot.
+        side: The laser's name in the parameters: `front` or `rear`.
     """
 
-    scan: Scan
-    corrected: Pose2 | None
+    directed: bool
+    posed: bool
+    side: str
 
 
-@dataclass(frozen=True, slots=True)
+SIDES = ("front", "rear", "", "", "")
+"""Lasers 1 to 5 of a robot; the parameters name two."""
+MESSAGES = {
+    "FLASER": _Message(directed=False, posed=True, side="front"),
+    **{
+        f"{word}{number}": _Message(directed=True, posed=word == "ROBOTLASER", side=side)
+        for number, side in enumerate(SIDES, 1)
+        for word in ("ROBOTLASER", "RAWLASER")
+    },
+    "RLASER": _Message(directed=False, posed=True, side="rear"),
+}
+"""Scans, those to be taken first before the others: the front laser, and with poses."""
+WORDS = frozenset(("ODOM", "PARAM", "SYNC", "TRUEPOS", "NEFF", *MESSAGES))
+"""First words of the lines of such logs."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class _Sweep:
-    """A FLASER as it is written."""
+    """A scan as it is written; the poses of a line without them are `None`."""
 
+    message: _Message
+    angles: tuple[float, ...]
     ranges: tuple[float, ...]
-    laser: Pose2
-    robot: Pose2
+    far: float
+    laser: Pose2 | None
+    robot: Pose2 | None
     stamp: float
 
 
@@ -73,7 +95,8 @@ class _Reader:
     """Chains the odometry and makes scans."""
 
     def __init__(self) -> None:
-        self.offset, self.far = 0.0, NO_ECHO
+        self.far = NO_ECHO
+        self.mounts = {"front": ORIGIN, "rear": Pose2(0.0, 0.0, pi), "": ORIGIN}
         self._raw = ORIGIN
         self._anchor: Pose2 | None = None
         self._number = 0
@@ -85,95 +108,161 @@ class _Reader:
         self._anchor = pose
         return LoggedOdometry(stamp, self._raw)
 
-    def scan(self, sweep: _Sweep, *, anchored: bool) -> LoggedScan:
-        """Make a scan; `anchored` says that odometry goes on from its pose."""
+    def posed(self, sweep: _Sweep, robot: Pose2, *, anchored: bool) -> LoggedScan:
+        """Make a scan with poses; `anchored` says that odometry goes on from its pose."""
         if anchored:
-            self._anchor = sweep.robot
+            self._anchor = robot
         else:
-            self.move(sweep.robot, sweep.stamp)
-        mount = sweep.robot.inverse() @ sweep.laser
-        # a laser's pose is as far from the robot's as the laser; a corrected one is anywhere
-        differs = hypot(mount.x - self.offset, mount.y) > SAME_POSE or abs(mount.theta) > SAME_POSE
-        differs = differs and hypot(mount.x, mount.y) + abs(mount.theta) > 0
+            self.move(robot, sweep.stamp)
+        laser, known = sweep.laser or robot, self.mounts[sweep.message.side]
+        mount = robot.inverse() @ laser
+        if mount == ORIGIN and sweep.message.side == "rear":
+            mount = known
+        if sweep.message.directed:
+            differs = hypot(mount.x, mount.y) > MOST_OFFSET
+        else:
+            # a laser's pose is as far from the robot's as the laser; a corrected one is anywhere
+            away, turned = known.inverse() @ mount, hypot(mount.x, mount.y) + abs(mount.theta)
+            differs = hypot(away.x, away.y) + abs(away.theta) > SAME_POSE and turned > SAME_POSE
+        scan = self.scan(sweep, self._raw, known if differs else mount)
+        return LoggedScan(scan, laser if anchored or differs else None)
+
+    def scan(self, sweep: _Sweep, robot: Pose2, mount: Pose2) -> Scan:
+        """Make a scan of a robot and a laser at these poses."""
         self._number += 1
-        return LoggedScan(
-            Scan(
-                stamp=sweep.stamp,
-                sequence=self._number,
-                robot_in_odom=self._raw,
-                sensor_in_robot=ORIGIN if differs else mount,
-                angles=_angles(len(sweep.ranges)),
-                ranges=tuple(self._range(value) for value in sweep.ranges),
-                far=self.far,
-            ),
-            sweep.laser if anchored or differs else None,
+        far = min(sweep.far, self.far if sweep.message.side == "front" else NO_ECHO)
+        return Scan(
+            stamp=sweep.stamp,
+            sequence=self._number,
+            robot_in_odom=robot,
+            sensor_in_robot=mount,
+            angles=sweep.angles,
+            ranges=tuple(range_of(value, far) for value in sweep.ranges),
+            far=far,
         )
 
-    def _range(self, metres: float) -> float:
-        nothing = metres >= self.far or any(low <= metres <= high for low, high in CODES)
-        return inf if nothing else metres if metres > 0 else -inf
+    def set(self, name: str, value: float) -> None:
+        """Take a parameter that tells the place or the range of a laser."""
+        if name == RANGE_PARAMETER and value > 0:
+            self.far = min(value, NO_ECHO)
+        for side, mount in self.mounts.items():
+            begin = f"robot_{side}laser_"
+            if side and name.startswith(begin) and abs(value) < TURN:
+                self.mounts[side] = {
+                    "offset": Pose2(value, mount.y, mount.theta),
+                    "side_offset": Pose2(mount.x, value, mount.theta),
+                    "angular_offset": Pose2(mount.x, mount.y, wrap(value)),
+                }.get(name.removeprefix(begin), mount)
 
 
-def read_carmen(lines: Iterable[str]) -> Iterator[LoggedOdometry | LoggedScan]:
-    """Yield the readings of a log in their order; lines that are damaged are skipped."""
-    reader, waiting = _Reader(), None
+def carmen_sources(lines: Iterable[str]) -> Sources:
+    """Return the lasers of a log."""
+    seen = {line.split(maxsplit=1)[0] for line in lines if line.strip()}
+    return Sources(tuple(name for name in MESSAGES if name in seen), ("ODOM",))
+
+
+def read_carmen(lines: Iterable[str], laser: str = "FLASER") -> Iterator[Reading]:
+    """Yield the readings of a log in their order; lines that are damaged are skipped.
+
+    Args:
+        lines: Of the log.
+        laser: First word of the scans that are read.
+    """
+    reader, pairing, message = _Reader(), Pairing(), MESSAGES[laser]
+    waiting: _Sweep | None = None
     for line in lines:
         words = line.split()
-        if not words or words[0] not in ("ODOM", "FLASER", "PARAM"):
+        if not words or words[0] not in ("ODOM", "PARAM", laser):
             continue
-        numbers = _numbers(words[1:])
-        if words[0] == "PARAM" and len(words) > 2:
-            _set(reader, words[1], words[2])
+        if words[0] == "PARAM":
+            if len(words) > 2 and isfinite(value := _number(words[2])):
+                reader.set(words[1], value)
             continue
-        anchors = waiting is not None and _anchors(words, numbers, waiting)
-        if waiting is not None:
-            yield reader.scan(waiting, anchored=anchors)
-            waiting = None
-        if words[0] == "FLASER":
-            waiting = _sweep(numbers)
-        elif len(numbers) >= 8 and isfinite(sum(numbers[:3])) and not anchors:
-            yield reader.move(Pose2(*numbers[:3]), numbers[6])
-    if waiting is not None:
-        yield reader.scan(waiting, anchored=False)
+        numbers = [_number(word) for word in words[1:]]
+        anchors = waiting is not None and _anchors(words[0], numbers, waiting)
+        if waiting is not None and waiting.robot is not None:
+            yield reader.posed(waiting, waiting.robot, anchored=anchors)
+        waiting = None
+        if words[0] == laser:
+            sweep = _sweep(message, numbers)
+            if sweep is not None and sweep.robot is None:
+                yield from pairing.scan(reader.scan(sweep, ORIGIN, reader.mounts[message.side]))
+            else:
+                waiting = sweep
+        elif len(numbers) >= 8 and is_pose(Pose2(*numbers[:3])) and not anchors:
+            moved = reader.move(Pose2(*numbers[:3]), numbers[6])
+            yield from (moved,) if message.posed else pairing.move(moved)
+    if waiting is not None and waiting.robot is not None:
+        yield reader.posed(waiting, waiting.robot, anchored=False)
+    yield from pairing.rest()
 
 
-def _set(reader: _Reader, name: str, value: str) -> None:
-    number = _number(value)
-    if name == OFFSET_PARAMETER and isfinite(number):
-        reader.offset = number
-    elif name == RANGE_PARAMETER and number > 0:
-        reader.far = min(number, NO_ECHO)
-
-
-def _sweep(numbers: list[float]) -> _Sweep | None:
-    count = int(numbers[0]) if numbers and isfinite(numbers[0]) else 0
-    if count < 2 or len(numbers) < count + 8 or not isfinite(sum(numbers[: count + 8])):
+def _sweep(message: _Message, numbers: list[float]) -> _Sweep | None:
+    begin = HEADER if message.directed else 1
+    count, after = _counted(numbers, begin)
+    if count < FEWEST:
         return None
-    x, y, theta, odom_x, odom_y, odom_theta, stamp = numbers[count + 1 : count + 8]
+    angles, far = _half_circle(count), NO_ECHO
+    if message.directed:
+        angles = _directions(numbers[1], numbers[2], numbers[3], count)
+        far = min(numbers[4], NO_ECHO) if numbers[4] > 0 else NO_ECHO
+        _, after = _counted(numbers, after + 1)
+    laser = robot = None
+    if message.posed:
+        poses, after = numbers[after : after + 6], after + (11 if message.directed else 6)
+        if len(poses) < 6:
+            return None
+        laser, robot = Pose2(*poses[:3]), Pose2(*poses[3:])
+        if not (is_pose(laser) and is_pose(robot)):
+            return None
+    ranges = numbers[begin : begin + count]
+    if not (angles and len(numbers) > after and isfinite(numbers[after] + sum(ranges))):
+        return None
     return _Sweep(
-        ranges=tuple(numbers[1 : count + 1]),
-        laser=Pose2(x, y, theta),
-        robot=Pose2(odom_x, odom_y, odom_theta),
-        stamp=stamp,
+        message=message,
+        angles=angles,
+        ranges=tuple(ranges),
+        far=far,
+        laser=laser,
+        robot=robot,
+        stamp=numbers[after],
     )
 
 
-def _anchors(words: list[str], numbers: list[float], sweep: _Sweep) -> bool:
+def _counted(numbers: list[float], begin: int) -> tuple[int, int]:
+    """Return how many values begin here, by the number before them, and where they end."""
+    told = numbers[begin - 1] if 0 < begin <= len(numbers) else 0.0
+    count = int(told) if isfinite(told) and 0 <= told <= len(numbers) - begin else -1
+    return count, begin + max(0, count)
+
+
+def _anchors(word: str, numbers: list[float], sweep: _Sweep) -> bool:
     """Whether the line after a scan says that odometry goes on from the scan's pose."""
     robot = sweep.robot
-    if words[0] != "ODOM" or len(numbers) < 8 or numbers[:3] != [robot.x, robot.y, robot.theta]:
+    if robot is None or word != "ODOM" or len(numbers) < 8:
+        return False
+    if sweep.message.directed or numbers[:3] != [robot.x, robot.y, robot.theta]:
         return False
     return numbers[6] == 0 or abs(numbers[6] - sweep.stamp) > STAMP_GAP
 
 
-def _angles(count: int) -> tuple[float, ...]:
-    """Return the directions: a half circle, of which some logs leave out the last reading."""
+def _half_circle(count: int) -> tuple[float, ...]:
+    """Return the directions of a half circle, of which some logs leave out the last reading."""
     step = pi / (count - count % 2)
-    return tuple(-pi / 2 + step * number for number in range(count))
+    return tuple(-HALF + step * number for number in range(count))
 
 
-def _numbers(words: list[str]) -> list[float]:
-    return [_number(word) for word in words]
+def _directions(start: float, fov: float, step: float, count: int) -> tuple[float, ...]:
+    """Return the directions that a line tells; without any where they mean nothing.
+
+    Some programs write other things than the step: it counts if it fills the field of view, with
+    or without the last reading.
+    """
+    if not (isfinite(start) and 0 < fov <= TURN + SAME_POSE):
+        return ()
+    if not 0 < fov - step * (count - 1) + step / 2 < 2 * step:
+        step = fov / (count - 1)
+    return tuple(start + step * number for number in range(count))
 
 
 def _number(word: str) -> float:

@@ -15,6 +15,9 @@ traffic         robots of one program: frames, who travels where, who waits
 group           formations of them
 map_builder     maps, while a robot drives or explores
 map_logs        maps, from recordings and logs
+log_files       logs, opened by their content, and names of other files
+bag_logs        rosbags as logs
+bag_frames      the frames of a bag: where its laser is, and whose motion is odometry
 map_files       maps as files
 simulator       the map and the pose that a simulator tells
 ==============  =================================================================================

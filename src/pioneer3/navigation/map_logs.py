@@ -1,20 +1,23 @@
 """Makes maps of logs and recordings."""
 
 import asyncio
-import gzip
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
-from io import TextIOWrapper
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from math import hypot
 from pathlib import Path
-from typing import Any, BinaryIO, cast
+from typing import Any
 
 from pioneer3.errors import ConfigError, DeviceError
+from pioneer3.geometry import ORIGIN, Pose2
 from pioneer3.links.tap import read_recording
+from pioneer3.maps import MapObject
 from pioneer3.nav.beams import beams_of
-from pioneer3.nav.carmen import LoggedOdometry, read_carmen
+from pioneer3.nav.logged import Entry, LoggedOdometry, LoggedPlace
 from pioneer3.nav.mapper import Mapper
 from pioneer3.nav.settings import AS_SHIPPED, NavigationSettings
+from pioneer3.navigation.log_files import Log, opened_log
 from pioneer3.navigation.map_builder import MapBuilder
+from pioneer3.robot.lasers.mounting import Mounting
 from pioneer3.runtime.connect import connect_robot
 from pioneer3.tasks import running
 from pioneer3.text import wrong
@@ -24,44 +27,156 @@ Tell = Callable[[float], None]
 
 IMPROVE = 10
 """Loops are looked for after so many scans."""
-GZIP = b"\x1f\x8b"
-RECORDING = "# pioneer3"
+LEAP = 20.0
+"""Way between two readings of odometry above which it has begun anew, or is damaged [m]."""
 SILENCE = 5.0
 """A recording is over if no reading comes for so long [s]."""
 
 
-def is_recording(path: Path) -> bool:
-    """Whether a file is a recording of this program; else it may be a log of CARMEN.
+@dataclass(frozen=True, slots=True)
+class SourceChoice:
+    """The laser and odometry that are read of a log that has several.
+
+    Attributes:
+        laser: Its name: a topic, `ROBOTLASER2`, `scan2`; `None` for the one that is taken first.
+        odometry: Likewise: a topic, `tf`, `robotGlobal`.
+        mounting: Where the laser is; `None` for what the log tells.
+    """
+
+    laser: str | None = None
+    odometry: str | None = None
+    mounting: Mounting | None = None
+
+
+FIRST = SourceChoice()
+"""The first laser and odometry of a log."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LogMap:
+    """The map that was made of a log.
+
+    Attributes:
+        mapper: Its map.
+        places: Places that were marked in it.
+        source: Its format, and what was read of it, for people.
+        notes: Warnings.
+    """
+
+    mapper: Mapper
+    places: tuple[MapObject, ...]
+    source: str
+    notes: tuple[str, ...]
+
+
+def map_log(
+    path: Path,
+    tell: Tell,
+    settings: NavigationSettings = AS_SHIPPED,
+    choice: SourceChoice = FIRST,
+) -> LogMap:
+    """Return the map of a log: of CARMEN, of ARIA, or a rosbag.
 
     Raises:
-        ConfigError: It cannot be read.
+        ConfigError: The file cannot be read, has no scans, or not what is chosen.
     """
-    with _opened(path) as (lines, _):
-        return next(iter(lines), "").startswith(RECORDING)
+    mapping = _Mapping(settings)
+    with opened_log(path, choice.mounting) as log:
+        sources = log.sources
+        laser = _chosen(path, log, "scans", choice.laser, sources.lasers)
+        odometry = _chosen(path, log, "odometry", choice.odometry, sources.odometry)
+        for entry in log.entries(laser, odometry):
+            mapping.take(entry)
+            if mapping.scans and mapping.scans % IMPROVE == 0:
+                mapping.improve()
+                tell(min(1.0, log.share))
+        if not mapping.scans:
+            raise wrong(path, f" is {log.name}, but no scan of {laser} with {odometry} is in it")
+        mapping.improve()
+        also = [
+            name for name in (*sources.lasers, *sources.odometry) if name not in (laser, odometry)
+        ]
+        return LogMap(
+            mapper=mapping.mapper,
+            places=mapping.places,
+            source=f"{log.name}: scans of {laser}, odometry of {odometry}"
+            + (f"; also there, for --scans and --odometry: {', '.join(also)}" if also else ""),
+            notes=tuple(log.notes),
+        )
 
 
-def map_log(path: Path, tell: Tell, settings: NavigationSettings = AS_SHIPPED) -> Mapper:
-    """Return the map of a log of CARMEN, which may be compressed by gzip.
+class _Mapping:
+    """Feeds the readings of a log to a mapper.
+
+    Odometry that leaps has begun anew, if the next reading is near; else one reading is damaged.
+    """
+
+    def __init__(self, settings: NavigationSettings) -> None:
+        self.mapper = Mapper(settings=settings.mapper)
+        self.scans = 0
+        self._places: list[tuple[int, Pose2, LoggedPlace]] = []
+        self._begin = ORIGIN
+        self._last: Pose2 | None = None
+        self._leapt: Pose2 | None = None
+
+    @property
+    def places(self) -> tuple[MapObject, ...]:
+        """The places that were marked, where they are on the map now."""
+        poses = self.mapper.survey.poses
+        return tuple(
+            MapObject(kind=each.kind, name=each.name, pose=poses[frame] @ place)
+            for frame, place, each in self._places
+        )
+
+    def improve(self) -> None:
+        """Look for loops."""
+        self.mapper.apply(self.mapper.snapshot.improve())
+
+    def take(self, entry: Entry) -> None:
+        """Take a reading."""
+        if isinstance(entry, LoggedPlace):
+            poses = self.mapper.survey.poses
+            here = poses[-1].inverse() @ self.mapper.robot_in_map if poses else ORIGIN
+            self._places.append((max(0, len(poses) - 1), here, entry))
+        elif isinstance(entry, LoggedOdometry):
+            if self._follows(entry.robot_in_odom):
+                self.mapper.move(self._begin @ entry.robot_in_odom)
+        elif self._follows(entry.scan.robot_in_odom):
+            scan, last = entry.scan, entry.scan.last_in_odom
+            here = self._begin @ scan.robot_in_odom
+            last = self._begin @ last if last and _way(scan.robot_in_odom, last) < LEAP else None
+            self.mapper.add(beams_of(replace(scan, robot_in_odom=here, last_in_odom=last)))
+            self.scans += 1
+
+    def _follows(self, pose: Pose2) -> bool:
+        """Whether a pose follows the last one; note where odometry begins anew."""
+        if self._last is not None and _way(self._last, pose) > LEAP:
+            if self._leapt is None or _way(self._leapt, pose) > LEAP:
+                self._leapt = pose
+                return False
+            self._begin = self._begin @ self._last @ pose.inverse()
+        self._last, self._leapt = pose, None
+        return True
+
+
+def _way(first: Pose2, second: Pose2) -> float:
+    return hypot(second.x - first.x, second.y - first.y)
+
+
+def _chosen(path: Path, log: Log, what: str, wanted: str | None, names: Sequence[str]) -> str:
+    """Return the source that is wanted, or the one to be taken first.
 
     Raises:
-        ConfigError: The file cannot be read, or has no scans.
+        ConfigError: It is not in the log.
     """
-    mapper, scans = Mapper(settings=settings.mapper), 0
-    size = max(1, path.stat().st_size) if path.exists() else 1
-    with _opened(path) as (lines, raw):
-        for entry in read_carmen(lines):
-            if isinstance(entry, LoggedOdometry):
-                mapper.move(entry.robot_in_odom)
-                continue
-            mapper.add(beams_of(entry.scan))
-            scans += 1
-            if scans % IMPROVE == 0:
-                mapper.apply(mapper.snapshot.improve())
-                tell(raw.tell() / size)
-    if not scans:
-        raise wrong(path, " has no scans: it must be a log of CARMEN, or what --record wrote")
-    mapper.apply(mapper.snapshot.improve())
-    return mapper
+    if not names:
+        raise wrong(path, f" is {log.name} without {what}")
+    if wanted is None:
+        return names[0]
+    found = [name for name in names if name.strip("/") == wanted.strip("/")]
+    if not found:
+        raise ConfigError(f"--{what} {wanted}: {path.name} has {', '.join(names)}")
+    return found[0]
 
 
 async def map_recording(
@@ -69,7 +184,7 @@ async def map_recording(
     tell: Tell,
     lasers: Sequence[str] = (),
     settings: NavigationSettings = AS_SHIPPED,
-) -> Mapper:
+) -> LogMap:
     """Return the map of a recording; for a :class:`.FastTimeLoop`.
 
     Args:
@@ -108,18 +223,4 @@ async def map_recording(
             " a simulator for them"
         )
     builder.mapper.apply(builder.mapper.snapshot.improve())
-    return builder.mapper
-
-
-@contextmanager
-def _opened(path: Path) -> Iterator[tuple[TextIOWrapper, BinaryIO]]:
-    """Open a text, compressed or not; yield its lines, and the file whose place shows progress."""
-    try:
-        with path.open("rb") as raw:
-            packed = raw.read(len(GZIP)) == GZIP
-            raw.seek(0)
-            plain = cast("BinaryIO", gzip.GzipFile(fileobj=raw)) if packed else raw
-            with TextIOWrapper(plain, encoding="utf-8", errors="replace") as lines:
-                yield lines, raw
-    except OSError as error:
-        raise ConfigError(f"{path}: cannot be read: {error.strerror or error}") from None
+    return LogMap(mapper=builder.mapper, places=(), source="a recording", notes=())

@@ -7,7 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pioneer3.geometry import ORIGIN, Pose2
-from pioneer3.nav.carmen import LoggedOdometry, LoggedScan, read_carmen
+from pioneer3.nav.carmen import carmen_sources, read_carmen
+from pioneer3.nav.logged import LoggedOdometry, LoggedScan
 
 poses = st.builds(
     Pose2, st.floats(-50, 50), st.floats(-50, 50), st.floats(-pi, pi, exclude_min=True)
@@ -88,9 +89,67 @@ def test_codes_mean_that_nothing_came_back(nothing: float) -> None:
     assert scan.ranges == (1.0, inf, 7.9)
 
 
+def directed(word: str, ranges: str, poses: str = "", stamp: float = 1.0, begin: str = "") -> str:
+    begin = begin or f"0 -2.35619 4.71239 1.570796 30.0 0.03 0 {len(ranges.split())}"
+    return f"{word} {begin} {ranges} 2 7 8 {poses} {stamp} host {stamp}"
+
+
+def test_a_scan_with_directions_has_its_own_range_and_place() -> None:
+    robot = Pose2(1.0, 2.0, pi / 2)
+    laser = robot @ Pose2(0.25, 0.05, 0.1)
+    poses = " ".join(f"{p.x!r} {p.y!r} {p.theta!r}" for p in (laser, robot)) + " 0.3 0.1 0 0 0"
+    lines = [odom(ORIGIN, 0.5), directed("ROBOTLASER1", "1 8.19 30 0", poses, 0.9)]
+    assert carmen_sources(lines).lasers == ("ROBOTLASER1",)
+    (scan,) = (e.scan for e in read_carmen(lines, "ROBOTLASER1") if isinstance(e, LoggedScan))
+    assert scan.angles == pytest.approx((-0.75 * pi, -pi / 4, pi / 4, 0.75 * pi), abs=1e-4)
+    assert scan.ranges == (1.0, 8.19, inf, -inf)
+    mount = scan.sensor_in_robot
+    assert (mount.x, mount.y, mount.theta) == pytest.approx((0.25, 0.05, 0.1))
+    assert scan.robot_in_odom == robot
+    assert scan.stamp == 0.9
+
+
+@pytest.mark.parametrize(
+    ("begin", "last"),
+    [
+        ("0 -1.570796 3.141593 0.785398 81.9 0.01 0 5", pi / 2),
+        ("0 -1.570796 3.141593 0.785398 81.9 0.01 0 4", pi / 4),
+        ("0 -1.570796 3.141593 360 81.9 0.01 0 5", pi / 2),
+    ],
+)
+def test_the_step_counts_if_it_fills_the_field_of_view(begin: str, last: float) -> None:
+    line = directed("RAWLASER1", " ".join(["1.0"] * int(begin[-1])), begin=begin)
+    entries = read_carmen([odom(ORIGIN, 1.0), line], "RAWLASER1")
+    (scan,) = (entry.scan for entry in entries if isinstance(entry, LoggedScan))
+    assert scan.angles[-1] == pytest.approx(last, abs=1e-4)
+
+
+def test_a_scan_without_poses_has_the_odometry_of_its_time_and_the_place_in_the_parameters() -> (
+    None
+):
+    lines = [
+        "PARAM robot_frontlaser_offset 0.18 host 0",
+        "PARAM robot_frontlaser_side_offset -0.02 host 0",
+        directed("RAWLASER1", "1 1", stamp=0.5),
+        odom(ORIGIN, 1.0),
+        directed("RAWLASER1", "1 1", stamp=1.25),
+        directed("RAWLASER2", "1 1", stamp=1.25),
+        odom(Pose2(1.0, 0.0, 0.4), 2.0),
+        directed("RAWLASER1", "1 1", stamp=2.5),
+    ]
+    found = [e for e in read_carmen(lines, "RAWLASER1") if isinstance(e, LoggedScan)]
+    headings = [entry.scan.robot_in_odom.theta for entry in found]
+    assert headings == pytest.approx([0.0, 0.1, 0.4])
+    assert [entry.scan.robot_in_odom.x for entry in found] == [0.0, 0.25, 1.0]
+    assert found[0].scan.sensor_in_robot == Pose2(0.18, -0.02)
+    (rear,) = (e for e in read_carmen(lines, "RAWLASER2") if isinstance(e, LoggedScan))
+    assert rear.scan.sensor_in_robot.theta == pi
+
+
 @given(st.lists(st.text(max_size=60), max_size=5))
 def test_damaged_lines_are_skipped(lines: list[str]) -> None:
     damaged = ["FLASER", "FLASER x", "FLASER 5 1 2", "ODOM 1 2", "ODOM nan 0 0 0 0 0 1 h 1"]
+    damaged += ["FLASER 1e300 1", "ODOM 1e30 0 0 0 0 0 1 h 1", "PARAM robot_front_laser_max nan"]
     good = odom(Pose2(cos(1.0), sin(1.0)), 1.0)
     entries = list(read_carmen([*damaged, *lines, good]))
     assert isinstance(entries[-1], LoggedOdometry)

@@ -10,7 +10,8 @@ import pytest
 from benchmarks.nav_judge import trajectory_errors
 from pioneer3.geometry import Pose2
 from pioneer3.nav.beams import beams_of
-from pioneer3.nav.carmen import LoggedOdometry, read_carmen
+from pioneer3.nav.carmen import read_carmen
+from pioneer3.nav.logged import LoggedOdometry
 from pioneer3.nav.mapper import Mapper
 
 DATASETS = Path(__file__).resolve().parents[4] / "shared" / "datasets"

@@ -1,0 +1,320 @@
+"""Opens logs of scans, whatever their names are, and names files that are none."""
+
+import bz2
+import gzip
+import lzma
+import os
+import re
+import zlib
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import partial
+from io import BufferedIOBase, TextIOWrapper
+from itertools import chain, islice
+from pathlib import Path
+from typing import BinaryIO, Protocol, cast
+
+from pioneer3.errors import ConfigError
+from pioneer3.nav.carmen import WORDS, carmen_sources, read_carmen
+from pioneer3.nav.logged import Entry, LoggedScan, Sources
+from pioneer3.nav.scan_log import FIRST_LINE, read_scan_log, scan_log_sources
+from pioneer3.navigation.bag_frames import mounted
+from pioneer3.navigation.bag_logs import FOLDER, MCAP, ROS_1, SQLITE, Bag, BagFormat
+from pioneer3.robot.lasers.mounting import Mounting
+from pioneer3.text import one_line, shown, wrong
+
+RECORDING = "# pioneer3"
+"""Begin of what `--record` writes."""
+READ = (
+    "read are logs of CARMEN, scan logs of ARIA (.2d), rosbags of ROS 1 and 2, MCAP files, and "
+    "what --record wrote"
+)
+"""End of the errors about other files."""
+HEAD = 2048
+"""Bytes by which a file is known."""
+LOOKED_AT = 20_000
+"""Lines by which a text is known, and what is in it."""
+LONGEST_LINE = 1 << 20
+"""A longer line is no log's [characters]."""
+METADATA = "metadata.yaml"
+"""File in the folder of a rosbag of ROS 2."""
+PACKED: dict[bytes, Callable[[BinaryIO], BufferedIOBase]] = {
+    b"\x1f\x8b": lambda raw: gzip.GzipFile(fileobj=raw),
+    b"BZh": bz2.BZ2File,
+    b"\xfd7zXZ\0": lzma.LZMAFile,
+}
+"""First bytes of packed files, and how they are unpacked."""
+BAGS = {
+    b"#ROSBAG V2.0": ROS_1,
+    b"\x89MCAP0\r\n": MCAP,
+    b"SQLite format 3\0": SQLITE,
+}
+"""First bytes of rosbags."""
+OTHERS: tuple[tuple[bytes, str], ...] = (
+    (rb"#ROS(BAG|RECORD) V", "a rosbag of a format before 2.0: `rosbag fix` makes a newer one"),
+    (rb"\x28\xb5\x2f\xfd", "packed by zstd: unpack it, or name the folder with its metadata.yaml"),
+    (rb"(PK\x03\x04|7z\xbc\xaf|Rar!|.{257}ustar)", "an archive: unpack it first"),
+    (rb"version https://git-lfs", "a pointer of Git LFS, not the file: run `git lfs pull`"),
+    (
+        rb"(\x89PNG|\xff\xd8\xff|GIF8|BM.{4}\0\0\0\0|II\*\0|MM\0\*|P[1-6]\s|RIFF.{4}WEBP)",
+        "a picture",
+    ),
+    (rb"(RIFF|\x1aE\xdf\xa3|.{4}ftyp)", "a film or sound"),
+    (rb"%PDF", "a document (PDF)"),
+    (rb"(\x7fELF|MZ)", "a program"),
+    (
+        rb"(\xd4\xc3\xb2\xa1|\xa1\xb2[\xc3\x3c]|\x0a\x0d\x0d\x0a|\x4d\x3c\xb2\xa1)",
+        "a network capture",
+    ),
+    (rb"(\x93NUMPY|\x89HDF)", "arrays of another program"),
+    (rb"(# \.PCD|ply\r?\n|LASF)", "a point cloud"),
+    (rb"2D-Map", "a map of ARIA already"),
+    (rb"(?i)\s*<(!doctype )?html", "a web page: the file was not what was downloaded"),
+    (rb"\s*<(\?xml|sdf|launch|robot|world)", "XML, such as a world or a launch file"),
+    (rb"## Player version", "a log of Player"),
+    (rb"rosbag2_bagfile_information:", "the list of a rosbag: name its folder"),
+    (rb"(?s).{0,1500}\bimage:\s*\S+\.(pgm|png|bmp|jpg)", "the YAML of a map with its picture"),
+    (rb"(?s).{0,1500}\b(floorplan|position)\b[^\n]*\n?\s*\(", "a world of Stage"),
+    (rb"(?s).{0,4000}\bC(Action|Observation|SensoryFrame)", "a rawlog of MRPT"),
+    (rb"\s*[\[{]\s*[\"{\[]", "JSON"),
+)
+"""Begins of other files, and their names for people."""
+
+
+class Log(Protocol):
+    """A log that is open.
+
+    Attributes:
+        name: Of its format, for people.
+        notes: Warnings, once its entries are read.
+        share: Part that is read, 0 to 1.
+    """
+
+    name: str
+    notes: list[str]
+
+    @property
+    def share(self) -> float:
+        """Part that is read, 0 to 1."""
+
+    @property
+    def sources(self) -> Sources:
+        """The sources that may be chosen."""
+
+    def entries(self, laser: str, odometry: str) -> Iterator[Entry]:
+        """Yield the readings of a laser and of odometry, in their order."""
+
+
+@dataclass(frozen=True, slots=True)
+class _TextFormat:
+    """A format of texts.
+
+    Attributes:
+        name: For people.
+        sources: Returns what is in the first lines.
+        read: Yields the entries in lines, of a laser and of odometry.
+    """
+
+    name: str
+    sources: Callable[[Iterable[str]], Sources]
+    read: Callable[[Iterable[str], str, str], Iterator[Entry]]
+
+
+CARMEN = _TextFormat(
+    "a log of CARMEN", carmen_sources, lambda lines, laser, _: read_carmen(lines, laser)
+)
+SCAN_LOG = _TextFormat("a scan log of ARIA", scan_log_sources, read_scan_log)
+
+
+class _TextLog:
+    """A text as a log.
+
+    Args:
+        text: Its format.
+        lines: All of it.
+        sources: What is in the first of them.
+        raw: The file, whose place shows progress.
+        given: Where the laser is, if somebody says so.
+    """
+
+    def __init__(
+        self,
+        text: _TextFormat,
+        lines: Iterable[str],
+        sources: Sources,
+        raw: BinaryIO,
+        given: Mounting | None,
+    ) -> None:
+        self.name, self.notes, self.sources = text.name, list[str](), sources
+        self._read, self._lines, self._raw, self._given = text.read, lines, raw, given
+        self._size = max(1, os.fstat(raw.fileno()).st_size)
+
+    @property
+    def share(self) -> float:
+        """Part that is read, 0 to 1."""
+        return self._raw.tell() / self._size
+
+    def entries(self, laser: str, odometry: str) -> Iterator[Entry]:
+        """Yield the readings of a laser and of odometry, in their order."""
+        for entry in self._read(self._lines, laser, odometry):
+            if self._given is not None and isinstance(entry, LoggedScan):
+                yield LoggedScan(mounted(entry.scan, self._given), entry.corrected)
+            else:
+                yield entry
+
+
+@contextmanager
+def opened_log(path: Path, given: Mounting | None = None) -> Iterator[Log]:
+    """Open a log of scans; its content tells the format.
+
+    Args:
+        path: Of a file, which may be packed by gzip, bzip2 or xz if it is a text, or of the folder
+            of a rosbag.
+        given: Where the laser is, for rosbags; else as they tell.
+
+    Raises:
+        ConfigError: It cannot be read, or is no such log: the error names what it is.
+    """
+    found = _bag(path)
+    if found is not None:
+        with Bag(*found, given) as bag:
+            yield bag
+        return
+    with _opened(path) as (lines, raw):
+        head = list(_first(lines))
+        text_format = _text_format(head)
+        if text_format is None:
+            raise wrong(path, f" is {_kind(path)}; {READ}")
+        yield _TextLog(text_format, chain(head, lines), text_format.sources(head), raw, given)
+
+
+def is_recording(path: Path) -> bool:
+    """Whether a file is a recording of this program.
+
+    Raises:
+        ConfigError: It cannot be read.
+    """
+    return not path.is_dir() and _unpacked(path)[: len(RECORDING)] == RECORDING.encode()
+
+
+def _bag(path: Path) -> tuple[Path, BagFormat] | None:
+    """Return path and format of a rosbag; `None` for another file.
+
+    A file that is all of the bag in its folder is read with what the folder tells of it.
+    """
+    if path.is_dir() or path.name == METADATA:
+        folder = path if path.is_dir() else path.parent
+        if (folder / METADATA).is_file():
+            return folder, FOLDER
+        inside = [(each, form) for each in _files(folder) if (form := _bag_format(each))]
+        if len(inside) != 1:
+            names = ", ".join(each.name for each, _ in inside) or "no rosbag"
+            raise wrong(path, f" is a folder without {METADATA}, with {names} in it; {READ}")
+        return inside[0]
+    form = _bag_format(path)
+    if form is None or form is ROS_1:
+        return (path, form) if form else None
+    beside = path.parent / METADATA
+    alone = beside.is_file() and [each for each in _files(path.parent) if _bag_format(each)] == [
+        path
+    ]
+    return (path.parent, FOLDER) if alone else (path, form)
+
+
+def _files(folder: Path) -> list[Path]:
+    """Return the files of a folder that may be parts of a rosbag."""
+    return sorted(each for each in folder.iterdir() if each.is_file() and each.suffix != ".yaml")
+
+
+def _bag_format(path: Path) -> BagFormat | None:
+    begin = _begin(path)
+    return next((form for magic, form in BAGS.items() if begin.startswith(magic)), None)
+
+
+def _text_format(head: list[str]) -> _TextFormat | None:
+    """Return the format of a text by its first lines."""
+    sources = scan_log_sources(head)
+    if any(line.lstrip("\ufeff").startswith(FIRST_LINE) for line in head[:10]) or (
+        sources.lasers and sources.odometry
+    ):
+        return SCAN_LOG
+    words = {line.split(maxsplit=1)[0] for line in head if line.strip()}
+    return CARMEN if words & WORDS else None
+
+
+def _kind(path: Path) -> str:
+    """Return the kind of a file that is no log, for an error."""
+    begin = _unpacked(path)
+    if not begin:
+        return "empty"
+    if any(begin.startswith(magic) for magic in BAGS):
+        return "a rosbag that is packed: unpack it first"
+    for pattern, name in OTHERS:
+        if re.match(pattern, begin, re.DOTALL if pattern.startswith(b".") else 0):
+            return name
+    if b"\0" in begin:
+        return "of a format that is not known"
+    first = next(
+        (line for line in begin.decode("utf-8", "replace").splitlines() if line.strip()), ""
+    )
+    return f"a text that is no log of scans: it begins with {shown(first.strip())}"
+
+
+def _first(lines: Iterable[str]) -> Iterator[str]:
+    """Yield the lines by which a text is known."""
+    size = 0
+    for line in islice(lines, LOOKED_AT):
+        yield line
+        size += len(line)
+        if size > LOOKED_AT * HEAD // 10:
+            return
+
+
+def _begin(path: Path) -> bytes:
+    """Return the first bytes of a file as they are.
+
+    Raises:
+        ConfigError: It cannot be read.
+    """
+    with _raw(path) as raw:
+        return raw.read(HEAD)
+
+
+def _unpacked(path: Path) -> bytes:
+    """Return the first bytes in a file that may be packed."""
+    with _raw(path) as raw:
+        return _plain(raw).read(HEAD)
+
+
+def _plain(raw: BinaryIO) -> BufferedIOBase | BinaryIO:
+    """Return the content of a file that may be packed."""
+    begin = raw.read(HEAD)
+    raw.seek(0)
+    return next((unpack(raw) for magic, unpack in PACKED.items() if begin.startswith(magic)), raw)
+
+
+@contextmanager
+def _raw(path: Path) -> Iterator[BinaryIO]:
+    try:
+        if path.exists() and not path.is_file():
+            raise wrong(path, f" is not a file; {READ}")
+        with path.open("rb") as raw:
+            yield raw
+    except (OSError, EOFError, zlib.error, lzma.LZMAError, ValueError) as error:
+        if isinstance(error, ConfigError):
+            raise
+        reason = (
+            error.strerror if isinstance(error, OSError) and error.strerror else one_line(error)
+        )
+        raise ConfigError(f"{path}: cannot be read: {reason}") from None
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[tuple[Iterator[str], BinaryIO]]:
+    """Open a text, packed or not; yield its lines, and the file whose place shows progress."""
+    with (
+        _raw(path) as raw,
+        TextIOWrapper(cast("BinaryIO", _plain(raw)), encoding="utf-8", errors="replace") as text,
+    ):
+        yield iter(partial(text.readline, LONGEST_LINE), ""), raw
