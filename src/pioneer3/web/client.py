@@ -293,7 +293,7 @@ class Client:
                     return Refusal("nobody of that number is here who may drive")
                 refused = control.hand_over(self, client)
             case requests.ReleaseControl():
-                control.release(self)
+                view.release(self)
         return refused
 
     def _ask_class(self, request: requests.ClassRequest) -> Refusal | None:

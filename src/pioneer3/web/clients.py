@@ -108,7 +108,7 @@ class Clients:
     def release_control(self, operator: Operator) -> None:
         """End the control of `operator` over all robots; those that the operator drives stop."""
         for view in self._robots.values():
-            view.control.release(operator)
+            view.release(operator)
 
     def keep_alive(self, operator: Operator) -> None:
         """Note that the client of `operator` is alive."""

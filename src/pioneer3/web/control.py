@@ -6,7 +6,7 @@ Rules:
 2. Driving a robot that nobody controls takes control, until a moment after letting go.
 3. An operator who asks for control keeps it while the client is alive and while a mode runs that
    the operator started. A mode that a page started ends with the page, and when the page has been
-   silent for a moment. It does not begin for a page that left or fell silent meanwhile.
+   silent for a moment. It does not begin for one who left, let go or fell silent meanwhile.
 4. A take-over stops the robot first. Then the new operator has control, and the old one is told.
 5. The robot stops when its operator leaves or releases control.
 6. Of an operator's inputs a gamepad comes before the keyboard, and the keyboard before a touch.

@@ -18,7 +18,7 @@ from pioneer3.geometry import Pose2
 from pioneer3.maps import LineMap
 from pioneer3.nav.places import Destination, home
 from pioneer3.navigation.connect import prepare_navigation
-from pioneer3.navigation.goals import GONE, GoalServer, NavigationGoal
+from pioneer3.navigation.goals import GONE, GoalServer, GoalStatus, NavigationGoal
 from pioneer3.runtime.robot import Robot
 from pioneer3.tasks import running
 from pioneer3.web import messages, requests
@@ -98,6 +98,7 @@ class RobotNavigation:
         self._questions: dict[tuple[Operator, type], Question] = {}
         self._asked = asyncio.Event()
         self._waits = ""
+        self._sender: Operator | None = None
 
     @property
     def possible(self) -> bool:
@@ -147,6 +148,7 @@ class RobotNavigation:
         self, operator: Operator, places: Sequence[Place], speed: float | None, seconds: float
     ) -> NavigationGoal:
         """Return the goal of a page: places, or without one to look around."""
+        self._sender = operator
         there = [self._destination(each) for each in places]
         return NavigationGoal(
             places=(lambda: there) if there else None,
@@ -157,6 +159,11 @@ class RobotNavigation:
                 operator, messages.GoalProgress(self._number, goal.status.value, goal.text)
             ),
         )
+
+    def release(self, operator: Operator) -> None:
+        """End the goal of an operator who lets go of control, also one that waits for its way."""
+        if self._sender is operator:
+            self.goals.end(GoalStatus.ABORTED, f"{operator.name} let go")
 
     async def plan(self, place: Destination, speed: float) -> messages.PlannedWay:
         """Return the way to a place from where the robot is.
@@ -176,6 +183,7 @@ class RobotNavigation:
         Raises:
             MotionError: It does not set out; see the message.
         """
+        self._sender = operator
         begin = partial(self._control.start, operator, seconds=GOTO_TIME, patience=inf)
         goal = NavigationGoal(places=lambda: (place,), speed=speed, begin=begin)
         await self.goals.set_out(goal)

@@ -110,6 +110,11 @@ class RobotView:
         self.navigation.goals.end(GoalStatus.CANCELED, f"{operator.name} ended it")
         return None
 
+    def release(self, operator: Operator) -> None:
+        """End the control of an operator, and the goal that the operator sent."""
+        self.control.release(operator)
+        self.navigation.release(operator)
+
     def mode(self) -> messages.ModeState:
         """Return the running mode, and how the last one ended."""
         arbiter = self.robot.arbiter

@@ -353,6 +353,20 @@ async def test_a_goal_that_waits_ends_at_once_when_it_is_called_back(
         assert where(the) == pytest.approx(BEGIN)
 
 
+async def test_a_page_that_lets_go_of_control_before_the_way_is_found_sends_no_robot() -> None:
+    async with rooms() as (the, ann), Browser(the.app) as bob:
+        await _plan_slowly(the, ann, 1.0)
+        ann.say("goto", x=2.5, y=0.0)
+        await asyncio.sleep(0.1)
+        bob.say("release_control")
+        await asyncio.sleep(0.1)
+        assert news(ann) == ("accepted", "")
+        ann.say("release_control")
+        await ann.stay(3.0)
+        assert (news(ann)[0], news(ann)[1].split()[-2:]) == ("aborted", ["let", "go"])
+        assert where(the) == pytest.approx(BEGIN)
+
+
 async def test_a_later_goal_takes_the_place_of_one_that_waits() -> None:
     async with rooms() as (the, ann), Browser(the.app) as bob:
         await _plan_slowly(the, ann, 1.0)

@@ -98,7 +98,7 @@ def take_control(
 
 def release_control(request: ApiRequest) -> ErrorResponse | None:
     """Release control; the robot stops. Nothing happens if it is not yours."""
-    request.view.control.release(request.caller)
+    request.view.release(request.caller)
     return None
 
 

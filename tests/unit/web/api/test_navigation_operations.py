@@ -131,7 +131,10 @@ async def test_a_goal_that_a_script_ends_is_canceled_on_its_way() -> None:
         assert (goal.status, goal.text) == (GoalStatus.CANCELED, "this computer ended it")
 
 
-async def test_a_goal_that_a_script_ends_while_its_way_is_planned_never_sets_out() -> None:
+@pytest.mark.parametrize(("path", "why"), [("mode", "ended it"), ("control", "let go")])
+async def test_a_goal_that_a_script_ends_while_its_way_is_planned_never_sets_out(
+    path: str, why: str
+) -> None:
     async with rooms() as (the, script):
         planned = asyncio.Event()
 
@@ -143,9 +146,9 @@ async def test_a_goal_that_a_script_ends_while_its_way_is_planned_never_sets_out
         the.page.robot(1).navigation.in_thread = slowly
         asked = asyncio.ensure_future(script.ask("POST", f"{ROBOT}/goto_place", {"x": 2.5, "y": 0}))
         await asyncio.sleep(1.0)
-        await script.ask("DELETE", f"{ROBOT}/mode")
+        await script.ask("DELETE", f"{ROBOT}/{path}")
         planned.set()
-        assert (await asked).detail == "this computer ended it"
+        assert (await asked).detail == f"this computer {why}"
         await asyncio.sleep(2.0)
         assert where(the) == pytest.approx(BEGIN)
 
