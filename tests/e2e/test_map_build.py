@@ -20,7 +20,7 @@ from pioneer3.maps.grid import samples
 from pioneer3.maps.line_map import distances
 from pioneer3.nav.mapper import Mapper
 from pioneer3.navigation.connect import connect_async
-from pioneer3.navigation.log_files import is_recording
+from pioneer3.navigation.log_files import chosen_log, is_recording
 from pioneer3.navigation.map_builder import MapBuilder, whereabouts
 from pioneer3.navigation.map_files import files_of, load_survey, save_map, save_survey
 from pioneer3.navigation.map_logs import map_log, map_recording
@@ -231,10 +231,12 @@ def test_a_log_becomes_a_map_and_damaged_files_are_refused(tmp_path: Path) -> No
     scans = (f"FLASER 181 {ranges} {x} 0 0 {x} 0 0 {x} host {x}" for x in (0.0, 0.3, 0.6))
     log.write_text("PARAM x y\n" + "\n".join(scans))
     assert not is_recording(log)
-    assert map_log(log, told.append).mapper.survey.frames[0].beams.points.shape == (181, 2)
+    with chosen_log(log) as opened:
+        made = map_log(opened, told.append)
+    assert made.mapper.survey.frames[0].beams.points.shape == (181, 2)
     log.write_text("nothing\n")
-    with pytest.raises(ConfigError, match="is a text that is no log of scans"):
-        map_log(log, told.append)
+    with pytest.raises(ConfigError, match="is a text that is no log"), chosen_log(log):
+        pass
     survey = tmp_path / "a.survey.npz"
     with pytest.raises(ConfigError, match=r"a.survey.npz has to lie beside it"):
         load_survey(tmp_path / "a.map")

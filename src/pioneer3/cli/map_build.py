@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from pioneer3.nav.mapper import Mapper
     from pioneer3.nav.settings import NavigationSettings
     from pioneer3.navigation.map_builder import MapBuilder
+    from pioneer3.navigation.map_logs import LogMap
     from pioneer3.runtime.driven import Driven
     from pioneer3.runtime.robot import Robot
 
@@ -87,10 +88,11 @@ def build(
     from pioneer3.errors import ConfigError
     from pioneer3.navigation.connect import require_navigation
 
+    if from_ is not None:
+        target = _target(output, continue_, force=force)
+        return _from_file(from_, target, link, navigation.settings(link), (scans, odometry))
     require_navigation()
     target = _target(output, continue_, force=force)
-    if from_ is not None:
-        return _from_file(from_, target, link, navigation.settings(link), (scans, odometry))
     if scans is not None or odometry is not None:
         raise ConfigError("--scans and --odometry choose among those of a log: only with --from")
     begin = _Begin.of(continue_, start)
@@ -286,38 +288,60 @@ def _from_file(
     settings: "NavigationSettings",
     sources: tuple[str | None, str | None],
 ) -> int:
-    from pioneer3.nav.rendering import drawn
-    from pioneer3.navigation.log_files import is_recording
-    from pioneer3.navigation.map_logs import LogMap, SourceChoice, map_log, map_recording
+    from pioneer3.navigation.connect import require_navigation
+    from pioneer3.navigation.log_files import SourceChoice, chosen_log, is_recording
     from pioneer3.robot.lasers.spec import parse_mounting
-    from pioneer3.runtime.fast_time import FastTimeLoop
 
-    made: list[LogMap] = []
     choice = SourceChoice(*sources, *map(parse_mounting, link.lasers.laser_pose[:1]))
+    made: list[LogMap] = []
     with busy_sign(f"reading {source}") as tell:
 
         def progress(share: float) -> None:
             tell(f"making a map of {source}: {100 * share:.0f} %")
 
         if is_recording(source):
-
-            async def play() -> None:
-                await _prepare()
-                made.append(await map_recording(source, progress, link.lasers.laser, settings))
-
-            code = run_until_told_to_leave(play(), FastTimeLoop)
+            code = _play(source, progress, link, settings, made)
             if code:
                 return code
         else:
-            made.append(map_log(source, progress, settings, choice))
+            # what is no log is refused before navigation is imported, which takes seconds
+            with chosen_log(source, choice) as log:
+                require_navigation()
+                from pioneer3.navigation.map_logs import map_log
+
+                made.append(map_log(log, progress, settings))
         (log_map,) = made
         tell("drawing the map")
+        from pioneer3.nav.rendering import drawn
+
         mapper, objects = log_map.mapper, (*_Begin().objects, *log_map.places)
         line_map = drawn(mapper.survey, ROOM, settings.mapper.cell, objects=objects)
     write_line(f"{source} is {log_map.source}")
     for note in log_map.notes:
         write_warning(note)
     return 0 if _save(line_map, mapper, target) else 1
+
+
+def _play(
+    source: Path,
+    progress: "Callable[[float], None]",
+    link: LinkOptions,
+    settings: "NavigationSettings",
+    made: "list[LogMap]",
+) -> int:
+    """Add the map of a recording to `made`; return the exit code."""
+    from pioneer3.navigation.connect import require_navigation
+    from pioneer3.runtime.fast_time import FastTimeLoop
+
+    require_navigation()
+
+    async def play() -> None:
+        from pioneer3.navigation.map_logs import map_recording
+
+        await _prepare()
+        made.append(await map_recording(source, progress, link.lasers.laser, settings))
+
+    return run_until_told_to_leave(play(), FastTimeLoop)
 
 
 def _save(line_map: "LineMap", mapper: "Mapper", target: Path) -> bool:

@@ -84,16 +84,18 @@ class BagFormat:
     Attributes:
         name: For people.
         storage: Suffix of its files, or `dir` for a folder.
+        mended_by: The program that may mend one that is damaged.
     """
 
     name: str
     storage: str
+    mended_by: str
 
 
-ROS_1 = BagFormat("a rosbag of ROS 1", ".bag")
-MCAP = BagFormat("an MCAP file", ".mcap")
-SQLITE = BagFormat("a rosbag of ROS 2 (SQLite)", ".db3")
-FOLDER = BagFormat("a rosbag of ROS 2", "dir")
+ROS_1 = BagFormat("a rosbag of ROS 1", ".bag", "rosbag reindex")
+MCAP = BagFormat("an MCAP file", ".mcap", "mcap recover")
+SQLITE = BagFormat("a rosbag of ROS 2 (SQLite)", ".db3", "ros2 bag reindex")
+FOLDER = BagFormat("a rosbag of ROS 2", "dir", "ros2 bag reindex")
 
 
 class Bag:
@@ -114,7 +116,7 @@ class Bag:
     """
 
     def __init__(self, path: Path, bag_format: BagFormat, given: Mounting | None = None) -> None:
-        self.name = bag_format.name
+        self.name, self._mended_by = bag_format.name, bag_format.mended_by
         self.notes: list[str] = []
         self.share = 0.0
         self._path, self._given = path, given
@@ -269,8 +271,11 @@ class Bag:
         except ConfigError:
             raise
         except self._rosbags.faults as error:
-            reason = one_line(error) or type(error).__name__
-            raise wrong(self._path, f" is {self.name} that is damaged: {reason}") from None
+            reason = one_line(error).rstrip(".") or type(error).__name__
+            problem = (
+                f" is {self.name} that cannot be read: {reason}; `{self._mended_by}` may mend it"
+            )
+            raise wrong(self._path, problem) from None
 
 
 class _Rosbags:

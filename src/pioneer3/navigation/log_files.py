@@ -6,7 +6,7 @@ import lzma
 import os
 import re
 import zlib
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
@@ -104,6 +104,85 @@ class Log(Protocol):
 
     def entries(self, laser: str, odometry: str) -> Iterator[Entry]:
         """Yield the readings of a laser and of odometry, in their order."""
+
+
+@dataclass(frozen=True, slots=True)
+class SourceChoice:
+    """The laser and odometry that are read of a log that has several.
+
+    Attributes:
+        laser: Its name: a topic, `ROBOTLASER2`, `scan2`; `None` for the one that is taken first.
+        odometry: Likewise: a topic, `tf`, `robotGlobal`.
+        mounting: Where the laser is; `None` for what the log tells.
+    """
+
+    laser: str | None = None
+    odometry: str | None = None
+    mounting: Mounting | None = None
+
+
+FIRST = SourceChoice()
+"""The first laser and odometry of a log."""
+
+
+class ChosenLog:
+    """A log that is open, and the laser and odometry that are read of it.
+
+    Attributes:
+        path: The file or folder.
+        source: Its format, and what is read of it, for people.
+
+    Args:
+        path: The file or folder.
+        log: What is in it.
+        choice: What is wanted of it.
+
+    Raises:
+        ConfigError: That is not in it.
+    """
+
+    def __init__(self, path: Path, log: Log, choice: SourceChoice) -> None:
+        self.path, self._log = path, log
+        sources = log.sources
+        self._laser = self._chosen("scans", choice.laser, sources.lasers)
+        self._odometry = self._chosen("odometry", choice.odometry, sources.odometry)
+        self.source = f"{log.name}: scans of {self._laser}, odometry of {self._odometry}"
+        also = {*sources.lasers, *sources.odometry} - {self._laser, self._odometry}
+        if also:
+            self.source += f"; also there, for --scans and --odometry: {', '.join(sorted(also))}"
+
+    @property
+    def notes(self) -> Sequence[str]:
+        """Warnings, once its entries are read."""
+        return self._log.notes
+
+    @property
+    def share(self) -> float:
+        """Part that is read, 0 to 1."""
+        return min(1.0, self._log.share)
+
+    def entries(self) -> Iterator[Entry]:
+        """Yield the readings in their order."""
+        return self._log.entries(self._laser, self._odometry)
+
+    def _chosen(self, what: str, wanted: str | None, names: Sequence[str]) -> str:
+        if not names:
+            raise wrong(self.path, f" is {self._log.name} without {what}")
+        found = [name for name in names if not wanted or name.strip("/") == wanted.strip("/")]
+        if not found:
+            raise ConfigError(f"--{what} {wanted}: {self.path.name} has {', '.join(names)}")
+        return found[0]
+
+
+@contextmanager
+def chosen_log(path: Path, choice: SourceChoice = FIRST) -> Iterator[ChosenLog]:
+    """Open a log of scans to read a laser and odometry of it.
+
+    Raises:
+        ConfigError: It cannot be read, is no such log, or lacks what is chosen.
+    """
+    with opened_log(path, choice.mounting) as log:
+        yield ChosenLog(path, log, choice)
 
 
 @dataclass(frozen=True, slots=True)

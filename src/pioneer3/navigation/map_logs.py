@@ -7,7 +7,7 @@ from math import hypot
 from pathlib import Path
 from typing import Any
 
-from pioneer3.errors import ConfigError, DeviceError
+from pioneer3.errors import DeviceError
 from pioneer3.geometry import ORIGIN, Pose2
 from pioneer3.links.tap import read_recording
 from pioneer3.maps import MapObject
@@ -15,9 +15,8 @@ from pioneer3.nav.beams import beams_of
 from pioneer3.nav.logged import Entry, LoggedOdometry, LoggedPlace
 from pioneer3.nav.mapper import Mapper
 from pioneer3.nav.settings import AS_SHIPPED, NavigationSettings
-from pioneer3.navigation.log_files import Log, opened_log
+from pioneer3.navigation.log_files import ChosenLog
 from pioneer3.navigation.map_builder import MapBuilder
-from pioneer3.robot.lasers.mounting import Mounting
 from pioneer3.runtime.connect import connect_robot
 from pioneer3.tasks import running
 from pioneer3.text import wrong
@@ -31,25 +30,6 @@ LEAP = 20.0
 """Way between two readings of odometry above which it has begun anew, or is damaged [m]."""
 SILENCE = 5.0
 """A recording is over if no reading comes for so long [s]."""
-
-
-@dataclass(frozen=True, slots=True)
-class SourceChoice:
-    """The laser and odometry that are read of a log that has several.
-
-    Attributes:
-        laser: Its name: a topic, `ROBOTLASER2`, `scan2`; `None` for the one that is taken first.
-        odometry: Likewise: a topic, `tf`, `robotGlobal`.
-        mounting: Where the laser is; `None` for what the log tells.
-    """
-
-    laser: str | None = None
-    odometry: str | None = None
-    mounting: Mounting | None = None
-
-
-FIRST = SourceChoice()
-"""The first laser and odometry of a log."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -69,40 +49,24 @@ class LogMap:
     notes: tuple[str, ...]
 
 
-def map_log(
-    path: Path,
-    tell: Tell,
-    settings: NavigationSettings = AS_SHIPPED,
-    choice: SourceChoice = FIRST,
-) -> LogMap:
+def map_log(log: ChosenLog, tell: Tell, settings: NavigationSettings = AS_SHIPPED) -> LogMap:
     """Return the map of a log: of CARMEN, of ARIA, or a rosbag.
 
     Raises:
-        ConfigError: The file cannot be read, has no scans, or not what is chosen.
+        ConfigError: It is damaged, or no scan is in it.
     """
     mapping = _Mapping(settings)
-    with opened_log(path, choice.mounting) as log:
-        sources = log.sources
-        laser = _chosen(path, log, "scans", choice.laser, sources.lasers)
-        odometry = _chosen(path, log, "odometry", choice.odometry, sources.odometry)
-        for entry in log.entries(laser, odometry):
-            mapping.take(entry)
-            if mapping.scans and mapping.scans % IMPROVE == 0:
-                mapping.improve()
-                tell(min(1.0, log.share))
-        if not mapping.scans:
-            raise wrong(path, f" is {log.name}, but no scan of {laser} with {odometry} is in it")
-        mapping.improve()
-        also = [
-            name for name in (*sources.lasers, *sources.odometry) if name not in (laser, odometry)
-        ]
-        return LogMap(
-            mapper=mapping.mapper,
-            places=mapping.places,
-            source=f"{log.name}: scans of {laser}, odometry of {odometry}"
-            + (f"; also there, for --scans and --odometry: {', '.join(also)}" if also else ""),
-            notes=tuple(log.notes),
-        )
+    for entry in log.entries():
+        mapping.take(entry)
+        if mapping.scans and mapping.scans % IMPROVE == 0:
+            mapping.improve()
+            tell(log.share)
+    if not mapping.scans:
+        raise wrong(log.path, f": no scan can be read in {log.source}")
+    mapping.improve()
+    return LogMap(
+        mapper=mapping.mapper, places=mapping.places, source=log.source, notes=tuple(log.notes)
+    )
 
 
 class _Mapping:
@@ -161,22 +125,6 @@ class _Mapping:
 
 def _way(first: Pose2, second: Pose2) -> float:
     return hypot(second.x - first.x, second.y - first.y)
-
-
-def _chosen(path: Path, log: Log, what: str, wanted: str | None, names: Sequence[str]) -> str:
-    """Return the source that is wanted, or the one to be taken first.
-
-    Raises:
-        ConfigError: It is not in the log.
-    """
-    if not names:
-        raise wrong(path, f" is {log.name} without {what}")
-    if wanted is None:
-        return names[0]
-    found = [name for name in names if name.strip("/") == wanted.strip("/")]
-    if not found:
-        raise ConfigError(f"--{what} {wanted}: {path.name} has {', '.join(names)}")
-    return found[0]
 
 
 async def map_recording(

@@ -30,6 +30,11 @@ def scans(path: Path, given: Mounting | None = None) -> list[Scan]:
     return [entry.scan for entry in entries if isinstance(entry, LoggedScan)]
 
 
+def refused(path: Path, reason: str) -> None:
+    with pytest.raises(ConfigError, match=reason), opened_log(path):
+        pass
+
+
 def picture(kind: str) -> bytes:
     file = BytesIO()
     Image.new("RGB", (2, 2)).save(file, kind)
@@ -104,14 +109,8 @@ def test_other_files_are_named(tmp_path: Path, content: bytes, name: str) -> Non
 
 
 def test_a_folder_needs_a_bag_and_a_device_is_no_log(tmp_path: Path) -> None:
-    with pytest.raises(ConfigError, match=r"without metadata.yaml, with no rosbag in it"):  # noqa: SIM117
-        with opened_log(tmp_path):
-            pass
-    with (
-        pytest.raises(ConfigError, match="/dev/zero: is not a file"),
-        opened_log(Path("/dev/zero")),
-    ):
-        pass
+    refused(tmp_path, r"without metadata.yaml, with no rosbag in it")
+    refused(Path("/dev/zero"), "/dev/zero: is not a file")
     with pytest.raises(ConfigError, match="cannot be read: No such file"):
         is_recording(tmp_path / "none")
 
@@ -156,6 +155,4 @@ def test_a_bag_with_nothing_in_it_is_named() -> None:
     path = CASES / "rosbag/x.bag"
     if not path.exists():
         pytest.skip("the cases are not here")
-    with pytest.raises(ConfigError, match=r"x\.bag: is a rosbag of ROS 1 that is damaged"):  # noqa: SIM117
-        with opened_log(path):
-            pass
+    refused(path, r"x\.bag: is a rosbag of ROS 1 that cannot be read: .*rosbag reindex")
