@@ -14,27 +14,27 @@ from pioneer3.units import DEGREE, MM
 def limits_for(model: RobotModel, config: Config | None) -> Limits:
     """Return the model's limits, cut to what the robot's own CONFIG allows (protocol.md 5.1).
 
-    Decelerations are the model's `braking`, which is harder than the firmware's default;
-    accelerations are those of CONFIG. A field of CONFIG that is 0 or missing is ignored.
+    Decelerations are the model's `braking`, which is harder than the firmware's default, on robots
+    that let a host set it; accelerations are those of CONFIG. A field of CONFIG that is 0 or
+    missing is ignored.
     """
     c = config or Config(family="", model="", serial_number="")
+    deceleration = _given(c.decel_mm_s2, MM, model.deceleration)
+    turn_deceleration = _given(c.rotation_decel_deg_s2, DEGREE, model.turn_deceleration)
+    if model.settable_acceleration:
+        deceleration = max(model.braking, _given(c.decel_mm_s2, MM, 0.0))
+        turn_deceleration = max(model.turn_braking, _given(c.rotation_decel_deg_s2, DEGREE, 0.0))
     return Limits(
         max_speed=_cut(model.max_speed, MM, c.speed_top_mm_s, c.speed_max_mm_s),
         max_turn_rate=_cut(model.max_turn_rate, DEGREE, c.rotation_top_deg_s, c.rotation_max_deg_s),
         acceleration=_cut(_given(c.accel_mm_s2, MM, model.acceleration), MM, c.accel_top_mm_s2),
-        deceleration=_cut(
-            max(model.braking, _given(c.decel_mm_s2, MM, 0.0)), MM, c.accel_top_mm_s2
-        ),
+        deceleration=_cut(deceleration, MM, c.accel_top_mm_s2),
         turn_acceleration=_cut(
             _given(c.rotation_accel_deg_s2, DEGREE, model.turn_acceleration),
             DEGREE,
             c.rotation_accel_top_deg_s2,
         ),
-        turn_deceleration=_cut(
-            max(model.turn_braking, _given(c.rotation_decel_deg_s2, DEGREE, 0.0)),
-            DEGREE,
-            c.rotation_accel_top_deg_s2,
-        ),
+        turn_deceleration=_cut(turn_deceleration, DEGREE, c.rotation_accel_top_deg_s2),
     )
 
 
