@@ -1,7 +1,7 @@
 """A robot of every type drives and measures in its own units, by its word and by its file."""
 
 import asyncio
-from math import cos, hypot
+from math import cos, hypot, pi
 from pathlib import Path
 
 import pytest
@@ -29,6 +29,9 @@ async def drive(robot: SimulatedRobot, model: str | None) -> None:
         await driver.move(1.0)
         now = robot.body.robot_in_world
         assert hypot(now.x - began.x, now.y - began.y) == pytest.approx(1.0, abs=0.01)
+        await driver.turn(pi / 2)
+        assert robot.body.robot_in_world.theta == pytest.approx(pi / 2, abs=0.03)
+        assert driver.snapshot.odometry.robot_in_odom.theta == pytest.approx(pi / 2, abs=0.03)
 
 
 @pytest.mark.parametrize("name", model_names())

@@ -1,6 +1,6 @@
 """Reads and writes ARIA's `.p` robot parameter files (facts.md 6.1)."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from math import degrees, tau
 
@@ -18,6 +18,7 @@ from pioneer3.models.model import (
     TURN_BRAKING,
     VEL2_UNIT,
     Bounds,
+    Controller,
     IrMount,
     LaserMount,
     RobotModel,
@@ -30,6 +31,15 @@ _HEADING_UNITS = (1024, 4096)
 _LENGTH = Bounds(2 * BOUNDS["length_front"].low, 2 * BOUNDS["length_front"].high)
 _TALL = ("p2pb", "p2pp", "peoplebot", "perfpb", "wheelchair")
 _SKID = ("p2at", "p2it", "p3at", "pionat", "seekurjr")
+_CONTROLLERS: Mapping[str, Controller] = {
+    "p2": "P2OS",
+    "amigo": "AmigoOS",
+    "pion1": "PSOS",
+    "pionat": "PSOS",
+    "psos": "PSOS",
+}
+"""Programs by the beginnings of the names of robots, but for those with an SH2 controller."""
+_SH2 = "-sh"
 _FIRST_LASER = "laser parameters"
 _TITLES = {
     "p2at": "Pioneer 2-AT",
@@ -90,10 +100,18 @@ def _body(given: Parameters, fallback_name: str) -> RobotModel:
         max_turn_rate=given.angle("MaxRVelocity", BOUNDS["max_turn_rate"]),
         wheel_base=_wheel_base(given),
         distance_factor=given.length("DistConvFactor", BOUNDS["distance_factor"]),
+        controller=_controller(name),
         drive="skid" if name.startswith(_SKID) else "differential",
         braking=CAREFUL_BRAKING if tall else BRAKING,
         turn_braking=CAREFUL_TURN_BRAKING if tall else TURN_BRAKING,
     )
+
+
+def _controller(name: str) -> Controller:
+    """Return the program in a robot of this type: ARCOS, but for old ones."""
+    if _SH2 in name:
+        return "ARCOS"
+    return next((p for start, p in _CONTROLLERS.items() if name.startswith(start)), "ARCOS")
 
 
 def _with_dynamics(model: RobotModel, given: Parameters) -> RobotModel:

@@ -19,6 +19,8 @@ from pioneer3.tables import FieldForm, degrees_of, in_degrees
 from pioneer3.units import DEGREE, HEADING_UNIT, MM
 
 Drive = Literal["skid", "differential"]
+Controller = Literal["ARCOS", "P2OS", "AmigoOS", "PSOS"]
+"""Program in a robot: the older three send shorter reports and no CONFIG (protocol.md 4.2)."""
 
 START_ACCELERATION = 0.3
 """Both ways, of a real P3-AT (protocol.md 5.1) [m/s^2]."""
@@ -205,6 +207,7 @@ class RobotModel:
         front_bumpers: Number of segments; 0 without bumpers.
         rear_bumpers: Number of segments; 0 without bumpers.
         laser: `None` without one.
+        controller: The program in the robot.
         drive: `skid` where the wheels of one side are coupled and turning means slipping.
         has_move_command: Whether the firmware knows MOVE.
         settable_speed: Whether SETV and SETRV may be sent.
@@ -250,6 +253,7 @@ class RobotModel:
     front_bumpers: _Count = 0
     rear_bumpers: _Count = 0
     laser: LaserMount | None = None
+    controller: Controller = "ARCOS"
     drive: Drive = "differential"
     has_move_command: bool = True
     settable_speed: bool = True

@@ -28,7 +28,7 @@ from pioneer3.sim.equipment import Equipment
 from tests.support import DISTINCT, frame, wall_at
 from tests.unit.sim.bench import ON, SYNCS, Bench
 
-EVERY_MODEL = DISTINCT
+EVERY_MODEL = [name for name in DISTINCT if load_model(name).controller == "ARCOS"]
 LASER_SETUP = (
     commands.OldLaserStart(radians(-90)),
     commands.OldLaserEnd(radians(90)),

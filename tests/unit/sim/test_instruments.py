@@ -241,3 +241,19 @@ def test_a_wall_presses_the_middle_bumper_and_stops_the_robot_until_it_backs_out
     bench.wait(1.0)
     assert bench.speed == pytest.approx(-0.2)
     assert bench.sip().right_stall_front_bumpers == 0
+
+
+@pytest.mark.parametrize(
+    ("model", "answers"), [("p3dx", True), ("p2at", False), ("amigo", False), ("pion1m", False)]
+)
+def test_old_controllers_send_short_reports_and_no_configuration(
+    model: str, *, answers: bool
+) -> None:
+    bench = Bench(model=model).open()
+    sip = bench.sip()
+    assert (sip.charge_percent is not None) == answers
+    assert (sip.battery_decivolts_wide is not None) == answers
+    assert sip.digital_out is not None
+    bench.hear()
+    bench.say(commands.RequestConfig())
+    assert any(isinstance(report, Config) for report in bench.hear()) == answers

@@ -211,7 +211,7 @@ class Firmware:
             return
         if self.accessories.obey(command, now) or self.console.obey(command):
             self._answer(now)
-        elif isinstance(command, commands.RequestConfig):
+        elif isinstance(command, commands.RequestConfig) and self.body.model.controller == "ARCOS":
             self.device.send(
                 configuration(
                     self.identity,

@@ -1,8 +1,10 @@
 """The contents of the standard report, measured by the controller (protocol.md 4)."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import compress
 from math import degrees
+from typing import Final
 
 import numpy as np
 
@@ -23,9 +25,11 @@ from pioneer3.sim.accessories.gauges import LOW, charge_percent
 from pioneer3.sim.body import Body
 from pioneer3.sim.sensors import ARRAY, Firing, in_order
 from pioneer3.sim.world import World
-from pioneer3.units import DECIVOLT, HEADING_UNIT
+from pioneer3.units import DECIVOLT
 
 FLAGS = SipFlag.SONAR_1, SipFlag.SONAR_2, SipFlag.SONAR_3, SipFlag.SONAR_4
+SHORT: Final = frozenset({"P2OS", "AmigoOS", "PSOS"})
+"""Controllers whose reports end before the fields that came with ARCOS (protocol.md 4.2)."""
 LONGEST = 16
 """Transducers in the order of an array."""
 
@@ -153,17 +157,17 @@ class Instruments:
         hot = celsius >= HOT or self._fake_heat
         volts, charge = body.battery.voltage, charge_percent(body.battery)
         decivolts = round(volts / DECIVOLT)
-        return Sip(
+        report = Sip(
             number=SIP_MOVING if v or w else SIP_STOPPED,
             x_raw=round(odom.x / model.distance_factor) & WIRE_BITS,
             y_raw=round(odom.y / model.distance_factor) & WIRE_BITS,
-            heading_raw=round(odom.theta / HEADING_UNIT),
+            heading_raw=round(odom.theta / model.heading_factor),
             left_speed_raw=round((v - half) / model.speed_factor),
             right_speed_raw=round((v + half) / model.speed_factor),
             battery_decivolts=min(decivolts, 255),
             left_stall_rear_bumpers=stalled | body.rear_bumpers,
             right_stall_front_bumpers=stalled | body.front_bumpers,
-            control_raw=round(wrap(odom.theta + (angular.remaining or 0.0)) / HEADING_UNIT),
+            control_raw=round(wrap(odom.theta + (angular.remaining or 0.0)) / model.heading_factor),
             flags=self._flags(hot=hot) | inputs.flags,
             compass_raw=inputs.compass_raw,
             sonar=self._sonar(),
@@ -181,6 +185,7 @@ class Instruments:
             # 0 stands for "cannot tell" (protocol.md 4.2)
             charge_percent=max(1, charge),
         )
+        return _shortened(report) if model.controller in SHORT else report
 
     def _celsius(self) -> float:
         faked = self._fake_temperature
@@ -204,6 +209,20 @@ class Instruments:
         numbers, ranges = self._world.fresh_sonar(self._body)
         raw = np.rint(ranges / self._body.model.range_factor).astype(int)
         return tuple(map(SonarReading, numbers[:MOST_READINGS].tolist(), raw.tolist()))
+
+
+def _shortened(report: Sip) -> Sip:
+    """Return a report without the fields from the wide battery voltage on."""
+    return replace(
+        report,
+        battery_decivolts_wide=None,
+        charge_state=None,
+        turn_rate_decidegrees=None,
+        faults=None,
+        lateral_speed_mm=None,
+        temperature_celsius=None,
+        charge_percent=None,
+    )
 
 
 def _charge_state(percent: int) -> int:
