@@ -2,7 +2,7 @@
 
 import asyncio
 from dataclasses import replace
-from math import degrees, pi
+from math import degrees, nan, pi
 
 import pytest
 
@@ -196,3 +196,20 @@ async def test_accelerations_that_are_changed_reach_a_standing_robot_at_once() -
         driver.supervisor.change_limits(lambda limits: replace(limits, acceleration=0.4))
         await asyncio.sleep(0.25)
         assert commands.SetA(acceleration=0.4) in decoded(robot.wires[0].data[before:])
+
+
+async def test_wheels_of_each_side_have_the_speeds_that_they_were_told() -> None:
+    async with SimulatedRobot() as robot, connect_async(robot.open) as driver:
+        for _ in range(15):
+            driver.drive_wheels(0.3, 0.1)
+            await asyncio.sleep(0.1)
+        assert driver.snapshot is not None
+        moving = driver.snapshot.odometry
+        assert (moving.left_speed, moving.right_speed) == pytest.approx((0.3, 0.1), abs=0.02)
+        driver.drive_wheels(90.0, 90.0)
+        await asyncio.sleep(0.3)
+        assert robot.speed <= driver.info.limits.max_speed
+        await asyncio.sleep(2.5)
+        assert robot.speed == 0.0
+        with pytest.raises(CommandError, match="left must be finite"):
+            driver.drive_wheels(nan, 0.0)

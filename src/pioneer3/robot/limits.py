@@ -55,6 +55,16 @@ def checked(speed: float, turn_rate: float) -> Twist2:
     return Twist2(finite("speed", speed), finite("turn rate", turn_rate))
 
 
+def wheels_as_twist(left: float, right: float, model: RobotModel) -> Twist2:
+    """Return the twist of a robot whose wheels of each side have these speeds [m/s].
+
+    Raises:
+        CommandError: as for :func:`finite`.
+    """
+    left, right = finite("left", left), finite("right", right)
+    return Twist2((left + right) / 2, (right - left) / model.wheel_base)
+
+
 def finite(name: str, value: float) -> float:
     """Return `value` as a float.
 

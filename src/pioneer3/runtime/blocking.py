@@ -113,6 +113,7 @@ class BlockingRobot(BlockingConnection):
 
     snapshots = blocking(Robot.snapshots)
     drive = blocking(Robot.drive)
+    drive_wheels = blocking(Robot.drive_wheels)
     stop = blocking(Robot.stop)
     emergency_stop = blocking(Robot.emergency_stop)
     reset_emergency_stop = blocking(Robot.reset_emergency_stop)

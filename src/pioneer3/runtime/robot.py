@@ -11,7 +11,7 @@ from pioneer3.errors import CommandError, MotionError
 from pioneer3.nav.settings import AS_SHIPPED
 from pioneer3.robot.devices import Devices, PictureSource
 from pioneer3.robot.devices.laser import LaserSource
-from pioneer3.robot.limits import checked, finite
+from pioneer3.robot.limits import checked, wheels_as_twist, finite
 from pioneer3.robot.supervisor import Supervisor
 from pioneer3.runtime.arbiter import PROGRAM, Arbiter
 from pioneer3.runtime.driven import Driven
@@ -73,6 +73,16 @@ class Robot(Driven):
         refused = self.arbiter.hold(self._hold, checked(speed, turn_rate), self.info.limits.expiry)
         if refused:
             raise MotionError(str(refused))
+
+    def drive_wheels(self, left: float, right: float) -> None:
+        """Drive the wheels of each side at a speed [m/s] until that expires, as :meth:`drive` does.
+
+        Raises:
+            CommandError: not finite numbers.
+            MotionError: the robot will not move; the message gives the reason.
+        """
+        twist = wheels_as_twist(left, right, self.info.model)
+        self.drive(twist.v, twist.w)
 
     def stop(self) -> None:
         """Stop the robot, also when others drive."""

@@ -4,7 +4,7 @@ from math import inf
 
 from pioneer3.behaviors.modes import AnyMode, Goto
 from pioneer3.errors import MotionError, Refusal
-from pioneer3.robot.limits import checked
+from pioneer3.robot.limits import checked, wheels_as_twist
 from pioneer3.web import group, messages
 from pioneer3.web.access.middleware import ErrorResponse
 from pioneer3.web.access.sessions import Role
@@ -73,6 +73,14 @@ def drive(request: ApiRequest, body: types.Velocity) -> types.CommandResult | Er
     """
     refused = request.view.control.drive(request.caller, checked(body.v, body.w))
     return _refused(refused) or _result(request)
+
+
+def drive_wheels(
+    request: ApiRequest, body: types.WheelSpeeds
+) -> types.CommandResult | ErrorResponse:
+    """Drive the wheels of each side at a speed, as `drive` does."""
+    twist = wheels_as_twist(body.left, body.right, request.view.robot.info.model)
+    return drive(request, types.Velocity(v=twist.v, w=twist.w))
 
 
 def get_control(request: ApiRequest) -> types.ControlState | ErrorResponse:
@@ -172,6 +180,7 @@ ROBOTS = (
     operation("POST", f"{ROBOT}/reset", reset_emergency_stop, STUDENT, 404),
     operation("PUT", f"{ROBOT}/motors", switch_motors, STUDENT, 404, 409),
     operation("POST", f"{ROBOT}/drive", drive, STUDENT, 404, 409),
+    operation("POST", f"{ROBOT}/drive_wheels", drive_wheels, STUDENT, 404, 409),
     operation("GET", f"{ROBOT}/control", get_control, VIEWER, 404),
     operation("PUT", f"{ROBOT}/control", take_control, STUDENT, 404, 409),
     operation("DELETE", f"{ROBOT}/control", release_control, STUDENT, 404),

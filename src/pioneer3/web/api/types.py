@@ -25,6 +25,13 @@ class Velocity(RequestBody):
     w: float = 0.0
 
 
+class WheelSpeeds(RequestBody):
+    """Speeds of the wheels of each side [m/s], forwards; 0, 0 lets go."""
+
+    left: float
+    right: float
+
+
 class MotorPower(RequestBody):
     """The motors' power."""
 

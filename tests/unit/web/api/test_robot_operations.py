@@ -78,6 +78,20 @@ async def test_a_velocity_drives_for_half_a_second() -> None:
         assert the.speed == 0.0
 
 
+async def test_wheels_drive_for_half_a_second() -> None:
+    async with product() as the:
+        script = Script(the.app)
+        for _ in range(20):
+            wheels = {"left": 0.1, "right": 0.3}
+            assert (await script.ask("POST", f"{ROBOT}/drive_wheels", wheels)).status == 200
+            await asyncio.sleep(0.1)
+        assert the.robot.snapshot is not None
+        moving = the.robot.snapshot.odometry
+        assert (moving.left_speed, moving.right_speed) == pytest.approx((0.1, 0.3), abs=0.02)
+        await asyncio.sleep(0.9)
+        assert the.speed == 0.0
+
+
 async def test_zero_lets_go() -> None:
     async with product() as the:
         script = Script(the.app)
