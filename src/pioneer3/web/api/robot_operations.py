@@ -130,7 +130,7 @@ def start_mode(request: ApiRequest, body: AnyMode) -> messages.ModeState | Error
 
 
 def end_mode(request: ApiRequest) -> messages.ModeState | ErrorResponse:
-    """End the mode; its motion ends at once."""
+    """End the mode and a goal that still waits; the motion ends at once."""
     return _refused(request.view.end_mode(request.caller)) or get_mode(request)
 
 
