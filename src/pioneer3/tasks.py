@@ -52,6 +52,14 @@ async def running(*coroutines: Coroutine[Any, Any, None]) -> AsyncIterator[None]
         await asyncio.gather(*tasks, return_exceptions=True)
 
 
+def hand_over(
+    loop: asyncio.AbstractEventLoop, call: Callable[..., object], *arguments: object
+) -> None:
+    """Have `loop` make a call, from any thread; one that has ended makes none."""
+    with suppress(RuntimeError):
+        loop.call_soon_threadsafe(call, *arguments)
+
+
 async def in_own_thread(call: Callable[[], T]) -> T:
     """Return the result of a call in a thread of its own.
 
@@ -72,8 +80,7 @@ async def in_own_thread(call: Callable[[], T]) -> T:
             setter = partial(future.set_exception, error)
         else:
             setter = partial(future.set_result, result)
-        with suppress(RuntimeError):  # the loop has ended
-            loop.call_soon_threadsafe(settle, setter)
+        hand_over(loop, settle, setter)
 
     Thread(target=run, name="pioneer3-call", daemon=True).start()
     return await future

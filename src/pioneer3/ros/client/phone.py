@@ -2,10 +2,10 @@
 
 import asyncio
 from collections.abc import AsyncIterator
-from contextlib import suppress
 from typing import Any, Final
 
 from pioneer3.ros.node.middleware import Sender, Topics
+from pioneer3.tasks import hand_over
 from pioneer3.teleop.keyboard import Key, key_of_rotation
 
 IMU: Final = "sensor_msgs/Imu"
@@ -21,8 +21,7 @@ async def flicks(topic: str, middleware: Topics) -> AsyncIterator[Key]:
 
     def receive(message: Any, _: Sender) -> None:
         turns = message.angular_velocity
-        with suppress(RuntimeError):  # the loop has ended
-            loop.call_soon_threadsafe(keys.put_nowait, key_of_rotation(turns.x, turns.y, turns.z))
+        hand_over(loop, keys.put_nowait, key_of_rotation(turns.x, turns.y, turns.z))
 
     subscription = await asyncio.to_thread(middleware.subscribe, topic, IMU, receive, queue=QUEUE)
     drives = False

@@ -3,20 +3,20 @@
 import asyncio
 from collections import deque
 from collections.abc import Callable
-from contextlib import suppress
 from dataclasses import replace
 from functools import partial
-from math import atan2, hypot, inf, isfinite, nan, pi
+from math import atan2, hypot, inf, isfinite, nan
 from threading import Lock
 from typing import Any, Final
 
-from pioneer3.geometry import Pose2, Twist2
+from pioneer3.geometry import Pose2, Twist2, wrap
 from pioneer3.models import RobotModel
 from pioneer3.robot.assemble import SONAR_MAX
 from pioneer3.ros.client.graph import ODOMETRY, RobotTopics
 from pioneer3.ros.messages.update import NANO, nanoseconds
 from pioneer3.ros.node.middleware import Sender, Subscription, Topics
 from pioneer3.state import Battery, Bumpers, Motors, Odometry, Snapshot, Sonar
+from pioneer3.tasks import hand_over
 
 RANGE: Final = "sensor_msgs/Range"
 TOGETHER: Final = 0.01
@@ -40,12 +40,7 @@ class Delay:
         self._least: deque[tuple[float, float]] = deque()
 
     def of(self, measured: float, received: float) -> float:
-        """Return the delay [s] of a message.
-
-        Args:
-            measured: By the sender's clock [s].
-            received: By the own clock [s].
-        """
+        """Return the delay [s] of a message, measured by the sender's clock, received by ours."""
         offset = received - measured
         while self._least and self._least[-1][1] >= offset:
             self._least.pop()
@@ -63,8 +58,7 @@ def seconds_of(stamp: Any) -> float:
 class SnapshotBuilder:
     """Keeps the newest message of each type; makes a snapshot of them.
 
-    Args:
-        motors_on: Whether the motors count as on before a message says so.
+    With `motors_on` the motors count as on before a message says so.
     """
 
     def __init__(self, model: RobotModel, *, motors_on: bool = True) -> None:
@@ -83,7 +77,7 @@ class SnapshotBuilder:
         place, turned = message.pose.pose.position, message.pose.pose.orientation
         twist = message.twist.twist
         v, w, half = twist.linear.x, twist.angular.z, self._model.wheel_base / 2
-        here = Pose2(place.x, place.y, _heading(turned))
+        here = Pose2(place.x, place.y, wrap(2 * atan2(turned.z, turned.w)))
         if all(map(isfinite, (here.x, here.y, here.theta, v, w))):
             self._odometry = Odometry(
                 robot_in_odom=here,
@@ -149,11 +143,7 @@ class SnapshotBuilder:
 
 
 class SnapshotSubscriber:
-    """Subscribes to the topics of a robot, and makes snapshots of them.
-
-    Args:
-        sonar: Whether to subscribe to the distances of each transducer.
-    """
+    """Makes snapshots of the topics of a robot; with `sonar` of those of each transducer, too."""
 
     def __init__(
         self,
@@ -205,8 +195,7 @@ class SnapshotSubscriber:
 
     def _subscribe(self, name: str, type_name: str, take: Callable[[Any], None]) -> None:
         def receive(message: Any, _: Sender) -> None:
-            with suppress(RuntimeError):  # the loop has ended
-                self._loop.call_soon_threadsafe(take, message)
+            hand_over(self._loop, take, message)
 
         with self._lock:
             if self._open:
@@ -233,14 +222,5 @@ class SnapshotSubscriber:
         late = self._loop.time() - self._began_at > KNOWN
         if not (self._open and (self._motors_known or late)):
             return
-        snapshot = self._builder.snapshot(measured)
-        if snapshot is not None:
+        if (snapshot := self._builder.snapshot(measured)) is not None:
             self._take(snapshot)
-
-
-def _heading(turned: Any) -> float:
-    """Return the yaw of a quaternion [rad], in (-pi, pi]."""
-    theta = 2 * atan2(turned.z, turned.w)
-    if theta > pi:
-        return theta - 2 * pi
-    return theta + 2 * pi if theta <= -pi else theta

@@ -4,7 +4,6 @@ import asyncio
 import threading
 from collections import OrderedDict, deque
 from collections.abc import Callable, Iterable
-from contextlib import suppress
 from functools import partial
 from math import inf, isfinite
 from typing import Any, Final, NamedTuple
@@ -13,15 +12,14 @@ from pioneer3.behaviors.actions import Hold
 from pioneer3.errors import CommandError, Refusal
 from pioneer3.geometry import STILL, Twist2
 from pioneer3.ros.node.command_order import CommandStream, NewestCommand
-from pioneer3.ros.node.middleware import Middleware, Sender
+from pioneer3.ros.node.middleware import QUEUE, Middleware, Sender
 from pioneer3.ros.node.names import CommandName
 from pioneer3.ros.node.topics import COMMANDS, STAMPED_COMMANDS
 from pioneer3.runtime.arbiter import PROGRAM
 from pioneer3.runtime.robot import Robot
 from pioneer3.stops import Stop
+from pioneer3.tasks import hand_over
 
-QUEUE: Final = 10
-"""Messages that wait in a connection: to drop one would part a zero from its command."""
 PENDING: Final = 100
 """Commands that wait for the loop."""
 WARNINGS = 5
@@ -42,13 +40,10 @@ class ReceivedMessage(NamedTuple):
 
 
 class Commands:
-    """Drives `robot` by the messages on its command topics.
+    """Drives a connected robot by the messages on its command topics.
 
-    Args:
-        robot: Connected.
-        timeout: How long a message lasts [s]; `inf` until the next one.
-        resumes: Whether a stream that fell silent goes on by itself.
-        warn: Given a sentence when a message is refused.
+    A message lasts for `timeout` [s], `inf` until the next one. With `resumes` a stream that fell
+    silent goes on by itself. `warn` is given a sentence when a message is refused.
     """
 
     def __init__(
@@ -87,7 +82,7 @@ class Commands:
                     topic.name,
                     row.type_name,
                     partial(self.receive, topic),
-                    queue=QUEUE,
+                    queue=QUEUE,  # to drop one would part a zero from its command
                     left=self.left,
                 )
 
@@ -108,13 +103,11 @@ class Commands:
             waiting = bool(self._pending)
             self._pending.append(ReceivedMessage(message, topic, sender, self._loop.time()))
         if not waiting:
-            with suppress(RuntimeError):  # the loop has ended, and with it the robot's motion
-                self._loop.call_soon_threadsafe(self._drive)
+            hand_over(self._loop, self._drive)
 
     def left(self, sender: Sender) -> None:
         """Stop if this publisher, which is gone, drives; in any thread."""
-        with suppress(RuntimeError):  # the loop has ended, and with it the robot's motion
-            self._loop.call_soon_threadsafe(self._leave, sender)
+        hand_over(self._loop, self._leave, sender)
 
     def _leave(self, sender: Sender) -> None:
         self._drive()  # its last messages come first
@@ -156,11 +149,10 @@ class Commands:
         """Return the motion that one message asks for, or `None` for none yet."""
         topic, sender, at = received.topic, received.sender, received.at
         row = STAMPED_COMMANDS if topic.stamped else COMMANDS
-        assert row.parse is not None
         try:
             if topic.stamped:
                 self._check_age(self._age(received.message.header.stamp))
-            twist = row.parse(received.message)
+            twist: Twist2 = row.content(received.message)
         except CommandError as error:
             self._refusal = Refusal(str(error))
             return None
@@ -198,10 +190,8 @@ class Commands:
         """Return the stream of the publisher at the other end of a connection."""
         key = id(sender.connection)
         if key not in self._streams:  # with the sender, so that no other object gets this id
-            self._streams[key] = (
-                sender,
-                CommandStream(sender.node, self._timeout, resumes=self._resumes),
-            )
+            stream = CommandStream(sender.node, self._timeout, resumes=self._resumes)
+            self._streams[key] = sender, stream
         self._streams.move_to_end(key)
         while len(self._streams) > REMEMBERED:
             self._streams.popitem(last=False)

@@ -30,11 +30,8 @@ STATES: Final = {
 class Goals:
     """Passes goals on to an action server. All calls are made in the event loop.
 
-    Args:
-        server: Of the robot.
-        speed: On the way at most [m/s].
-        publishing: Of the topics of actionlib.
-        middleware: Of the node.
+    Attributes:
+        current: The goal that is being carried out.
     """
 
     def __init__(
@@ -44,13 +41,8 @@ class Goals:
         self._publishing, self._middleware = publishing, middleware
         self._goals = GoalList()
         self._count = 0
-        self._current: SentGoal | None = None
+        self.current: SentGoal | None = None
         self._clock = asyncio.get_running_loop().time
-
-    @property
-    def current(self) -> SentGoal | None:
-        """The goal that is being carried out."""
-        return self._current
 
     async def run(self) -> None:
         """Tell of the goals until cancelled; then the last one ends."""
@@ -71,11 +63,9 @@ class Goals:
     def take(self, id_: str, stamp: Any, where: "Callable[[], Destination]") -> None:
         """Take a goal in place of the one before, unless it is known already.
 
-        Args:
-            id_: Of the goal; if empty, it gets one.
-            stamp: When it was sent; if zero, now.
-            where: Returns the place. Raises a MotionError until the robot knows where it is, and
-                any other PioneerError where the goal is wrong.
+        Without an id it gets one; a stamp of 0 is now. `where` returns the place. It raises a
+        MotionError until the robot knows where it is, and any other PioneerError where the goal is
+        wrong.
         """
         if not id_:
             self.send(where)
@@ -95,17 +85,17 @@ class Goals:
 
     def cancel(self, id_: str, stamp: Any) -> None:
         """Cancel the goals that are meant; see :meth:`GoalList.cancel`."""
-        if self._current in self._goals.cancel(id_, stamp, self._clock()):
+        if self.current in self._goals.cancel(id_, stamp, self._clock()):
             self._server.end(GoalStatus.CANCELED, "cancelled")
 
     def _take_status(self, goal: SentGoal, carried_out: NavigationGoal) -> None:
         """Note the status of a goal, and publish it."""
         state, text = STATES[carried_out.status], carried_out.text
         if not carried_out.status.is_over:
-            self._current, goal.state, goal.text = goal, state, text or "on its way"
+            self.current, goal.state, goal.text = goal, state, text or "on its way"
             self._tell()
             return
-        self._current = None
+        self.current = None
         self._goals.end(goal, state, text, self._clock())
         if state is GoalState.ABORTED:
             self._middleware.warn(f"the goal is given up: {text}")

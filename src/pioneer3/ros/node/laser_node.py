@@ -2,31 +2,28 @@
 
 import asyncio
 from collections.abc import Callable
-from contextlib import suppress
+from functools import partial
 from typing import Final
 
 from pioneer3.robot.lasers.driver import LaserDriver
 from pioneer3.robot.supervisor import Connection
-from pioneer3.ros.messages.diagnostics import DiagnosticsUpdate, device_id, laser_status
+from pioneer3.ros.messages.diagnostics import device_id, laser_status
 from pioneer3.ros.messages.update import ScanUpdate
 from pioneer3.ros.node.middleware import Middleware
 from pioneer3.ros.node.names import Profile
 from pioneer3.ros.node.publishing import Publishing
-from pioneer3.ros.node.topics import DIAGNOSTICS, SLOWLY, laser_topic
+from pioneer3.ros.node.topics import DIAGNOSTICS, laser_topic
 from pioneer3.state import Scan
-from pioneer3.tasks import running
+from pioneer3.tasks import hand_over, running
 
 FRAME: Final = "laser"
 """Frame of scans, unless a parameter names another; as in hokuyo_node and urg_node."""
 
 
 class LaserNode:
-    """Publishes the scans of `laser` on `scan`, and its state on `/diagnostics`.
+    """Runs the driver of a laser; publishes its scans in `frame`, and its state.
 
-    Args:
-        laser: Its driver, which the node runs.
-        frame: Of the scans.
-        middleware: Where the node has its name already.
+    The node has its name in the middleware already.
     """
 
     def __init__(self, laser: LaserDriver, frame: str, middleware: Middleware) -> None:
@@ -43,42 +40,25 @@ class LaserNode:
 
         `ready` is called when everything is advertised.
         """
-        self._middleware.on_shutdown(self._end)
+        self._middleware.on_shutdown(partial(hand_over, self._loop, self._ended.set))
         await asyncio.to_thread(self._publishing.advertise, lambda topic: True)
         ready()
         scans = self._publishing.publish_device(
             ScanUpdate, self._laser.values, self._update, self._laser.name
         )
+        diagnostics = self._publishing.publish_diagnostics(
+            lambda: (laser_status(self._laser),),
+            lambda: device_id(self._laser.identity) if self._laser.identity else "",
+        )
         try:
-            async with running(
-                self._laser.run(), scans, self._publish_diagnostics(), self._follow_link()
-            ):
+            async with running(self._laser.run(), scans, diagnostics, self._follow_link()):
                 await self._ended.wait()
         finally:
             await asyncio.to_thread(self._middleware.forget)
 
-    def _end(self) -> None:
-        """End the node; called in any thread."""
-        with suppress(RuntimeError):  # the loop has ended
-            self._loop.call_soon_threadsafe(self._ended.set)
-
     def _update(self, scan: Scan) -> ScanUpdate:
         stamp = self._middleware.stamp(self._loop.time() - scan.stamp)
         return ScanUpdate(scan=scan, frame=self._frame, stamp=stamp, period=scan.period)
-
-    async def _publish_diagnostics(self) -> None:
-        while True:
-            if self._publishing.has_subscribers(DiagnosticsUpdate):
-                identity = self._laser.identity
-                update = DiagnosticsUpdate(
-                    found=(laser_status(self._laser),),
-                    node=self._middleware.name,
-                    hardware=device_id(identity) if identity else "",
-                    stamp=self._middleware.stamp(0.0),
-                    make=self._middleware.make,
-                )
-                self._publishing.publish(update)
-            await asyncio.sleep(SLOWLY)
 
     async def _follow_link(self) -> None:
         """Log changes of the connection to the laser."""

@@ -2,7 +2,6 @@
 
 import asyncio
 from collections.abc import Callable
-from contextlib import suppress
 from functools import partial
 from math import inf
 from typing import TYPE_CHECKING, Any, Final
@@ -26,7 +25,7 @@ from pioneer3.ros.messages.navigation import (
 )
 from pioneer3.ros.messages.update import MessageOptions
 from pioneer3.ros.node.goals import Goals
-from pioneer3.ros.node.middleware import Middleware, Sender
+from pioneer3.ros.node.middleware import QUEUE, Middleware, Sender
 from pioneer3.ros.node.names import Profile
 from pioneer3.ros.node.navigation_topics import (
     ACTION_CANCEL,
@@ -40,6 +39,7 @@ from pioneer3.ros.node.publishing import Publishing
 from pioneer3.ros.node.topic import Direction, Topic
 from pioneer3.runtime.robot import Robot
 from pioneer3.state import Snapshot
+from pioneer3.tasks import hand_over
 
 if TYPE_CHECKING:
     from pioneer3.nav.places import Destination
@@ -49,23 +49,12 @@ if TYPE_CHECKING:
 GOALS: Final = (SIMPLE_GOAL, GOAL_NAME, ACTION_GOAL)
 SETTLED: Final = 3.0
 """A node has all connections to publishers that were there before it after so long [s]."""
-QUEUE: Final = 10
-"""Messages that wait in a connection."""
 SPARSE: Final = 4
 """Step between published points of a way: points are half a cell apart."""
 
 
 class NodeNavigation:
-    """Navigation on topics.
-
-    Args:
-        robot: Connected.
-        navigator: Its own.
-        speed: On the way to goals at most [m/s].
-        options: Of messages.
-        profile: Which names the node uses.
-        middleware: Of the node.
-    """
+    """Navigation on topics: of a connected robot, on the way to goals at `speed` [m/s] at most."""
 
     def __init__(
         self,
@@ -77,7 +66,7 @@ class NodeNavigation:
         profile: Profile,
         middleware: Middleware,
     ) -> None:
-        self._robot, self._navigator = robot, navigator
+        self._robot, self.navigator = robot, navigator
         self._options, self._profile, self._middleware = options, profile, middleware
         self._frames = options.frames.with_prefix(options.prefix)
         published = [topic for topic in NAVIGATION_TOPICS if topic.direction is Direction.PUBLISHED]
@@ -91,16 +80,16 @@ class NodeNavigation:
 
     def advertise(self) -> None:
         """Publish the map, and subscribe to starts and goals; in a thread."""
-        self._grid = occupancy_of(self._navigator.line_map)
+        self._grid = occupancy_of(self.navigator.line_map)
         self._publishing.advertise(lambda topic: True)
         self._publishing.publish(self._map())
         self._began = self._clock()
         for topic, take in (
             (INITIAL_POSE, self._take_start),
-            (SIMPLE_GOAL, self._take_simple_goal),
+            (SIMPLE_GOAL, lambda sent: self._goals.send(self._place_in(SIMPLE_GOAL, sent))),
             (GOAL_NAME, self._take_name),
             (ACTION_GOAL, self._take_action_goal),
-            (ACTION_CANCEL, self._take_cancel),
+            (ACTION_CANCEL, lambda sent: self._goals.cancel(*ACTION_CANCEL.content(sent))),
         ):
             for name in topic.names(self._profile):
                 receive = partial(self._receive, topic, take)
@@ -116,7 +105,7 @@ class NodeNavigation:
         As in AMCL it is the most likely one, sure or not, so that people see it; and none where the
         robot may be anywhere.
         """
-        estimate = self._navigator.estimate
+        estimate = self.navigator.estimate
         if not self._options.map_tf or estimate.odom_in_map is None or estimate.stage == "lost":
             return None
         age = self._clock() - snapshot.stamp - self._options.tolerance
@@ -124,7 +113,7 @@ class NodeNavigation:
 
     def publish(self, snapshot: Snapshot) -> None:
         """Publish where the robot is at `snapshot`, and its way."""
-        estimate, navigation = self._navigator.estimate, self._navigator.state.latest
+        estimate, navigation = self.navigator.estimate, self.navigator.state.latest
         if estimate.odom_in_map is None or navigation is None:
             return
         robot_in_map = estimate.odom_in_map @ snapshot.odometry.robot_in_odom
@@ -155,8 +144,8 @@ class NodeNavigation:
 
     def diagnose(self) -> tuple[DiagnosticStatus, ...]:
         """Return the state of localization and of the goal."""
-        state = self._navigator.state.latest
-        return navigation_status(self._navigator.line_map.name, self._navigator.estimate, state)
+        state = self.navigator.state.latest
+        return navigation_status(self.navigator.line_map.name, self.navigator.estimate, state)
 
     def make_map(self) -> Any:
         """Return a message with the map."""
@@ -180,7 +169,7 @@ class NodeNavigation:
             start = self._in_map(begin.frame) @ begin.pose if begin else None
             place = self._place_of(end)
             heading = place.heading
-            found = await self._navigator.plan(place, start)
+            found = await self.navigator.plan(place, start)
             points = _sparse(to_drive(found))
             if isinstance(found, NoWay):
                 self._middleware.warn(f"make_plan: {found.why}")
@@ -194,14 +183,6 @@ class NodeNavigation:
     def no_plan(self) -> Any:
         """Return an empty message of a way."""
         return self._middleware.make("nav_msgs/Path")
-
-    def forget_obstacles(self) -> None:
-        """Forget what the robot has seen and the map does not show."""
-        self._navigator.forget_obstacles()
-
-    def lose(self) -> None:
-        """Have the whole map searched for the robot, as AMCL does."""
-        self._navigator.lose()
 
     def _map(self) -> MapUpdate:
         assert self._grid is not None
@@ -224,14 +205,12 @@ class NodeNavigation:
                 " node; send it again"
             )
             return
-        with suppress(RuntimeError):  # the loop has ended, and with it the robot's motion
-            self._loop.call_soon_threadsafe(take, message)
+        hand_over(self._loop, take, message)
 
     def _take_start(self, message: Any) -> None:
-        assert INITIAL_POSE.parse is not None
         refused, map_frame = "", self._options.map_frame
         try:
-            start: SentStart = INITIAL_POSE.parse(message)
+            start: SentStart = INITIAL_POSE.content(message)
         except CommandError as error:
             refused = str(error)
         else:
@@ -241,12 +220,9 @@ class NodeNavigation:
             self._middleware.warn(f"initialpose is ignored: {refused}")
             return
         if start.spread or start.turn_spread:
-            self._navigator.place(start.pose, start.spread, start.turn_spread)
+            self.navigator.place(start.pose, start.spread, start.turn_spread)
         else:
-            self._navigator.place(start.pose)
-
-    def _take_simple_goal(self, message: Any) -> None:
-        self._goals.send(self._place_in(SIMPLE_GOAL, message))
+            self.navigator.place(start.pose)
 
     def _take_action_goal(self, message: Any) -> None:
         where = self._place_in(ACTION_GOAL, message)
@@ -255,19 +231,12 @@ class NodeNavigation:
     def _take_name(self, message: Any) -> None:
         from pioneer3.nav.places import find_place
 
-        assert GOAL_NAME.parse is not None
-        name = GOAL_NAME.parse(message)
-        self._goals.send(lambda: find_place(self._navigator.line_map, name))
-
-    def _take_cancel(self, message: Any) -> None:
-        assert ACTION_CANCEL.parse is not None
-        self._goals.cancel(*ACTION_CANCEL.parse(message))
+        name = GOAL_NAME.content(message)
+        self._goals.send(lambda: find_place(self.navigator.line_map, name))
 
     def _place_in(self, topic: Topic, message: Any) -> "Callable[[], Destination]":
         """Return a function that returns the place of a goal, and raises if it is wrong."""
-        assert topic.parse is not None
-        parse = topic.parse
-        return lambda: self._place_of(parse(message))
+        return lambda: self._place_of(topic.content(message))
 
     def _place_of(self, goal: SentPose) -> "Destination":
         """Return the place of a goal on the map.
@@ -291,7 +260,7 @@ class NodeNavigation:
                 f"the goal is in the frame {frame}: give it in {map_frame}, {frames.odom} or"
                 f" {frames.base}"
             )
-        estimate, snapshot = self._navigator.estimate, self._robot.snapshot
+        estimate, snapshot = self.navigator.estimate, self._robot.snapshot
         if not estimate.sure or estimate.odom_in_map is None or snapshot is None:
             raise MotionError(f"it is not sure where the robot is: {estimate.reason}")
         if frame == frames.odom:

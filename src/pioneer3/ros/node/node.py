@@ -19,7 +19,6 @@ from pioneer3.robot.lasers.driver import LaserDriver
 from pioneer3.robot.supervisor import Connection
 from pioneer3.ros.messages.diagnostics import (
     DiagnosticStatus,
-    DiagnosticsUpdate,
     Health,
     diagnose,
     hardware_id,
@@ -44,7 +43,7 @@ from pioneer3.ros.node.topic import Topic
 from pioneer3.ros.node.topics import SLOWLY, command_topics, published
 from pioneer3.runtime.robot import Robot
 from pioneer3.state import Bumpers, Scan, Snapshot
-from pioneer3.tasks import running
+from pioneer3.tasks import hand_over, running
 
 if TYPE_CHECKING:
     from pioneer3.ros.node.navigation import NodeNavigation
@@ -56,20 +55,12 @@ LONGEST_PERIOD: Final = 1.0
 
 
 class RobotNode:
-    """Publishes the state of `robot` and drives it by `cmd_vel`, and by goals if it has a map.
+    """Publishes the state of a robot and drives it by `cmd_vel`, and by goals if it has a map.
 
-    Args:
-        robot: Connected.
-        parameters: Of the node.
-        middleware: Where the node has its name already.
+    The robot is connected, and the node has its name in the middleware already.
     """
 
-    def __init__(
-        self,
-        robot: Robot,
-        parameters: NodeParameters,
-        middleware: Middleware,
-    ) -> None:
+    def __init__(self, robot: Robot, parameters: NodeParameters, middleware: Middleware) -> None:
         self._robot = robot
         self._parameters = parameters
         self._middleware = middleware
@@ -107,7 +98,7 @@ class RobotNode:
 
         `ready` is called when everything is advertised.
         """
-        self._middleware.on_shutdown(lambda: self._hand_over(self._ended.set))
+        self._middleware.on_shutdown(partial(hand_over, self._loop, self._ended.set))
         self._robot.arbiter.remembers = self._navigation is not None
         self._commands.begin()
         await asyncio.to_thread(self._advertise)
@@ -116,7 +107,9 @@ class RobotNode:
         try:
             async with running(
                 self._publish_state(),
-                self._publish_diagnostics(),
+                self._publishing.publish_diagnostics(
+                    self._diagnose, lambda: hardware_id(self._robot.info)
+                ),
                 *([self._navigation.run()] if self._navigation else []),
                 *(
                     self._publishing.publish_device(
@@ -172,12 +165,13 @@ class RobotNode:
             stamped=bool(self._parameters.enable_stamped_cmd_vel),
         )
         self._commands.subscribe(topics, self._middleware)
-        self._middleware.reconfigure(
-            self._parameters,
-            DrivingParameters(
-                info.limits, info.config, self._parameters.driving, self._reconfigured
-            ),
+        driving = DrivingParameters(
+            info.limits,
+            info.config,
+            self._parameters.driving,
+            partial(hand_over, self._loop, self._set),
         )
+        self._middleware.reconfigure(self._parameters, driving)
 
     def _is_available(self, topic: Topic) -> bool:
         """Return whether the robot has the device that a topic is published from."""
@@ -247,20 +241,6 @@ class RobotNode:
     def _sensor_update(self, reading: Stamped) -> SensorUpdate:
         return SensorUpdate(reading=reading, frames=self._frames, stamp=self._stamp(reading.stamp))
 
-    async def _publish_diagnostics(self) -> None:
-        """Publish also while the robot is lost."""
-        while True:
-            if self._publishing.has_subscribers(DiagnosticsUpdate):
-                update = DiagnosticsUpdate(
-                    found=self._diagnose(),
-                    node=self._middleware.name,
-                    hardware=hardware_id(self._robot.info),
-                    stamp=self._middleware.stamp(0.0),
-                    make=self._middleware.make,
-                )
-                self._publishing.publish(update)
-            await asyncio.sleep(SLOWLY)
-
     async def _watch_others(self) -> None:
         """Log endpoints of other nodes that cannot talk to this one, once each."""
         told: set[str] = set()
@@ -316,10 +296,6 @@ class RobotNode:
                 self._publishing.lose_robot()
                 await asyncio.sleep(REPEAT)
 
-    def _reconfigured(self, values: Values) -> None:
-        """Take new values of the driving parameters, in any thread."""
-        self._hand_over(lambda: self._set(values))
-
     def _set(self, values: Values) -> None:
         """Drive by `values` from now on, and tell the robot those that are new to it."""
         new = [command for command in to_send(values) if command not in self._sent]
@@ -332,11 +308,6 @@ class RobotNode:
         with suppress(CommandError):
             for command in several:
                 self._robot.send(command)
-
-    def _hand_over(self, function: Callable[[], object]) -> None:
-        """Let the loop call `function`."""
-        with suppress(RuntimeError):  # the loop has ended, and with it the robot's motion
-            self._loop.call_soon_threadsafe(function)
 
     def _stamp(self, moment: float) -> object:
         """Return the ROS time of `moment` [s, monotonic]."""

@@ -6,15 +6,16 @@ from collections.abc import AsyncGenerator, Callable, Sequence
 from contextlib import aclosing
 from dataclasses import dataclass, field
 from math import inf
-from operator import attrgetter
 from typing import Any, Final, TypeVar
 
 from pioneer3.errors import DeviceError, MissingTypeError
+from pioneer3.ros.messages.diagnostics import DiagnosticStatus, DiagnosticsUpdate
 from pioneer3.ros.messages.navigation import NavigationUpdate
 from pioneer3.ros.messages.update import StateUpdate
 from pioneer3.ros.node.middleware import Middleware, Publisher
 from pioneer3.ros.node.names import Profile
 from pioneer3.ros.node.topic import Topic, Update
+from pioneer3.ros.node.topics import SLOWLY
 
 V = TypeVar("V")
 
@@ -30,15 +31,12 @@ values it is looked at, too."""
 PAUSE: Final = 0.5
 """Pause after a device turned out to be missing [s]."""
 
-IS_SUBSCRIBED: Final = attrgetter("subscribed")
-
 
 @dataclass(slots=True)
 class _Row:
     """A topic, the publishers of its names, its last content, and when that was sent [s].
 
-    Attributes:
-        message: The last one, to be filled again: to make one takes as long as to fill it.
+    The last message is filled again: to make one takes as long as to fill it.
     """
 
     topic: Topic
@@ -49,7 +47,7 @@ class _Row:
 
     @property
     def subscribed(self) -> bool:
-        return any(map(IS_SUBSCRIBED, self.publishers))
+        return any(publisher.subscribed for publisher in self.publishers)
 
     def is_due(self, update: Update) -> bool:
         """Return whether to publish now, and take note of it."""
@@ -124,6 +122,23 @@ class Publishing:
                 row.content = LOST
                 row.publish(topic.when_lost)
 
+    async def publish_diagnostics(
+        self, found: Callable[[], tuple[DiagnosticStatus, ...]], hardware: Callable[[], str]
+    ) -> None:
+        """Publish the states of parts that are found again and again, also of a lost robot."""
+        while True:
+            if self.has_subscribers(DiagnosticsUpdate):
+                self.publish(
+                    DiagnosticsUpdate(
+                        found=found(),
+                        node=self._middleware.name,
+                        hardware=hardware(),
+                        stamp=self._middleware.stamp(0.0),
+                        make=self._middleware.make,
+                    )
+                )
+            await asyncio.sleep(SLOWLY)
+
     async def publish_device(
         self,
         source: type[Update],
@@ -131,14 +146,7 @@ class Publishing:
         update_of: Callable[[V], Update],
         sensor: str = "",
     ) -> None:
-        """Read a device while its topic has subscribers; without that topic, do nothing.
-
-        Args:
-            source: Kind of update.
-            values: Yields values of the device.
-            update_of: Makes an update of a value.
-            sensor: Name of the sensor, if it is one.
-        """
+        """Read the values of a device while its topic has subscribers; without that, do nothing."""
         while any(row.publishers for row in self._rows_of[source, sensor]):
             if not self.has_subscribers(source, sensor):
                 await asyncio.sleep(LOOK)

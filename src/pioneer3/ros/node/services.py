@@ -3,7 +3,6 @@
 import asyncio
 from collections.abc import Awaitable, Callable, Sequence
 from concurrent.futures import TimeoutError as NoAnswerError
-from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any, Final
@@ -15,6 +14,7 @@ from pioneer3.ros.messages.diagnostics import ENABLE, DiagnosticLevel, Diagnosti
 from pioneer3.ros.node.middleware import QUEUE, Middleware, Response, Sender
 from pioneer3.ros.node.names import AS_STANDARD, Profile
 from pioneer3.runtime.robot import Robot
+from pioneer3.tasks import hand_over
 
 if TYPE_CHECKING:
     from pioneer3.ros.node.navigation import NodeNavigation
@@ -46,15 +46,10 @@ AnyResponse = Response | MapResponse | PlanResponse
 
 
 class Services:
-    """The services of `robot`.
+    """The services of a connected robot.
 
-    Args:
-        robot: Connected.
-        sonar: Whether the sonars are to ping at first.
-        diagnose: Returns the state of each part of the robot.
-        moved: Called when odometry has been set.
-        warn: Given a sentence when something is refused that has no response.
-        navigation: Of the node, if it has a map.
+    `sonar` tells whether the sonars are to ping at first; `moved` is called when odometry has been
+    set, `warn` with a sentence when something is refused that has no response.
     """
 
     def __init__(
@@ -137,26 +132,24 @@ class Services:
         broken = any(each.level is not DiagnosticLevel.WARN for each in wrong)
         return Response(not broken, "; ".join(str(each) for each in wrong) or "all is well")
 
-    def get_map(self) -> MapResponse:
-        """Return the map."""
+    @property
+    def navigation(self) -> "NodeNavigation":
+        """The navigation of a node that has a map."""
         assert self._navigation is not None
-        return MapResponse(self._navigation.make_map())
+        return self._navigation
 
     async def make_plan(self, request: Any) -> PlanResponse:
         """Return the way that a request asks for."""
-        assert self._navigation is not None
-        return PlanResponse(await self._navigation.make_plan(request))
+        return PlanResponse(await self.navigation.make_plan(request))
 
     def clear_costmaps(self) -> Response:
         """Forget what the robot has seen and the map does not show."""
-        assert self._navigation is not None
-        self._navigation.forget_obstacles()
+        self.navigation.navigator.forget_obstacles()
         return Response(True, "all things that the map does not show are forgotten")
 
     def localize_globally(self) -> Response:
-        """Have the whole map searched for the robot."""
-        assert self._navigation is not None
-        self._navigation.lose()
+        """Have the whole map searched for the robot, as AMCL does."""
+        self.navigation.navigator.lose()
         return Response(True, "looks for the robot on the whole map")
 
     def _take(self, service: "Service", name: str, message: Any, _: Sender) -> None:
@@ -168,13 +161,12 @@ class Services:
                 outcome = "done" if done.success else "REFUSED"
                 self._warn(f"{name}: {outcome}: {done.message}")
 
-        with suppress(RuntimeError):  # the loop has ended, and with it the robot's motion
-            self._loop.call_soon_threadsafe(act)
+        hand_over(self._loop, act)
 
     def _serve(self, service: "Service", request: Any) -> AnyResponse:
         """Act in the loop; return the response. In a thread of the middleware."""
         if service is MAP:
-            return self.get_map()  # which takes long for large maps
+            return MapResponse(self.navigation.make_map())  # which takes long for large maps
 
         given_up = False
 
@@ -207,9 +199,9 @@ class Services:
         return response
 
     def _not_served(self, service: "Service", reason: str) -> AnyResponse:
-        if service is PLAN and self._navigation is not None:
-            return PlanResponse(self._navigation.no_plan())
-        return Response(False, reason)
+        return (
+            PlanResponse(self.navigation.no_plan()) if service is PLAN else Response(False, reason)
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -307,7 +299,7 @@ MAP: Final = Service(
     standard="static_map",
     ros2="map_server/map",
     type_name="nav_msgs/GetMap",
-    act=lambda services, _: services.get_map(),
+    act=lambda services, _: MapResponse(services.navigation.make_map()),
     optional="a map",
     note="as on `map`",
 )

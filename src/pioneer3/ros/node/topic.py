@@ -59,11 +59,10 @@ class Topic:
         ros2: Name in ROS 2; empty where it is the same, `None` if it has none.
         type_name: Type of its messages.
         source: Kind of update that it is published from.
-        sensor: Name of the sensor whose readings are published; empty for all other topics.
+        sensor: Name of the sensor or laser that is published; empty for all other topics.
         fill: Puts such an update into a message that is empty, or that it filled before; `None` for
             a topic that is subscribed to.
-        parse: Returns the content of a message that is received, or raises a CommandError; `None`
-            for a topic that is published.
+        parse: See :meth:`content`; `None` for a topic that is published.
         changes: Returns the content that matters, where a message is sent only when that is new;
             `None` for a topic that is sent with every update. Updates then have a `moment`.
         latched: Whether a late subscriber gets the last message.
@@ -105,3 +104,12 @@ class Topic:
     def names(self, profile: Profile) -> tuple[str, ...]:
         """Return its names in `profile`."""
         return profile.choose(self.compatibility, self.standard, self.ros2)
+
+    def content(self, message: Any) -> Any:
+        """Return the content of a message that is received.
+
+        Raises:
+            CommandError: there is none that counts.
+        """
+        assert self.parse is not None
+        return self.parse(message)
