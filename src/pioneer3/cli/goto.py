@@ -17,8 +17,9 @@ from pioneer3.cli.options import (
     NavigationOptions,
     Speed,
 )
-from pioneer3.cli.places import MapName, StartPlace, numbers_of, pose_of, require_place
+from pioneer3.cli.places import MapName, StartPlace, require_place
 from pioneer3.errors import ConfigError
+from pioneer3.nav.place_text import numbers_of, pose_of
 
 if TYPE_CHECKING:
     from pioneer3.runtime.robot import Robot

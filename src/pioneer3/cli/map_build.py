@@ -122,9 +122,9 @@ class _Begin:
 
     @classmethod
     def of(cls, old: Path | None, start: str | None) -> "_Begin":
-        from pioneer3.cli.places import pose_of
         from pioneer3.errors import ConfigError
         from pioneer3.geometry import Pose2
+        from pioneer3.nav.place_text import pose_of
         from pioneer3.nav.places import find_place
         from pioneer3.navigation.map_files import load_survey
         from pioneer3.sim.worldfile import load_map

@@ -16,8 +16,9 @@ from pioneer3.cli.options import (
     NavigationOptions,
     Speed,
 )
-from pioneer3.cli.places import MapName, StartPlace, destination_of, pose_of, require_place
+from pioneer3.cli.places import MapName, StartPlace, destination_of, require_place
 from pioneer3.errors import ConfigError
+from pioneer3.nav.place_text import pose_of
 
 if TYPE_CHECKING:
     from pioneer3.runtime.robot import Robot

@@ -4,50 +4,18 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from pioneer3.errors import ConfigError, MotionError
-from pioneer3.geometry import Pose2
-from pioneer3.units import ANGLE, LENGTH
+from pioneer3.errors import MotionError
+from pioneer3.nav.place_text import numbers_of
 
 if TYPE_CHECKING:
     from pioneer3.maps import LineMap
     from pioneer3.nav.places import Destination
     from pioneer3.navigation.navigator import Navigator
 
-UNITS = LENGTH, LENGTH, ANGLE
-
 MapName = Annotated[
     str | None, Parameter(name=["--map", "-m"], env_var="PIONEER3_MAP", metavar="MAP")
 ]
 StartPlace = Annotated[str | None, Parameter(metavar="PLACE", allow_leading_hyphen=True)]
-
-
-def numbers_of(words: tuple[str, ...], command: str) -> dict[str, float] | None:
-    """Return x, y and heading, or `None` where the words are a name.
-
-    Raises:
-        ConfigError: They are too few or too many, or one of them is no number.
-    """
-    if not words or not words[0].lstrip("+-.")[:1].isdigit():
-        return None
-    if not 2 <= len(words) <= len(UNITS):
-        raise ConfigError(f"{command} {' '.join(words)}: give x and y, or x, y and a heading")
-    try:
-        values = [quantity.read(word) for quantity, word in zip(UNITS, words, strict=False)]
-    except ValueError as error:
-        raise ConfigError(f"{command} {' '.join(words)}: {error}") from None
-    return dict(zip(("x", "y", "heading"), values, strict=False))
-
-
-def pose_of(text: str, command: str) -> Pose2 | str:
-    """Return the pose `x,y,heading`, or the name of a place.
-
-    Raises:
-        ConfigError: A number is wrong.
-    """
-    numbers = numbers_of(tuple(text.split(",")), command)
-    if numbers is None:
-        return text
-    return Pose2(numbers["x"], numbers["y"], numbers.get("heading", 0.0))
 
 
 def destination_of(text: str, line_map: "LineMap", command: str) -> "Destination":
@@ -58,7 +26,7 @@ def destination_of(text: str, line_map: "LineMap", command: str) -> "Destination
     """
     from pioneer3.nav.places import Destination, find_place
 
-    numbers = numbers_of(tuple(text.split(",")), command)
+    numbers = numbers_of(text.split(","), command)
     return find_place(line_map, text) if numbers is None else Destination(**numbers)  # type: ignore[arg-type]
 
 

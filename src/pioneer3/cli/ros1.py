@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import App, Parameter
 
 from pioneer3.cli.options import AUTO, NO_LASERS, WHICH, Baud, CameraUrl, LaserOptions, RobotOptions
-from pioneer3.cli.places import MapName, StartPlace, pose_of
+from pioneer3.cli.places import MapName, StartPlace
 from pioneer3.cli.process import run_until_told_to_leave, write_line
 from pioneer3.cli.topic_demos import commands
+from pioneer3.nav.place_text import pose_of
 
 if TYPE_CHECKING:
     from pioneer3.cli.topic_demos import Work

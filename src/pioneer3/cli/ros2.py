@@ -10,12 +10,13 @@ from cyclopts import App
 
 from pioneer3.cli.motion import keyword
 from pioneer3.cli.options import NO_LASERS, WHICH, Baud, CameraUrl, LaserOptions, RobotOptions
-from pioneer3.cli.places import MapName, StartPlace, pose_of
+from pioneer3.cli.places import MapName, StartPlace
 from pioneer3.cli.process import run_until_told_to_leave, write_line
 from pioneer3.cli.ros2_bridge import bridge
 from pioneer3.cli.ros2_check import check
 from pioneer3.cli.ros2_network import ANYWHERE, NetworkOptions
 from pioneer3.cli.topic_demos import commands
+from pioneer3.nav.place_text import pose_of
 
 if TYPE_CHECKING:
     from pioneer3.cli.topic_demos import Work

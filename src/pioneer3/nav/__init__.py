@@ -4,6 +4,7 @@
 module            contents
 ================  ==================================================================================
 places            the places of a map that people send robots to
+place_text        places as people write them: a name, or numbers
 raster            the square cells that a map is divided into, and distances to walls in them
 costs             the cost of driving over each place of a map, for one robot
 planner           ways to a goal

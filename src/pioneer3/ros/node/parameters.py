@@ -6,9 +6,9 @@ from dataclasses import dataclass, field, replace
 from math import inf, pi, radians
 from typing import Final
 
-from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
 from pioneer3.models.description.tree import Frames
+from pioneer3.nav.place_text import pose_of
 from pioneer3.nav.settings import AS_SHIPPED, SETTINGS, NavigationSettings
 from pioneer3.robot.assemble import SONAR_MAX
 from pioneer3.ros.messages.update import DRIVING, Beam, MessageOptions, NoEcho
@@ -24,7 +24,6 @@ from pioneer3.ros.node.parameter import (
     full_name,
     rows_of,
 )
-from pioneer3.units import ANGLE, LENGTH
 
 TOP_SPEED: Final = 10.0
 """No limit may be above it [m/s, rad/s]."""
@@ -54,8 +53,6 @@ NAVIGATION: Final = tuple(
 """Settings of navigation; their names have two parts: `~planner/margin`, `planner.margin`."""
 BELOW_NAMES: Final = {BELOW, *(row.name.partition(".")[0] for row in NAVIGATION)}
 """Names that parameters lie below."""
-UNITS: Final = (LENGTH, LENGTH, ANGLE)
-"""Units of `x,y,heading`."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -259,7 +256,7 @@ class NodeParameters:
     @property
     def initial_pose(self) -> Pose2 | str | None:
         """Where the robot is on the map: a pose, or a name; `None` for the map's home."""
-        return place(self.start) if self.start else None
+        return pose_of(self.start, "start") if self.start else None
 
     @property
     def camera_view(self) -> float | None:
@@ -322,22 +319,3 @@ class NodeParameters:
 def parameters_in(profile: Profile) -> tuple[Parameter, ...]:
     """Return the robot's parameters that are known in `profile`, and read at the start."""
     return tuple(row for row in rows_of(NodeParameters) if profile in row.profiles)
-
-
-def place(words: str) -> Pose2 | str:
-    """Return the pose `x,y,heading` in metres and degrees, unless another unit is given.
-
-    Words that begin with no number are the name of a place.
-
-    Raises:
-        ConfigError: it is no pose.
-    """
-    if not words.lstrip(" +-.")[:1].isdigit():
-        return words
-    parts = words.split(",")
-    if len(parts) not in (2, 3):
-        raise ConfigError(f"start {words}: give x,y or x,y,heading, or the name of a place")
-    try:
-        return Pose2(*(unit.read(part) for unit, part in zip(UNITS, parts, strict=False)))
-    except ValueError as error:
-        raise ConfigError(f"start {words}: {error}") from None
