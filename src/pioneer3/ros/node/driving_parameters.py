@@ -3,6 +3,7 @@
 import threading
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from math import isfinite
 from typing import Final
 
@@ -19,6 +20,15 @@ Values = Mapping[str, float | None]
 """Value of each parameter, by name; `None` for the robot's own, which nobody knows."""
 
 
+at_once = partial(Parameter, acts=Effect.AT_ONCE)
+linear = partial(at_once, low=0.0, high=9.999, unit="m/s^2", rosaria_default=0.3)
+angular = partial(at_once, low=0.0, high=174.5, unit="rad/s^2", rosaria_default=1.745)
+sideways = partial(
+    at_once, "no Pioneer drives sideways", low=0.0, high=0.0001, rosaria_default=0.0, profiles=ROS1
+)
+encoder = partial(at_once, otherwise="the robot's own")
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DrivingSettings:
     """The parameters of driving; `None` is the robot's own.
@@ -26,90 +36,32 @@ class DrivingSettings:
     Bounds and defaults of RosAria's nine are those of its dynamic_reconfigure.
     """
 
-    max_linear_acceleration: float | None = Parameter(
-        "acceleration; 0 is the robot's own",
-        low=0.0,
-        high=9.999,
-        unit="m/s^2",
-        acts=Effect.AT_ONCE,
-        rosaria="trans_accel",
-        rosaria_default=0.3,
-        p2os="max_xaccel",
+    max_linear_acceleration: float | None = linear(
+        "acceleration; 0 is the robot's own", rosaria="trans_accel", p2os="max_xaccel"
     ).field(None)
-    max_linear_deceleration: float | None = Parameter(
-        "deceleration; 0 is the robot's own",
-        low=0.0,
-        high=9.999,
-        unit="m/s^2",
-        acts=Effect.AT_ONCE,
-        rosaria="trans_decel",
-        rosaria_default=0.3,
-        p2os="max_xdecel",
+    max_linear_deceleration: float | None = linear(
+        "deceleration; 0 is the robot's own", rosaria="trans_decel", p2os="max_xdecel"
     ).field(None)
-    lat_accel: float | None = Parameter(
-        "no Pioneer drives sideways",
-        low=0.0,
-        high=0.0001,
-        profiles=ROS1,
-        acts=Effect.AT_ONCE,
-        rosaria="lat_accel",
-        rosaria_default=0.0,
+    lat_accel: float | None = sideways(rosaria="lat_accel").field(None)
+    lat_decel: float | None = sideways(rosaria="lat_decel").field(None)
+    max_angular_acceleration: float | None = angular(
+        "acceleration of turning; 0 is the robot's own", rosaria="rot_accel", p2os="max_yawaccel"
     ).field(None)
-    lat_decel: float | None = Parameter(
-        "no Pioneer drives sideways",
-        low=0.0,
-        high=0.0001,
-        profiles=ROS1,
-        acts=Effect.AT_ONCE,
-        rosaria="lat_decel",
-        rosaria_default=0.0,
+    max_angular_deceleration: float | None = angular(
+        "deceleration of turning; 0 is the robot's own", rosaria="rot_decel", p2os="max_yawdecel"
     ).field(None)
-    max_angular_acceleration: float | None = Parameter(
-        "acceleration of turning; 0 is the robot's own",
-        low=0.0,
-        high=174.5,
-        unit="rad/s^2",
-        acts=Effect.AT_ONCE,
-        rosaria="rot_accel",
-        rosaria_default=1.745,
-        p2os="max_yawaccel",
+    ticks_mm: int | None = encoder(
+        "encoder ticks per mm", low=1, high=200, rosaria="TicksMM", rosaria_default=0
     ).field(None)
-    max_angular_deceleration: float | None = Parameter(
-        "deceleration of turning; 0 is the robot's own",
-        low=0.0,
-        high=174.5,
-        unit="rad/s^2",
-        acts=Effect.AT_ONCE,
-        rosaria="rot_decel",
-        rosaria_default=1.745,
-        p2os="max_yawdecel",
-    ).field(None)
-    ticks_mm: int | None = Parameter(
-        "encoder ticks per mm",
-        low=1,
-        high=200,
-        otherwise="the robot's own",
-        acts=Effect.AT_ONCE,
-        rosaria="TicksMM",
-        rosaria_default=0,
-    ).field(None)
-    drift_factor: int | None = Parameter(
+    drift_factor: int | None = encoder(
         "correction of the left encoder, in 1/8192",
         low=-32768,
         high=32767,
-        otherwise="the robot's own",
-        acts=Effect.AT_ONCE,
         rosaria="DriftFactor",
         rosaria_default=-99999,
     ).field(None)
-    rev_count: int | None = Parameter(
-        "encoder ticks of half a turn",
-        low=1,
-        high=65535,
-        otherwise="the robot's own",
-        acts=Effect.AT_ONCE,
-        rosaria="RevCount",
-        rosaria_default=0,
+    rev_count: int | None = encoder(
+        "encoder ticks of half a turn", low=1, high=65535, rosaria="RevCount", rosaria_default=0
     ).field(None)
 
 
@@ -203,17 +155,13 @@ def to_send(values: Values) -> list[Command]:
 
 
 class DrivingParameters:
-    """The values of the parameters of one robot.
+    """The values of the parameters of one robot, whose own are `limits` and CONFIG.
 
-    Args:
-        limits: The robot's own.
-        config: The robot's report of itself, if it has sent one.
-        settings: To begin with.
-        apply: Given all values whenever one has been set; by the thread that set it.
+    `apply` is given all values whenever one has been set, by the thread that set it.
 
     Attributes:
         parameters: With the bounds of this robot.
-        wanted: Values to begin with, once somebody calls :meth:`set`.
+        wanted: Values of the settings, to begin with once somebody calls :meth:`set`.
         values: In force.
     """
 

@@ -7,6 +7,7 @@ are for the first laser, as the topic `scan` is.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from math import pi
 from typing import Final
 
@@ -27,8 +28,6 @@ from pioneer3.ros.node.parameter import (
 
 BELOW: Final = "laser"
 """In the robot's node these parameters are below this name: `~laser/serial_port`."""
-WORD: Final = r"\S*"
-WORD_FORM: Final = "text without spaces"
 IGNORED: Final = dict.fromkeys(
     (
         "allow_unsafe_settings",
@@ -45,64 +44,36 @@ IGNORED: Final = dict.fromkeys(
 """Parameters of those nodes that have no effect here."""
 
 
+word = partial(Parameter, pattern=r"\S*", form="text without spaces")
+of_scans = partial(Parameter, acts=Effect.ON_SCANS)
+direction = partial(of_scans, low=-pi, high=pi, unit="rad", otherwise="all")
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LaserParameters:
     """The parameters of a laser; :func:`read_laser_parameters` reads and checks them."""
 
-    serial_port: str = Parameter(
-        "such as /dev/ttyACM0", pattern=WORD, form=WORD_FORM, acts=Effect.ON_PORT, hokuyo="port"
-    ).field("")
+    serial_port: str = word("such as /dev/ttyACM0", acts=Effect.ON_PORT, hokuyo="port").field("")
     serial_baud: int | None = Parameter(
         "accepted; the speed is found", otherwise="what the laser has"
     ).field(None)
-    ip_address: str = Parameter(
-        "of a laser in the network; comes before serial_port",
-        pattern=WORD,
-        form=WORD_FORM,
-        acts=Effect.ON_PORT,
+    ip_address: str = word(
+        "of a laser in the network; comes before serial_port", acts=Effect.ON_PORT
     ).field("")
     ip_port: int = Parameter(
         "of a laser in the network", low=1, high=65535, acts=Effect.ON_PORT
     ).field(HOKUYO_PORT)
-    frame_id: str = Parameter(
-        "of the scans", pattern=WORD, form=WORD_FORM, otherwise="`laser`", hokuyo="frameid"
-    ).field("")
-    calibrate_time: bool = Parameter(
-        "compare the laser's clock with ours", acts=Effect.ON_SCANS
-    ).field(True)
-    time_offset: float = Parameter(
-        "added to the times of scans", low=-0.25, high=0.25, unit="s", acts=Effect.ON_SCANS
+    frame_id: str = word("of the scans", otherwise="`laser`", hokuyo="frameid").field("")
+    calibrate_time: bool = of_scans("compare the laser's clock with ours").field(True)
+    time_offset: float = of_scans(
+        "added to the times of scans", low=-0.25, high=0.25, unit="s"
     ).field(0.0)
-    publish_intensity: bool = Parameter(
-        "the strength of each echo", acts=Effect.ON_SCANS, hokuyo="intensity"
-    ).field(False)
-    publish_multiecho: bool = Parameter(
-        "all echoes, from lasers that have them", acts=Effect.ON_SCANS
-    ).field(False)
-    angle_min: float | None = Parameter(
-        "first direction",
-        low=-pi,
-        high=pi,
-        unit="rad",
-        otherwise="all",
-        acts=Effect.ON_SCANS,
-        hokuyo="min_ang",
-    ).field(None)
-    angle_max: float | None = Parameter(
-        "last direction",
-        low=-pi,
-        high=pi,
-        unit="rad",
-        otherwise="all",
-        acts=Effect.ON_SCANS,
-        hokuyo="max_ang",
-    ).field(None)
-    cluster: int = Parameter(
-        "readings that become one", low=1, high=99, acts=Effect.ON_SCANS
-    ).field(1)
-    skip: int = Parameter(
-        "scans left out after each one", low=0, high=9, acts=Effect.ON_SCANS
-    ).field(0)
+    publish_intensity: bool = of_scans("the strength of each echo", hokuyo="intensity").field(False)
+    publish_multiecho: bool = of_scans("all echoes, from lasers that have them").field(False)
+    angle_min: float | None = direction("first direction", hokuyo="min_ang").field(None)
+    angle_max: float | None = direction("last direction", hokuyo="max_ang").field(None)
+    cluster: int = of_scans("readings that become one", low=1, high=99).field(1)
+    skip: int = of_scans("scans left out after each one", low=0, high=9).field(0)
 
     @property
     def ports(self) -> tuple[str, ...]:
@@ -138,11 +109,6 @@ def read_laser_parameters(
 ) -> LaserParameters:
     """Return the parameters of a laser; the names of hokuyo_node count where REP 138's are missing.
 
-    Args:
-        raw: As somebody has written them.
-        profile: Of the node.
-        below: Name that the parameters lie below.
-
     Raises:
         ConfigError: a value is of the wrong kind or out of bounds.
     """
@@ -166,11 +132,8 @@ def overridden_laser_parameters(
 ) -> list[str]:
     """Return a sentence for each parameter in `raw` that is known and does not apply.
 
-    Args:
-        raw: The parameters; those with their defaults, as `ros2 param dump` writes them, are fine.
-        given: Ports of lasers on the command line.
-        profile: Of the node.
-        below: Name that the parameters lie below.
+    Ports of lasers are `given` on the command line. Parameters with their defaults, as `ros2 param
+    dump` writes them, are fine.
 
     Raises:
         ConfigError: as :func:`read_laser_parameters` does.

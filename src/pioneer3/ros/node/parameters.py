@@ -3,6 +3,7 @@
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 from math import inf, pi, radians
 from typing import Final
 
@@ -33,7 +34,7 @@ MOST_VARIANCE: Final = 1e12
 """A variance is finite [m^2, rad^2]."""
 FRAME: Final = ".*[^/].*"
 """A frame has a name; tf2 has none with a leading slash, which is left out."""
-FRAME_FORM: Final = "the name of a frame"
+frame = partial(Parameter, pattern=FRAME, form="the name of a frame")
 MODEL: Final = "robot_model"
 """Parameter that the node writes itself while it runs: the robot's model."""
 SIMULATED: Final = "simulated"
@@ -59,10 +60,7 @@ BELOW_NAMES: Final = {BELOW, *(row.name.partition(".")[0] for row in NAVIGATION)
 class NodeParameters:
     """The parameters of a robot's node; :func:`read_parameters` reads and checks them.
 
-    Attributes:
-        driving: Those that may change while the node runs.
-        laser: Those of the laser range finder at the computer.
-        navigation: Those of navigation.
+    Those of `driving` may change while the node runs.
     """
 
     port: str = Parameter(
@@ -124,40 +122,25 @@ class NodeParameters:
         p2os="max_yawspeed",
     ).field(None)
     frame_prefix: str = Parameter("before the name of every frame, such as `robot1/`").field("")
-    odom_frame_id: str = Parameter(
-        "of odometry", pattern=FRAME, form=FRAME_FORM, rosaria="odom_frame"
-    ).field(Frames().odom)
-    base_frame_id: str = Parameter(
-        "of the robot",
-        pattern=FRAME,
-        form=FRAME_FORM,
-        rosaria="base_link_frame",
-        p2os="base_link_frame_id",
+    odom_frame_id: str = frame("of odometry", rosaria="odom_frame").field(Frames().odom)
+    base_frame_id: str = frame(
+        "of the robot", rosaria="base_link_frame", p2os="base_link_frame_id"
     ).field(Frames().base)
-    footprint_frame_id: str | None = Parameter(
+    footprint_frame_id: str | None = frame(
         "of the robot, too: `odom` to this one to `base_frame_id`; empty for none",
         pattern=f"({FRAME})?",
-        form=FRAME_FORM,
         otherwise="`base_footprint`; none without `publish_description`, and none in"
         " `compatibility` with `publish_tf`, so that `/tf` is RosAria's",
     ).field(None)
-    bumpers_frame: str | None = Parameter(
-        "of bumpers",
-        pattern=FRAME,
-        form=FRAME_FORM,
-        otherwise="`bumpers`; the robot's frame in `standard` and ROS 2",
+    bumpers_frame: str | None = frame(
+        "of bumpers", otherwise="`bumpers`; the robot's frame in `standard` and ROS 2"
     ).field(None)
-    sonar_frame: str = Parameter(
-        "of the clouds of RosAria", pattern=FRAME, form=FRAME_FORM, profiles=ROS1
-    ).field(Frames().sonar)
-    sonar_frame_prefix: str = Parameter(
-        "before the number in the frame of a transducer", pattern=FRAME, form=FRAME_FORM
-    ).field(Frames().sonar_prefix)
-    laser_frame_id: str | None = Parameter(
-        "of scans",
-        pattern=FRAME,
-        form=FRAME_FORM,
-        otherwise="`laser`; `laser_frame` in `compatibility`",
+    sonar_frame: str = frame("of the clouds of RosAria", profiles=ROS1).field(Frames().sonar)
+    sonar_frame_prefix: str = frame("before the number in the frame of a transducer").field(
+        Frames().sonar_prefix
+    )
+    laser_frame_id: str | None = frame(
+        "of scans", otherwise="`laser`; `laser_frame` in `compatibility`"
     ).field(None)
     publish_tf: bool = Parameter(
         "`odom` to `base_footprint`, else to `base_link`, on `/tf`; false where a filter"
@@ -215,9 +198,9 @@ class NodeParameters:
     goal_speed: float = Parameter(
         "on the way to goals at most", low=0.01, high=5.0, unit="m/s"
     ).field(0.3)
-    global_frame_id: str = Parameter(
-        "of the map; without `frame_prefix`", pattern=FRAME, form=FRAME_FORM
-    ).field(MessageOptions().map_frame)
+    global_frame_id: str = frame("of the map; without `frame_prefix`").field(
+        MessageOptions().map_frame
+    )
     transform_tolerance: float = Parameter(
         "so far into the future `map` to `odom` is stamped", low=0.0, high=10.0, unit="s"
     ).field(MessageOptions().tolerance)
