@@ -21,13 +21,7 @@ AGAIN: Final = 1.0
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Addresses:
-    """The addresses that a node needs.
-
-    Attributes:
-        master: Of the master, such as `http://127.0.0.1:11311`.
-        host: Under which others find this computer.
-        bind: To listen on.
-    """
+    """Addresses of the master, of this computer for others, and to listen on."""
 
     master: str
     host: str
@@ -37,11 +31,8 @@ class Addresses:
 def addresses(master: str | None, environment: Mapping[str, str] = os.environ) -> Addresses:
     """Return the addresses by an option, or the variables that all of ROS 1 goes by.
 
-    With a master on this computer nothing listens beyond it, unless ROS_IP or ROS_HOSTNAME says so.
-
-    Args:
-        master: Address of the master; `None` for that of ROS_MASTER_URI, else this computer.
-        environment: Variables.
+    Without an option the master is that of ROS_MASTER_URI, else on this computer. With a master on
+    this computer nothing listens beyond it, unless ROS_IP or ROS_HOSTNAME says so.
 
     Raises:
         ConfigError: the address is none, or no way leads there.

@@ -15,21 +15,12 @@ ARRAY = 3
 """Kind of a field that is an array."""
 DTYPES: Final[Mapping[str, str]] = {"byte": "uint8", "char": "uint8"}
 """Types of numpy where they have other names."""
-ZEROS: Final[Mapping[str, object]] = {
-    "bool": False,
-    "float32": 0.0,
-    "float64": 0.0,
-    "string": "",
-}
+ZEROS: Final[Mapping[str, object]] = {"bool": False, "float32": 0.0, "float64": 0.0, "string": ""}
 """Empty values of base types; of all others 0."""
 
 
 class MessageStore:
-    """Message types and their definitions.
-
-    Args:
-        store: Of rosbags.
-    """
+    """Message types and their definitions, in a store of rosbags."""
 
     def __init__(self, store: Any) -> None:
         self._store = store

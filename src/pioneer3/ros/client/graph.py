@@ -13,7 +13,6 @@ from pioneer3.ros.node.names import NODE
 ODOMETRY: Final = "nav_msgs/Odometry"
 TWIST: Final = "geometry_msgs/Twist"
 STAMPED: Final = "geometry_msgs/TwistStamped"
-LAB_PREFIX: Final = f"{NODE}_"
 
 State = Iterable[tuple[str, Iterable[str]]]
 """Topics with the nodes that publish or subscribe to them, as in a master's system state."""
@@ -34,7 +33,6 @@ class RobotTopics:
 
     Attributes:
         node: Its full name, such as `/RosAria_p3at_1_113`.
-        pose: Topic of nav_msgs/Odometry.
         commands: Topic of velocities that this robot alone subscribes to, if there is one.
         command_type: Of that topic: :data:`TWIST`, or :data:`STAMPED` where there is none of Twist.
         published: Types of all topics that it publishes, by topic.
@@ -71,10 +69,8 @@ class RobotTopics:
     @property
     def names(self) -> set[str]:
         """All its names: in the lab, the node's name without `RosAria_`, too."""
-        last = self.name.rpartition("/")[2]
-        return {self.node, self.name, last, last.removeprefix(LAB_PREFIX)} | {
-            space for space in [self.name.rpartition("/")[0]] if space
-        }
+        space, _, last = self.name.rpartition("/")
+        return {self.node, self.name, last, last.removeprefix(f"{NODE}_"), space} - {""}
 
     @property
     def emergency_stop(self) -> str | None:
@@ -83,12 +79,8 @@ class RobotTopics:
 
     def topic(self, kind: str, ending: str = "") -> str | None:
         """Return its topic of this type whose name ends so, or `None`."""
-        found = [
-            name
-            for name, type_ in self.published.items()
-            if type_ == kind and name.endswith(ending)
-        ]
-        return min(found, default=None, key=len)
+        of_kind = (name for name, type_ in self.published.items() if type_ == kind)
+        return min((name for name in of_kind if name.endswith(ending)), default=None, key=len)
 
     def numbered(self, kind: str) -> dict[int, str]:
         """Return its topics of this type that end in a number, such as `sonar/range_0`."""
@@ -118,13 +110,12 @@ def robots_among(nodes: Mapping[str, NodeTopics]) -> list[RobotTopics]:
         kind = TWIST if TWIST in node.heard.values() else STAMPED
         commands = [topic for topic, its_kind in node.heard.items() if its_kind == kind]
         if poses and commands:
-            own = min(commands, key=partial(_preference, name, listeners))
             published = {topic: kind for topic, kind in sorted(node.published.items()) if kind}
             robots.append(
                 RobotTopics(
                     node=name,
                     pose=poses[0],
-                    commands=own,
+                    commands=min(commands, key=partial(_preference, name, listeners)),
                     command_type=kind,
                     published=published,
                     nodes=node.nodes,

@@ -25,7 +25,6 @@ MATCHED: Final = 0.15
 """A subscriber that is there is found within this time [s], commonly."""
 LOOK: Final = 0.01
 """Pause between two looks for it [s]."""
-
 LARGEST: Final = "p3at-sh"
 """The model of a robot of which nobody tells one."""
 log = logging.getLogger(__name__)
@@ -56,15 +55,9 @@ async def joined(
 ) -> AsyncIterator[TopicRobot]:
     """Listen to a robot and be ready to drive it while the block lasts; then it stands.
 
-    Args:
-        topics: Of the robot.
-        info: Of the robot.
-        middleware: Where the topics are.
-        switch: Asks for power on the motors, or none.
-        latch: Asks the robot's node for its emergency stop, or to release it.
-        sonar: Whether to listen to the sonar, which modes need and keys do not.
-        at_once: Whether to go on before it reports: a silent robot can be told to stop, and so can
-            several of one name.
+    For `switch` and `latch` see :class:`TopicSupervisor`. Modes need the sonar, keys do not. With
+    `at_once` it goes on before the robot reports: a silent one can be told to stop, and so can
+    several of one name.
 
     Raises:
         ConfigError: several nodes have its name.
@@ -81,13 +74,9 @@ async def joined(
         twist.linear.x, twist.angular.z = wanted.v, wanted.w
         publisher.publish(message)
 
+    tells = latch is not None and topics.emergency_stop is not None
     supervisor = TopicSupervisor(
-        info,
-        publish,
-        switch,
-        latch,
-        unclear=topics.unclear,
-        tells_stops=latch is not None and topics.emergency_stop is not None,
+        info, publish, switch, latch, unclear=topics.unclear, tells_stops=tells
     )
     robot = TopicRobot(supervisor)
     subscriber = SnapshotSubscriber(topics, info.model, supervisor.take, middleware, sonar=sonar)
@@ -121,11 +110,7 @@ async def _subscribed(publisher: Publisher) -> None:
 
 
 async def _reports(robot: TopicRobot, topics: RobotTopics) -> None:
-    """Wait for the first snapshot.
-
-    Raises:
-        NoRobotError: there is none.
-    """
+    """Wait for the first snapshot."""
     try:
         await anext(robot.snapshots(FIRST, patience=FIRST))
     except LinkError:

@@ -34,14 +34,10 @@ class TopicSupervisor:
     A velocity goes out with each snapshot, and at once when it changes. Without a request nothing
     goes out: somebody else may drive.
 
-    Args:
-        info: Of the robot.
-        publish: Sends a velocity.
-        switch: Asks for power on the motors, or none.
-        latch: Asks the node for its emergency stop, or to release it; without it the motors
-            lose their power.
-        unclear: Why the snapshots are not those of one robot, if so; none is taken then.
-        tells_stops: Whether the node publishes the state of its emergency stop.
+    `switch` asks for power on the motors, or none; `latch` asks the node for its emergency stop, or
+    to release it, and without it the motors lose their power. `unclear` tells why the snapshots are
+    not those of one robot, if so; none is taken then. With `tells_stops` the node publishes the
+    state of its emergency stop.
     """
 
     def __init__(
@@ -214,9 +210,6 @@ class TopicRobot(Driven):
     """A robot as programs see it that reach it by topics only.
 
     Its :attr:`info` has the name of its node as URL.
-
-    Args:
-        supervisor: Of its topics.
     """
 
     def __init__(self, supervisor: TopicSupervisor) -> None:

@@ -54,15 +54,15 @@ class NewestCommand:
     def take(self, twist: Twist2, now: float, *, sender: str, shared: bool) -> Twist2 | None:
         """Return the motion to begin now, or `None` for none yet; :meth:`due` comes first.
 
-        Args:
-            twist: The command.
-            now: When it arrived, in this order.
-            sender: Node that sent it.
-            shared: Whether it is to all robots.
+        Commands are given in the order of their arrival; one that is `shared` is to all robots.
         """
         command = Unpaired(sender, now)
         if shared and twist.is_zero:
-            self._wait(command)
+            alone = self._alone
+            if alone and alone.sender == sender and now - alone.at < LATE:
+                self._alone = None
+            else:
+                self._zero, self.deadline = command, min(self.deadline, now + WAIT)
             return None
         paired = self._zero is not None and self._zero.sender == sender
         self.deadline, self._zero = inf, None
@@ -75,14 +75,6 @@ class NewestCommand:
             return None
         self.deadline, self._zero, self._alone = inf, None, None
         return STILL
-
-    def _wait(self, zero: Unpaired) -> None:
-        """Take a zero to all."""
-        alone = self._alone
-        if alone and alone.sender == zero.sender and zero.at - alone.at < LATE:
-            self._alone = None
-        else:
-            self._zero, self.deadline = zero, min(self.deadline, zero.at + WAIT)
 
 
 class CommandStream:
@@ -97,19 +89,14 @@ class CommandStream:
     drove, no pause was long, and no more came in this time than the stream's period allows, as when
     a queue of old commands is delivered at once. A stop for any other reason still counts.
 
-    Args:
-        name: Shown to people.
-        timeout: How long a command lasts [s]; `inf` until the next one.
-        resumes: Whether a stream that fell silent goes on by itself.
+    A command lasts for `timeout` [s], `inf` until the next one.
 
     Attributes:
-        name: The same.
         deadline: When :meth:`due` must be called [s, as every `now`].
         resumed: Whether the stream goes on with the last command.
     """
 
     def __init__(self, name: str, timeout: float, *, resumes: bool) -> None:
-        self.name = name
         self.deadline = inf
         self.resumed = False
         self._timeout = timeout

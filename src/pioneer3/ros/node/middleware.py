@@ -19,10 +19,8 @@ QUEUE: Final = 10
 class Sender:
     """The publisher of a message.
 
-    Attributes:
-        node: Its node.
-        connection: The same object for all messages over one connection.
-        latched: Whether new subscribers get its last message, however old that is.
+    Its connection is the same object for all messages over that. If it is latched, new subscribers
+    get its last message, however old that is.
     """
 
     node: str

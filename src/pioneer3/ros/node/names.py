@@ -40,12 +40,9 @@ class Profile(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class CommandName:
-    """Name of a topic of velocity commands.
+    """Name of a topic of velocity commands of Twist or, `stamped`, TwistStamped.
 
-    Attributes:
-        name: `~` for below the node's own.
-        shared: Whether all robots listen to it.
-        stamped: Whether its type is geometry_msgs/TwistStamped, else Twist.
+    `~` stands for below the node's own; to one that is `shared` all robots listen.
     """
 
     name: str
@@ -53,20 +50,15 @@ class CommandName:
     stamped: bool = False
 
 
-def checked_lab_name(value: object) -> str:
-    """Return the name of a robot in the lab, such as `p3at_1_113`.
+def lab_node(lab_name: object) -> str:
+    """Return the name of the node of a robot in the lab: `RosAria_p3at_1_113`.
 
     Raises:
         ConfigError: ROS cannot have a topic with that name.
     """
-    if not isinstance(value, str) or not SHAPE.fullmatch(value):
-        raise ConfigError(f"~lab_name must be a name such as p3at_1_113, not {value!r}")
-    return value
-
-
-def lab_node(lab_name: str) -> str:
-    """Return the name of the robot's node: `RosAria_p3at_1_113`."""
-    return f"{NODE}_{checked_lab_name(lab_name)}"
+    if not isinstance(lab_name, str) or not SHAPE.fullmatch(lab_name):
+        raise ConfigError(f"~lab_name must be a name such as p3at_1_113, not {lab_name!r}")
+    return f"{NODE}_{lab_name}"
 
 
 def lab_commands(lab_name: str) -> tuple[CommandName, CommandName]:

@@ -79,27 +79,19 @@ class Effect(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
-    """A parameter of a node.
+    """A parameter of a node; name and kind are those of its field.
 
     Attributes:
-        meaning: Sentence for people.
-        name: Today's, in ROS 1 without `~`; the name of the field.
-        kind: Of its values; from the type of the field.
+        name: Today's, in ROS 1 without `~`. Its other names in some nodes are `rosaria`, `hokuyo`
+            and `p2os`; that of p2os is told, not read.
         default: Its value unless given; `None` where the robot, the model or a search tells.
         otherwise: The default in words, where it is not `default`.
         low: Least number, also in an array; so is `high` the greatest.
-        high: Infinite where there are no bounds.
-        unit: Of its numbers.
         choices: All texts that it may be, if they can be listed.
-        pattern: Regular expression of its texts.
-        form: Words for texts of that pattern.
-        profiles: Where it is known.
+        pattern: Regular expression of its texts, and `form` words for it.
         acts: Where it acts; only what acts at once can be set while the node runs.
-        rosaria: Its name in RosAria, if another.
         rosaria_default: Its default in RosAria, where another; of a whole number it stands for the
             robot's own.
-        hokuyo: Its name in hokuyo_node, if another.
-        p2os: Its name in p2os, if another; it is told, not read.
     """
 
     meaning: str
@@ -195,13 +187,9 @@ class Parameter:
     def checked(self, value: object, name: str = "") -> Value:
         """Return `value` in the type of this parameter; a whole number may stand for a double.
 
-        Args:
-            value: As somebody has written it.
-            name: That it was written by; this parameter's own unless given.
-
         Raises:
-            ConfigError: it is of another kind, or out of bounds; the message has the name, the
-                value and the values that are wanted.
+            ConfigError: it is of another kind, or out of bounds; the message has the name that it
+                was written by, the value and the values that are wanted.
         """
         parts = value if isinstance(value, list | tuple) else (value,)
         size = len(self.default) if isinstance(self.default, tuple) else len(parts)
@@ -277,14 +265,9 @@ def unused(
     below: str = "",
     ignored: Mapping[str, str],
 ) -> list[str]:
-    """Return a sentence for each name in `raw` that is none of `rows`.
+    """Return a sentence for each name in `raw`, which lies `below` another, that is none of `rows`.
 
-    Args:
-        raw: Names that somebody has written, which lie `below` a name.
-        rows: The parameters.
-        profile: Which of their names are read.
-        below: The name.
-        ignored: Other names that are known, and the nodes that they have an effect in.
+    Names that are `ignored` are those of other nodes.
     """
     known = {name for row in rows for name in row.names(profile)}
     of_p2os = {row.p2os: row.names(profile)[0] for row in rows if row.p2os}

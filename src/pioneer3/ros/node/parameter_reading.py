@@ -35,11 +35,7 @@ IGNORED: Final = dict.fromkeys(
 
 
 def read_parameters(raw: RawParameters, profile: Profile | None = None) -> NodeParameters:
-    """Return the parameters of a node.
-
-    Args:
-        raw: As somebody has written them.
-        profile: Which names count; `None` where a parameter says so.
+    """Return the parameters of a node; without a profile, one of them tells which names count.
 
     Raises:
         ConfigError: a value is of the wrong kind or out of bounds.
@@ -51,7 +47,7 @@ def read_parameters(raw: RawParameters, profile: Profile | None = None) -> NodeP
         read(NodeParameters, raw, profile),
         profile=profile,
         driving=read(DrivingSettings, raw, profile),
-        laser=read_laser_parameters(laser_part(raw, profile), profile, BELOW),
+        laser=read_laser_parameters(part_of(raw, BELOW, profile), profile, BELOW),
         navigation=_navigation(raw, profile),
     )
     timeout = given.cmd_vel_timeout
@@ -73,21 +69,12 @@ def unused_parameters(raw: RawParameters, profile: Profile) -> list[str]:
     rows = *rows_of(NodeParameters), *rows_of(DrivingSettings)
     sentences = unused(named, rows, profile, ignored=IGNORED)
     for below in sorted(BELOW_NAMES - {BELOW}):
-        part = _part(raw, below, profile)
+        part = part_of(raw, below, profile)
         sentences += unused(part, _rows_below(below), profile, below=below, ignored={})
     return sentences
 
 
-def laser_part(raw: RawParameters, profile: Profile) -> RawParameters:
-    """Return the parameters of the laser.
-
-    Raises:
-        ConfigError: their name is a value itself.
-    """
-    return _part(raw, BELOW, profile)
-
-
-def _part(raw: RawParameters, below: str, profile: Profile) -> RawParameters:
+def part_of(raw: RawParameters, below: str, profile: Profile) -> RawParameters:
     """Return the parameters `below` a name.
 
     Raises:
@@ -111,15 +98,10 @@ def _rows_below(below: str) -> tuple[Parameter, ...]:
 
 
 def _navigation(raw: RawParameters, profile: Profile) -> NavigationSettings:
-    """Return the settings of navigation.
-
-    Raises:
-        ConfigError: a value is of the wrong kind or out of bounds.
-    """
     values: dict[str, float | str] = {}
     for row in NAVIGATION:
         below, _, name = row.name.partition(".")
-        part = _part(raw, below, profile)
+        part = part_of(raw, below, profile)
         if name in part:
             value = row.checked(part[name], full_name(name, profile, below))
             assert isinstance(value, float | int)

@@ -215,7 +215,6 @@ class Service:
         type_name: Type of the service in ROS 1; in ROS 2 a Trigger tells more than an Empty.
         act: Does the work in the loop, given the request.
         optional: Part of a robot that it takes, where robots may be without; empty for all others.
-        note: For the docs.
         patience: Longest wait for the response [s].
         stops: Whether it stops the robot: done even if that is too late for the response.
     """

@@ -21,7 +21,7 @@ from pioneer3.ros.node.laser_parameters import (
 )
 from pioneer3.ros.node.names import Profile
 from pioneer3.ros.node.parameter import full_name
-from pioneer3.ros.node.parameter_reading import laser_part, read_parameters, unused_parameters
+from pioneer3.ros.node.parameter_reading import part_of, read_parameters, unused_parameters
 from pioneer3.ros.node.parameters import NodeParameters
 from pioneer3.runtime.robot import Robot
 
@@ -41,10 +41,8 @@ class StartOptions:
 
     Attributes:
         port: URL of the robot.
-        model: Its model, if somebody names one.
         baud: Serial speed to try first.
-        laser_ports: Of the robot's laser range finders.
-        lasers: Looks for them.
+        lasers: Looks for the lasers at `laser_ports`.
         camera: URL of the MJPEG stream of the robot's camera.
         line_map: To navigate on: a file, or the name of a map that ships.
         start: Where the robot is on it: a pose, the name of a place, or `unknown`.
@@ -70,18 +68,14 @@ def checked_parameters(
 ) -> NodeParameters:
     """Return the parameters of a node, and warn of those that are unused or unsafe.
 
-    Args:
-        raw: As somebody has written them.
-        laser_ports: Those of the command line.
-        warn: Given a sentence.
-        profile: Which names count; `None` where a parameter says so.
+    Ports of lasers are those of the command line. Without a profile a parameter tells it.
 
     Raises:
         ConfigError: a value is of the wrong kind or out of range.
     """
     parameters = read_parameters(raw, profile)
     profile = parameters.profile
-    of_laser = laser_part(raw, profile)
+    of_laser = part_of(raw, BELOW, profile)
     for sentence in (
         *unused_parameters(raw, profile),
         *unused_laser_parameters(of_laser, profile, BELOW),

@@ -57,7 +57,6 @@ class Topic:
         compatibility: Name in RosAria, `~` for below the node's own; `None` if it has none.
         standard: Name after the conventions of ROS packages, relative; `None` if it has none.
         ros2: Name in ROS 2; empty where it is the same, `None` if it has none.
-        type_name: Type of its messages.
         source: Kind of update that it is published from.
         sensor: Name of the sensor or laser that is published; empty for all other topics.
         fill: Puts such an update into a message that is empty, or that it filled before; `None` for
@@ -68,12 +67,9 @@ class Topic:
         latched: Whether a late subscriber gets the last message.
         period: Longest pause between two messages [s]; `None` where only changes are sent.
         when_lost: Content of a latched topic while there is no robot; `None` if it stays true.
-        has_data: Whether an update has data for it.
-        enabled: Whether the options want it.
         rate: Messages that come in a second [Hz]; `None` where they come with a device's readings,
             with events or with changes.
         optional: Part of a robot that it takes, where robots may be without; empty for all others.
-        frame: Frame of its messages; `None` where they have none.
         note: For the docs.
     """
 

@@ -325,13 +325,7 @@ def published(
 def command_topics(
     profile: Profile, lab_name: str = "", *, stamped: bool = False
 ) -> tuple[CommandName, ...]:
-    """Return the topics to take commands from.
-
-    Args:
-        profile: Which names count.
-        lab_name: Of the robot in the lab; empty elsewhere.
-        stamped: Whether `cmd_vel` is of TwistStamped, in ROS 2.
-    """
+    """Return the topics to take commands from; with `stamped` ROS 2's `cmd_vel` is TwistStamped."""
     (*first,) = COMMANDS.names(profile)
     (*other,) = STAMPED_COMMANDS.names(profile)
     if stamped:
