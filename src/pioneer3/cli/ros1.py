@@ -59,7 +59,7 @@ class Ros1Graph:
         from pioneer3.ros.ros1.middleware import RospyTopics
 
         topics = wanted(find_robots(), robots, several=several)
-        node = name if several else f"{name}_{topics[0].plain_name}"
+        node = name if several else f"{name}_{topics[0].name.replace('/', '_')}"
 
         def working(driven: "list[TopicRobot]") -> Coroutine[Any, Any, None]:
             return work(driven, RospyTopics())

@@ -78,7 +78,6 @@ def test_a_robot_in_a_namespace_is_called_by_that() -> None:
     robot = RobotTopics(node="/front/RosAria", pose="/front/odom", commands="/front/cmd_vel")
     assert chosen([robot], "front") is robot
     assert chosen([robot], "RosAria") is robot
-    assert robot.plain_name == "front_RosAria"
 
 
 def test_the_only_robot_needs_no_name() -> None:

@@ -99,7 +99,9 @@ def _topic_row(
         return replace(row, faults=(missing(expected, facts, known),))
     faults = list(endpoint_faults(expected, there, facts))
     if not expected.is_published:
-        return _with(row, faults, found=_subscribed(there))
+        count = len(there.others)
+        found = f"subscribed, {count or 'no'} publisher{'' if count == 1 else 's'}"
+        return _with(row, faults, found=found)
     if not any(each.type_name == expected.type_name for each in there.robot):
         return _with(row, faults, found=printable(there.robot[0].type_name))
     samples = _counted(expected, there, facts)
@@ -215,26 +217,17 @@ def _promise(expected: Expectation) -> str:
     return ", ".join(filter(None, (expected.type_name, latched, every)))
 
 
-def _subscribed(there: EndpointSides) -> str:
-    count = len(there.others)
-    return f"subscribed, {count or 'no'} publisher{'' if count == 1 else 's'}"
-
-
 def _found(
     samples: Sequence[Sample], measured: float | None, there: EndpointSides, facts: RobotFacts
 ) -> str:
     if not samples:
         return SILENT
-    parts = [f"{measured:.1f} Hz"] if measured is not None else [_messages(len(samples))]
-    frames = sorted({each.frame for each in samples if each.frame})
-    parts += frames[:1]
+    messages = f"{len(samples)} message{'' if len(samples) == 1 else 's'}"
+    parts = [messages if measured is None else f"{measured:.1f} Hz"]
+    parts += sorted({each.frame for each in samples if each.frame})[:1]
     others = sorted({each.node for each in there.robot if each.node != facts.node.full})
     parts += [f"by {each}" for each in others if each][:1]
     return printable(", ".join(parts))
-
-
-def _messages(count: int) -> str:
-    return f"{count} message{'' if count == 1 else 's'}"
 
 
 def _with(

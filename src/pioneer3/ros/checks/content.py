@@ -3,7 +3,7 @@
 NaN and infinity are allowed where the definition of a message or REP 117 gives them a meaning.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Set
 from dataclasses import fields, is_dataclass
 from math import hypot, isfinite, isinf, isnan, sqrt
 from typing import Any, Final
@@ -13,15 +13,9 @@ import numpy as np
 from pioneer3.ros.checks.facts import CheckFault, fail, warn
 
 NAN, INF = "NaN", "infinite"
-UNMEASURED: Final = frozenset({NAN})
-NO_ECHO: Final = frozenset({INF})
-NO_ECHO_OR_INVALID: Final = frozenset({NAN, INF})
-ALLOWED: Final[Mapping[str, Mapping[str, frozenset[str]]]] = {
-    "sensor_msgs/msg/LaserScan": {
-        "ranges": NO_ECHO_OR_INVALID,  # REP 117
-        "intensities": UNMEASURED,
-    },
-    "sensor_msgs/msg/Range": {"range": NO_ECHO},  # REP 117; NaN passes tests of costmaps
+ALLOWED: Final[Mapping[str, Mapping[str, Set[str]]]] = {
+    "sensor_msgs/msg/LaserScan": {"ranges": {NAN, INF}, "intensities": {NAN}},  # REP 117
+    "sensor_msgs/msg/Range": {"range": {INF}},  # REP 117; NaN passes tests of costmaps
     "sensor_msgs/msg/BatteryState": dict.fromkeys(
         (
             "temperature",
@@ -33,7 +27,7 @@ ALLOWED: Final[Mapping[str, Mapping[str, frozenset[str]]]] = {
             "cell_voltage",
             "cell_temperature",
         ),
-        UNMEASURED,  # "if unmeasured NaN", as the definition says
+        frozenset({NAN}),  # "if unmeasured NaN", as the definition says
     ),
 }
 """Fields with numbers that are not finite, by type."""
@@ -73,8 +67,10 @@ def _walk(value: Any, path: str, top: str) -> Iterator[CheckFault]:
     elif is_dataclass(value):
         if getattr(value, "__msgtype__", "") == QUATERNION:
             yield from _quaternion(value, path)
+        covariance = getattr(value, "orientation_covariance", None)
+        is_measured = covariance is None or covariance[0] != NOT_MEASURED
         for each in fields(value):
-            if each.name == "orientation" and _unmeasured(value):
+            if each.name == "orientation" and not is_measured:
                 continue
             below = f"{path}.{each.name}" if path else each.name
             yield from _walk(getattr(value, each.name), below, top)
@@ -105,11 +101,6 @@ def _quaternion(value: Any, path: str) -> Iterator[CheckFault]:
     length = hypot(value.x, value.y, value.z, value.w)
     if isfinite(length) and abs(length - 1) > UNIT:
         yield fail(f"{path} is no unit quaternion", example=f"its length is {length:.3g}")
-
-
-def _unmeasured(message: Any) -> bool:
-    covariance = getattr(message, "orientation_covariance", None)
-    return covariance is not None and covariance[0] == NOT_MEASURED
 
 
 def _range(message: Any) -> Iterator[CheckFault]:

@@ -65,13 +65,7 @@ def endpoint_faults(
 
 
 def missing(expected: Expectation, facts: RobotFacts, known: set[str]) -> CheckFault:
-    """Return the fault that a topic is missing.
-
-    Args:
-        expected: The topic.
-        facts: All that is known.
-        known: Full names of all topics of the table.
-    """
+    """Return the fault that a topic is missing; topics of the table are `known`, by full names."""
     kind = EndpointKind.PUBLISHER if expected.is_published else EndpointKind.SUBSCRIBER
     similar = sorted(
         each.name
@@ -82,10 +76,8 @@ def missing(expected: Expectation, facts: RobotFacts, known: set[str]) -> CheckF
         and each.name not in known
     )
     verb = "publishes" if expected.is_published else "subscribes to"
-    advice = ""
-    if similar:
-        advice = f"is it {similar[0]}? then --ros-args -r {expected.row}:={similar[0]}"
-    return fail(f"nobody {verb} it", advice=advice)
+    advice = [f"is it {each}? then --ros-args -r {expected.row}:={each}" for each in similar]
+    return fail(f"nobody {verb} it", advice=advice[0] if advice else "")
 
 
 def service_rows(facts: RobotFacts) -> Iterator[CheckRow]:

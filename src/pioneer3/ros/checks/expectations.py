@@ -33,14 +33,9 @@ SCANS: Final = re.compile(r"scan(\d*)")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Expectation:
-    """One topic that a robot should have.
+    """One topic that a robot should have: its full name, its name in the table, and see Topic.
 
     Attributes:
-        name: Full name.
-        row: Its name in the table.
-        direction: Whether the robot publishes it.
-        type_name: Such as `nav_msgs/msg/Odometry`.
-        latched: Whether a late subscriber gets the last message.
         rate: Messages a second [Hz]; `None` where they come with events.
         optional: Part of a robot that it takes, where robots may be without.
         required: Whether this robot must have it all the same.

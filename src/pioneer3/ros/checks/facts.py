@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
+from functools import partial
 from typing import Final
 
 from pioneer3.doctor.facts import Level
@@ -19,14 +20,7 @@ UNKNOWN: Final = "an unknown node"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CheckFault:
-    """A fault.
-
-    Attributes:
-        level: Its severity.
-        reason: For people; the same for each message that has it.
-        example: A value that shows it; empty for none.
-        advice: For the user; empty where there is nothing to do.
-    """
+    """A fault, and advice if anything can be done; the reason is the same for each message."""
 
     level: Level
     reason: str
@@ -34,23 +28,19 @@ class CheckFault:
     advice: str = ""
 
 
-def fail(reason: str, *, example: str = "", advice: str = "") -> CheckFault:
-    """Return a fault that a robot cannot be used with."""
-    return _fault(Level.FAIL, reason, example, advice)
-
-
-def warn(reason: str, *, example: str = "", advice: str = "") -> CheckFault:
-    """Return a fault that some programs can live with."""
-    return _fault(Level.WARN, reason, example, advice)
-
-
-def _fault(level: Level, reason: str, example: str, advice: str) -> CheckFault:
+def _fault(level: Level, reason: str, *, example: str = "", advice: str = "") -> CheckFault:
     return CheckFault(
         level=level,
         reason=printable(reason),
         example=printable(example),
         advice=printable(advice),
     )
+
+
+fail = partial(_fault, Level.FAIL)
+"""Returns a fault that a robot cannot be used with."""
+warn = partial(_fault, Level.WARN)
+"""Returns a fault that some programs can live with."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -64,18 +54,14 @@ class Transform:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Sample:
-    """A message that came.
+    """A message that came: transforms or text that it consists of, and the faults in its fields.
 
     Attributes:
         at: When it came [s, monotonic].
         now: The same as ROS time [ns]; `None` where nobody tells that.
         sender: Identity of its publisher.
-        stamp: Of its header [ns]; `None` without a header.
-        frame: Of its header; `None` without a header.
+        stamp: Of its header [ns]; `None` without a header, as `frame` is.
         child: Its child frame; empty for none.
-        transforms: That it consists of.
-        text: That it consists of.
-        faults: In its fields.
     """
 
     at: float
@@ -91,12 +77,9 @@ class Sample:
 
 @dataclass(slots=True)
 class TopicStream:
-    """The messages of one topic.
+    """The messages of one topic, in their order; others that are none of its type are unreadable.
 
-    Attributes:
-        began: When listening began [s, monotonic].
-        samples: In the order in which they came.
-        unreadable: Number of messages that are none of the type.
+    Listening began at `began` [s, monotonic].
     """
 
     began: float
@@ -109,11 +92,9 @@ class RobotFacts:
     """All that is known of a robot after listening.
 
     Attributes:
-        node: Of the robot.
         graph: Nodes and endpoints, without the listener's own.
         heard: Messages by the full name of their topic.
         ended: When listening ended [s, monotonic].
-        types: Of the distribution.
         strict: Whether incompatible quality of service parts publishers from subscribers.
         rules: Remapping rules of the robot's node.
         transducers: Number of the robot's sonars; `None` if it is not known.
@@ -157,15 +138,10 @@ class ReportPart(StrEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CheckRow:
-    """One thing that a robot should have, and its faults.
+    """One thing that a robot should have, and its faults, the worst first.
 
     Attributes:
-        part: Kind of the row.
-        name: Full name of the topic or service.
-        expected: For people.
-        found: For people.
         absent: Part of a robot that this one is without; empty for none.
-        faults: The worst first.
         rate: Messages that came in a second [Hz]; `None` where that is not known.
     """
 
@@ -185,13 +161,7 @@ class CheckRow:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CheckReport:
-    """The outcome of a check.
-
-    Attributes:
-        node: Full name of the robot's node.
-        seconds: Time of listening [s].
-        rows: In the order of the table.
-    """
+    """The outcome of a check of a node, after listening for `seconds` [s], as the table has it."""
 
     node: str
     seconds: float

@@ -14,7 +14,15 @@ from pioneer3.ros.checks.expectations import Expectation, expectations
 from pioneer3.ros.checks.facts import CheckReport, RobotFacts, Sample, TopicStream, Transform
 from pioneer3.ros.checks.robots import robot_called
 from pioneer3.ros.messages.update import nanoseconds
-from pioneer3.ros.ros2.backend import Backend, Closable, EndpointKind, Graph, NodeName, Qos
+from pioneer3.ros.ros2.backend import (
+    Backend,
+    Closable,
+    EndpointKind,
+    Graph,
+    NodeName,
+    Qos,
+    strictest,
+)
 from pioneer3.ros.ros2.client import DISCOVERY
 from pioneer3.ros.ros2.remapping import Remapping
 from pioneer3.ros.ros2.start import NodeOptions, on_ros2
@@ -32,26 +40,14 @@ STRING: Final = "std_msgs/msg/String"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Question:
-    """A robot to check, and how.
+    """A robot to check: its node's name or namespace, or the only one; how long to listen [s].
 
-    Attributes:
-        robot: Name of its node, or its namespace; `None` for the only robot.
-        seconds: Time of listening [s].
-        model: Of the robot, which tells the number of its sonars; `None` if it is not known.
+    Its model tells the number of its sonars, if it is known.
     """
 
     robot: str | None = None
     seconds: float = 5.0
     model: str | None = None
-
-    @property
-    def transducers(self) -> int | None:
-        """Number of the robot's sonars; `None` if it is not known.
-
-        Raises:
-            ConfigError: there is no such model.
-        """
-        return None if self.model is None else len(load_model(self.model).sonars)
 
 
 async def check_robot(
@@ -59,16 +55,13 @@ async def check_robot(
 ) -> CheckReport:
     """Join the network, listen to a robot, and return the report.
 
-    Args:
-        options: Of our own node; its remapping rules are those of the robot's node.
-        question: Which robot, and how long.
-        progress: Given a sentence about each step.
+    Remapping rules among the options of our own node are those of the robot's node.
 
     Raises:
-        ConfigError: an option is wrong, or there are several robots.
+        ConfigError: an option is wrong, there is no such model, or there are several robots.
         NoRobotError: there is no such robot.
     """
-    transducers = question.transducers
+    transducers = None if question.model is None else len(load_model(question.model).sonars)
     progress("Joining the network ...")
     async with on_ros2(options, lambda line: None) as (backend, own, types, arguments):
         progress("Looking for robots ...")
@@ -91,29 +84,10 @@ def without(graph: Graph, own: NodeName) -> Graph:
     return Graph(tuple(nodes), endpoints)
 
 
-@dataclass(frozen=True, slots=True)
-class _Come:
-    """A serialized message of a stream, when it came, and its publisher."""
-
-    stream: TopicStream
-    type_name: str
-    cdr: bytes
-    at: float
-    now: int | None
-    sender: bytes
-
-
 class TopicListener:
-    """Listens to the topics of a robot.
+    """Listens to the topics of the robot of a node, which has remapping rules of its own.
 
-    Args:
-        backend: Of our own node.
-        own: Name of our own node.
-        types: Of the distribution.
-        node: Of the robot.
-        rules: Remapping rules of the robot's node.
-        transducers: Number of the robot's sonars, if it is known.
-        wall: Returns the time of this computer [ns].
+    Backend and name are those of our own node; `wall` returns the time of this computer [ns].
     """
 
     def __init__(
@@ -132,7 +106,7 @@ class TopicListener:
         self._clock = asyncio.get_running_loop().time
         self._heard: dict[str, TopicStream] = {}
         self._open: list[Closable] = []
-        self._come: deque[_Come] = deque()
+        self._unread: deque[Callable[[], None]] = deque()
         self._simulated: int | None = None
         self._simulates = False
 
@@ -160,9 +134,9 @@ class TopicListener:
 
     def facts(self) -> RobotFacts:
         """Return all that is known, after listening."""
-        return self._facts(self._graph, self._ended)
+        return self._facts_at(self._ended, self._graph)
 
-    def _facts(self, graph: Graph, ended: float) -> RobotFacts:
+    def _facts_at(self, ended: float, graph: Graph) -> RobotFacts:
         return RobotFacts(
             node=self._node,
             graph=graph,
@@ -178,14 +152,17 @@ class TopicListener:
     def _subscribe(self) -> None:
         """Subscribe to all topics that somebody publishes and that we do not hear yet."""
         graph = without(self._backend.graph(), self._own)
-        if not self._simulates and _takes_clock(graph, self._node):
+        takes_clock = (self._node.full, CLOCK, EndpointKind.SUBSCRIBER)
+        if not self._simulates and any(
+            (each.node, each.name, each.kind) == takes_clock for each in graph.endpoints
+        ):
             self._simulates = True
             clock = self._types.message_type(CLOCK_TYPE)
             qos = Qos(reliable=False, depth=1)
             self._open.append(
                 self._backend.subscribe(CLOCK, clock, qos, self._take_clock, lambda gid: None)
             )
-        for each in expectations(self._facts(graph, self._clock())):
+        for each in expectations(self._facts_at(self._clock(), graph)):
             offered = [
                 endpoint.qos
                 for endpoint in graph.endpoints
@@ -199,38 +176,34 @@ class TopicListener:
     def _listen_to(self, each: Expectation, offered: list[Qos]) -> None:
         """Subscribe with the strictest quality of service that all publishers offer."""
         stream = self._heard[each.name] = TopicStream(self._clock())
-        qos = Qos(
-            reliable=all(one.reliable for one in offered),
-            transient_local=all(one.transient_local for one in offered),
-            depth=DEPTH,
-        )
 
         def received(cdr: bytes, gid: bytes) -> None:  # reading it now would hold up the next one
-            come = _Come(stream, each.type_name, cdr, self._clock(), self._now(), gid)
-            self._come.append(come)
+            at, now = self._clock(), self._simulated if self._simulates else self._wall()
+
+            def read() -> None:
+                try:
+                    message = self._types.decode(cdr, each.type_name)
+                except ValueError:
+                    stream.unreadable += 1
+                else:
+                    stream.samples.append(sample_of(message, at, now, gid))
+
+            self._unread.append(read)
 
         type_ = self._types.message_type(each.type_name)
         self._open.append(
-            self._backend.subscribe(each.name, type_, qos, received, lambda gid: None)
+            self._backend.subscribe(
+                each.name, type_, strictest(offered, DEPTH), received, lambda gid: None
+            )
         )
 
     def _read(self) -> None:
         """Read the messages that have come."""
-        while self._come:
-            come = self._come.popleft()
-            try:
-                message = self._types.decode(come.cdr, come.type_name)
-            except ValueError:
-                come.stream.unreadable += 1
-            else:
-                come.stream.samples.append(sample_of(message, come.at, come.now, come.sender))
+        while self._unread:
+            self._unread.popleft()()
 
     def _take_clock(self, cdr: bytes, gid: bytes) -> None:
-        clock = self._types.decode(cdr, CLOCK_TYPE).clock
-        self._simulated = nanoseconds(clock)
-
-    def _now(self) -> int | None:
-        return self._simulated if self._simulates else self._wall()
+        self._simulated = nanoseconds(self._types.decode(cdr, CLOCK_TYPE).clock)
 
     def _close(self) -> None:
         for each in self._open:
@@ -238,14 +211,7 @@ class TopicListener:
 
 
 def sample_of(message: Any, at: float, now: int | None, sender: bytes) -> Sample:
-    """Return a message as far as it matters.
-
-    Args:
-        message: The message.
-        at: When it came [s, monotonic].
-        now: The same as ROS time [ns].
-        sender: Identity of its publisher.
-    """
+    """Return a message as far as it matters; it came at `at` [s, monotonic], `now` of ROS [ns]."""
     header, type_name = getattr(message, "header", None), message.__msgtype__
     sample = Sample(at=at, now=now, sender=sender, faults=faults_in(message))
     if header is not None:
@@ -266,11 +232,3 @@ def sample_of(message: Any, at: float, now: int | None, sender: bytes) -> Sample
     if type_name == STRING:
         sample = replace(sample, text=message.data)
     return sample
-
-
-def _takes_clock(graph: Graph, node: NodeName) -> bool:
-    """Return whether a node takes the time of `/clock`: then it subscribes to it."""
-    return any(
-        (each.node, each.name, each.kind) == (node.full, CLOCK, EndpointKind.SUBSCRIBER)
-        for each in graph.endpoints
-    )

@@ -29,12 +29,9 @@ def robots_in(graph: Graph) -> list[str]:
 
 
 def robot_called(graph: Graph, name: str | None, where: str) -> NodeName:
-    """Return the node of the robot called `name`, or of the only robot.
+    """Return the node of the robot on a network called `where`, or of the only one.
 
-    Args:
-        graph: Of the network.
-        name: Full or last name of its node, or its namespace.
-        where: The network, for people.
+    `name` is the full or last name of its node, or its namespace.
 
     Raises:
         NoRobotError: there is none; the message says which there are.

@@ -41,21 +41,11 @@ def rate(samples: Sequence[Sample]) -> float | None:
 
 
 def rate_faults(
-    samples: Sequence[Sample],
-    expected: float,
-    listened: float,
-    *,
-    ended: float,
-    optional: bool,
+    samples: Sequence[Sample], expected: float, listened: float, *, ended: float, optional: bool
 ) -> Iterator[CheckFault]:
-    """Yield the faults in the rate of messages that have come.
+    """Yield the faults in the rate of one message or more, where `expected` [Hz] is counted on.
 
-    Args:
-        samples: At least one.
-        expected: The rate that others count on [Hz].
-        listened: Time of listening [s].
-        ended: When the listening ended [s, as the messages have it].
-        optional: Whether robots may be without this topic.
+    Listening took `listened` [s] and ended at `ended` [s, as the messages have it].
     """
     if listened < PERIODS / expected:
         return
@@ -91,11 +81,9 @@ class StampedMessage:
 def stamp_faults(
     stamped: Iterable[StampedMessage], *, future: float = FUTURE
 ) -> Iterator[CheckFault]:
-    """Yield the faults in the stamps of one publisher, in the order in which they came.
+    """Yield the faults in the stamps of one publisher, which may be `future` [s] ahead.
 
-    Args:
-        stamped: The stamps.
-        future: Stamps may be this far ahead [s].
+    They are given in the order in which they came.
     """
     everything = list(stamped)
     known = [each for each in everything if each.stamp]

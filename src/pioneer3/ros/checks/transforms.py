@@ -17,13 +17,7 @@ SHOWN: Final = 4
 
 @dataclass(slots=True)
 class TransformEdge:
-    """A transform, by its publishers' identities.
-
-    Attributes:
-        moving: Publishers on `tf`.
-        fixed: Publishers on `tf_static`.
-        stamps: On `tf`.
-    """
+    """A transform: identities of its publishers on `tf` and `tf_static`, and stamps on `tf`."""
 
     moving: set[bytes] = field(default_factory=set)
     fixed: set[bytes] = field(default_factory=set)
@@ -32,13 +26,10 @@ class TransformEdge:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TransformTree:
-    """All transforms that came, by child and parent.
+    """All transforms that came, by child, then by parent.
 
-    Attributes:
-        edges: By child, then by parent.
-        prefix: Before the names of the robot's frames, such as `robot1/`.
-        odom: Frame of odometry.
-        base: Of the robot in it; empty if odometry does not tell.
+    Names of the robot's frames begin with `prefix`, such as `robot1/`. `base` is empty if odometry
+    does not tell it.
     """
 
     edges: Mapping[str, Mapping[str, TransformEdge]]
@@ -80,14 +71,7 @@ class TransformTree:
 
 
 def tree_of(facts: RobotFacts, tf: str, tf_static: str, odom: str) -> TransformTree:
-    """Return the transforms that came.
-
-    Args:
-        facts: All that is known.
-        tf: Full name of the topic.
-        tf_static: So of the static ones.
-        odom: So of odometry, which names the robot's frames.
-    """
+    """Return the transforms that came on topics of these full names; `odom` names the frames."""
     edges: dict[str, dict[str, TransformEdge]] = {}
     for name, moves in ((tf, True), (tf_static, False)):
         for sample in facts.samples(name):
@@ -112,7 +96,10 @@ def moving_faults(tree: TransformTree, facts: RobotFacts) -> Iterator[CheckFault
         if connected and child not in connected:  # of another robot
             continue
         if len(parents) > 1:
-            told = "; ".join(f"{parent} by {_who(edge, facts)}" for parent, edge in parents.items())
+            told = "; ".join(
+                f"{parent} by {_names(edge.moving | edge.fixed, facts)}"
+                for parent, edge in parents.items()
+            )
             yield fail(f"{child} has several parents: {told}", advice="tf2 takes one, then another")
         for parent, edge in parents.items():
             yield from _edge_faults(f"{parent} → {child}", edge, facts)
@@ -135,14 +122,7 @@ def fixed_faults(tree: TransformTree) -> Iterator[CheckFault]:
 def frame_faults(
     tree: TransformTree, used: str, usual: Sequence[str], *, reachable: bool = True
 ) -> Iterator[CheckFault]:
-    """Yield the faults of a frame that messages name.
-
-    Args:
-        tree: Of transforms.
-        used: The frame.
-        usual: Its names in the table, with the prefix; none where the table has none.
-        reachable: Whether a transform must lead to it.
-    """
+    """Yield the faults of a frame that messages name, with its `usual` names, if there are any."""
     if not used:
         if usual:
             yield fail("frame_id is empty", advice=f"such as {usual[0]}")
@@ -226,13 +206,8 @@ def _loops(tree: TransformTree) -> Iterator[CheckFault]:
                 yield fail(f"transforms go in a circle: {' → '.join(reversed((*loop, name)))}")
 
 
-def _who(edge: TransformEdge, facts: RobotFacts) -> str:
-    return _names(edge.moving | edge.fixed, facts)
-
-
 def _names(gids: Set[bytes], facts: RobotFacts) -> str:
-    names = sorted(map(facts.sender, gids))
-    return " and ".join(names)
+    return " and ".join(sorted(map(facts.sender, gids)))
 
 
 def _some(names: list[str]) -> str:

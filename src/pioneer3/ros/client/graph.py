@@ -62,11 +62,6 @@ class RobotTopics:
         return self.node.removeprefix("/")
 
     @property
-    def plain_name(self) -> str:
-        """Name of the robot as a part of other names."""
-        return self.name.replace("/", "_")
-
-    @property
     def names(self) -> set[str]:
         """All its names: in the lab, the node's name without `RosAria_`, too."""
         space, _, last = self.name.rpartition("/")

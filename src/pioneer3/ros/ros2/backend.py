@@ -5,7 +5,7 @@ threads, but for :meth:`Writer.write`. Callbacks come in threads of the backend.
 """
 
 import logging
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from math import inf
@@ -42,6 +42,15 @@ class Qos:
 
 
 LATCHED: Final = Qos(transient_local=True, depth=1)
+
+
+def strictest(offered: Sequence[Qos], depth: int) -> Qos:
+    """Return the strictest quality of service that all publishers offer; none offer nothing."""
+    return Qos(
+        reliable=bool(offered) and all(each.reliable for each in offered),
+        transient_local=bool(offered) and all(each.transient_local for each in offered),
+        depth=depth,
+    )
 
 
 @dataclass(frozen=True, slots=True)

@@ -20,6 +20,7 @@ from pioneer3.ros.ros2.backend import (
     Qos,
     Writer,
     overridden,
+    strictest,
 )
 from pioneer3.ros.ros2.lifecycle import Callbacks, Lifecycle
 from pioneer3.ros.ros2.mismatches import Own, OwnKey, mismatches
@@ -234,11 +235,7 @@ class ClientTopics(Ros2Topics):
             for each in self._backend.graph().endpoints
             if each.name == name and each.kind is EndpointKind.PUBLISHER
         ]
-        return Qos(
-            reliable=bool(offered) and all(each.reliable for each in offered),
-            transient_local=bool(offered) and all(each.transient_local for each in offered),
-            depth=queue,
-        )
+        return strictest(offered, queue)
 
 
 class Ros2Middleware(Ros2Topics):
