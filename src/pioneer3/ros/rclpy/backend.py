@@ -53,18 +53,7 @@ def installed_distro() -> str | None:
 
 
 class RclpyBackend:
-    """A node by rclpy.
-
-    Args:
-        node: Its name.
-        types: Of the distribution that is installed.
-        domain: Number of the domain; `None` for that of `ROS_DOMAIN_ID`.
-
-    Attributes:
-        title: For people.
-        serves: Always.
-        strict: Whether publishers and subscribers with incompatible QoS do not match.
-        lacks: Nothing.
+    """A node by rclpy, in a domain; `None` is that of `ROS_DOMAIN_ID`.
 
     Raises:
         ConfigError: rclpy cannot be imported.
@@ -121,8 +110,7 @@ class RclpyBackend:
         with self._lock:
             publisher = self._node.create_publisher(kind, name, _profile(qos))
             writer = RclpyWriter(
-                publisher,
-                lambda: self._destroy(writer, self._node.destroy_publisher, publisher),
+                publisher, lambda: self._destroy(writer, self._node.destroy_publisher, publisher)
             )
             self._open.append(writer)
         return writer
@@ -141,8 +129,9 @@ class RclpyBackend:
             lambda: self._destroy(reader, self._unsubscribe, subscription),
         )
         with self._lock:
+            # its callback does nothing: messages are taken apart from executors
             subscription = self._node.create_subscription(
-                kind, name, _no_executor, _profile(qos), callback_group=apart(), raw=True
+                kind, name, lambda _: None, _profile(qos), callback_group=apart(), raw=True
             )
             self._open.append(reader)
         self._taking.add(subscription, reader.take)
@@ -300,10 +289,6 @@ def obstacle(distro: str) -> str:
             " the Python that this ROS is made for"
         )
     return ""
-
-
-def _no_executor(message: Any) -> None:
-    """Do nothing: messages are taken apart from executors."""
 
 
 def _profile(qos: Qos) -> Any:

@@ -24,11 +24,7 @@ IDL_NAMES: Final[Mapping[str, str]] = {
 
 
 class Definitions:
-    """The generated classes; any thread may ask for them.
-
-    Args:
-        types: The definitions that are known here.
-    """
+    """The generated classes for types that are known here; any thread may ask for them."""
 
     def __init__(self, types: MessageTypes) -> None:
         self._types = types
@@ -77,11 +73,6 @@ class Definitions:
         self._checked.add(name)
 
     def _generated(self, name: str) -> Any:
-        """Return the generated class of a type.
-
-        Raises:
-            MissingTypeError: its package is not installed.
-        """
         package, kind, last = name.split("/")
         try:
             return getattr(import_module(f"{package}.{kind}"), last)

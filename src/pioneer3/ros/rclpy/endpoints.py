@@ -13,11 +13,7 @@ Present = Callable[[], frozenset[bytes]]
 
 
 class Closing:
-    """Something that is destroyed once.
-
-    Args:
-        destroy: Does it.
-    """
+    """Something that is destroyed once, by `destroy`."""
 
     def __init__(self, destroy: Callable[[], object]) -> None:
         self._destroy = destroy
@@ -58,12 +54,6 @@ class RclpyReader(Closing):
     rclpy tells the publisher of a message since Lyrical (its pull request #1466), and not all
     middlewares then tell the identity that the graph has (rmw_cyclonedds #377). So a message comes
     from the only publisher, where there is one.
-
-    Args:
-        received: Given messages.
-        left: Given the identities of publishers that are gone.
-        present: Looks at the graph.
-        destroy: Destroys the subscription.
     """
 
     def __init__(

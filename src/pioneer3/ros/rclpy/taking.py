@@ -8,11 +8,9 @@ import logging
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from threading import Event, Lock, Thread
-from typing import Any, Final
+from typing import Any
 
 log = logging.getLogger(__name__)
-FOR_EVER: Final = -1
-"""As a timeout."""
 Taken = Callable[[bytes, Mapping[str, Any]], None]
 """Given a serialized message and what rclpy tells about it."""
 
@@ -27,11 +25,7 @@ def apart() -> Any:
 
 
 class Taking:
-    """Takes the messages of subscriptions in one thread; those of one come in their order.
-
-    Args:
-        context: Of the node.
-    """
+    """Takes the messages of subscriptions in one thread; those of one come in their order."""
 
     def __init__(self, context: Any) -> None:
         from rclpy.guard_condition import GuardCondition
@@ -93,7 +87,7 @@ class Taking:
             for subscription in takers:
                 wait_set.add_subscription(subscription.handle)
             wait_set.add_guard_condition(self._changed.handle)
-            wait_set.wait(FOR_EVER)
+            wait_set.wait(-1)  # for ever
             ready = set(wait_set.get_ready_entities("subscription"))
             for subscription, taken in takers.items():
                 if subscription.handle.pointer in ready:

@@ -30,14 +30,7 @@ IGNORED: Final = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RosArguments:
-    """The arguments of one node.
-
-    Attributes:
-        name: Of the node; `None` unless given.
-        namespace: Of the node; `None` unless given.
-        rules: Remapping rules, in their order.
-        parameters: Values by name; parts of a name are joined by dots.
-    """
+    """The arguments of one node; in names of parameters parts are joined by dots."""
 
     name: str | None = None
     namespace: str | None = None
@@ -59,11 +52,7 @@ class RosArguments:
 
 
 def parse(arguments: Sequence[str], default: NodeName) -> RosArguments:
-    """Return the meaning of the words after `--ros-args`.
-
-    Args:
-        arguments: The words, without `--ros-args` itself.
-        default: Name of the node unless they have another; rules and files may name it.
+    """Return the meaning of the words after `--ros-args`; a name in them counts before the default.
 
     Raises:
         ConfigError: a word is none of ROS 2's, or a file cannot be read.
@@ -124,10 +113,9 @@ def _sorted(words: Iterator[str]) -> tuple[list[RemapRule], Assignments, list[Pa
 
 def _value(option: str, words: Iterator[str]) -> str:
     """Return the word after an option."""
-    word = next(words, "")
-    if not word:
-        raise ConfigError(f"{option}: its value is missing")
-    return word
+    if word := next(words, ""):
+        return word
+    raise ConfigError(f"{option}: its value is missing")
 
 
 def _assignment(option: str, word: str) -> tuple[str, str]:

@@ -55,12 +55,7 @@ def strictest(offered: Sequence[Qos], depth: int) -> Qos:
 
 @dataclass(frozen=True, slots=True)
 class MessageType:
-    """A type of messages.
-
-    Attributes:
-        name: Such as `nav_msgs/msg/Odometry`.
-        hash: Such as `RIHS01_3cc9...`; empty before Iron, which has none.
-    """
+    """A type of messages such as `nav_msgs/msg/Odometry`; before Iron there is no hash."""
 
     name: str
     hash: str = ""
@@ -74,14 +69,7 @@ class MessageType:
 
 @dataclass(frozen=True, slots=True)
 class ServiceType:
-    """A type of services.
-
-    Attributes:
-        name: Such as `std_srvs/srv/SetBool`.
-        hash: Of the service as a whole; empty before Iron.
-        request: Such as `std_srvs/srv/SetBool_Request`.
-        response: Such as `std_srvs/srv/SetBool_Response`.
-    """
+    """A type of services such as `std_srvs/srv/SetBool`; the hash is that of the whole service."""
 
     name: str
     hash: str
@@ -105,15 +93,12 @@ class EndpointKind(StrEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Endpoint:
-    """An endpoint that was found on the network.
+    """An endpoint that was found on the network; what is not known of it is empty.
 
     Attributes:
-        kind: Publisher, subscriber, server or client.
-        node: Full name of its node, such as `/robot1/pioneer3`; empty if it is not known.
+        node: Full name of its node, such as `/robot1/pioneer3`.
         name: Full name of its topic or service, such as `/robot1/odom`.
         type_name: Such as `nav_msgs/msg/Odometry`.
-        type_hash: Empty if it is not known.
-        qos: Its quality of service.
         gid: Its identity; that of a publisher comes with each message, too.
     """
 
@@ -130,9 +115,7 @@ class Endpoint:
 class Graph:
     """All nodes and endpoints that are known, our own among them.
 
-    Attributes:
-        nodes: Full names, sorted; two nodes of one name are there twice.
-        endpoints: Of all nodes.
+    Nodes are full names, sorted; two nodes of one name are there twice.
     """
 
     nodes: tuple[str, ...] = ()
@@ -177,10 +160,8 @@ Received = Callable[[bytes, bytes], None]
 """Given a serialized message, and the identity of its publisher."""
 Left = Callable[[bytes], None]
 """Given the identity of a publisher that is no longer there."""
-
 Respond = Callable[[bytes], bytes]
 """Given a serialized request, returns the serialized response."""
-
 Failed = Callable[[str], None]
 """Given a sentence for a person on a network that is lost for good."""
 
@@ -235,10 +216,9 @@ log = logging.getLogger(__name__)
 
 
 class Unread:
-    """Counts things of one kind that cannot be read, and tells of the first; for any thread.
+    """Counts things such as `requests of /x` that cannot be read, and tells of the first.
 
-    Args:
-        what: Name of the kind, in the plural, such as `requests of /e_stop_reset`.
+    Any thread may use it.
     """
 
     def __init__(self, what: str) -> None:

@@ -40,11 +40,8 @@ Write = Callable[[Any, bytearray], None]
 def encoder(name: str, fields: Mapping[str, Any]) -> Callable[[Any], bytes]:
     """Return the function that serializes messages of the type `name`.
 
-    Lists of numbers may stand for arrays, and `bytes` for arrays of bytes.
-
-    Args:
-        name: Such as `nav_msgs/msg/Odometry`.
-        fields: Fields of each type, as rosbags has them.
+    Lists of numbers may stand for arrays, and `bytes` for arrays of bytes. Fields of each type are
+    as rosbags has them.
     """
     steps = _steps(name, fields)
 

@@ -57,14 +57,10 @@ async def run_program(
     *,
     several: bool = False,
 ) -> int:
-    """Be a node and do `work` with robots; then they stand.
+    """Be a node and do `work` with robots, given the topics of the node, too; then they stand.
 
-    Args:
-        options: Of the node.
-        names: Of the robots; without any the only one, or with `several` all there are.
-        model: Their model; `None` for the largest.
-        work: Drives them, given the topics of the node, too.
-        several: Whether there may be several robots.
+    Without names it is the only robot, or with `several` all there are; without a model it is the
+    largest.
 
     Raises:
         ConfigError: an option is wrong, there are several robots, or no such model.
@@ -95,16 +91,9 @@ async def driven_robot(
     sonar: bool = True,
     at_once: bool = False,
 ) -> AsyncIterator[TopicRobot]:
-    """Be ready to drive a robot while the block lasts; then it stands.
+    """Be ready to drive a robot while the block lasts; then it stands; see :func:`joined`.
 
-    Args:
-        topics: Of the robot.
-        model: Of the robot; `None` for the largest.
-        backend: Of this program.
-        types: Of its distribution.
-        middleware: Of this program.
-        sonar: Whether to listen to the sonar, which modes need and keys do not.
-        at_once: Whether to go on before it reports, to stop it.
+    Without a model it is the largest. Backend, types and middleware are those of this program.
 
     Raises:
         ConfigError: there is no such model, or several nodes have its name.

@@ -17,9 +17,7 @@ class Distro:
     """A distribution; its facts are in `distros.toml`, with their sources.
 
     Attributes:
-        name: Such as `jazzy`.
         gid_bytes: Length of a Gid in the messages of the graph.
-        type_hashes: Whether its types have hashes.
         stamped_commands: Whether its Nav2 sends TwistStamped unless told otherwise.
     """
 

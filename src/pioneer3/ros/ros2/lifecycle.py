@@ -104,13 +104,8 @@ def _nothing() -> bool:
 class Callbacks:
     """The work of the transitions: each returns whether it succeeded; an exception is an error.
 
-    Attributes:
-        configure: Prepare all that the node needs.
-        activate: Begin to work.
-        deactivate: Cease to work, still prepared.
-        cleanup: Undo the work of `configure`.
-        shutdown: End, from any of the primary states.
-        error: After an exception: clean up, so that the node is as new; else it is finalized.
+    `cleanup` undoes the work of `configure`. After an exception `error` cleans up, so that the node
+    is as new; else it is finalized.
     """
 
     configure: Callable[[], bool] = _nothing
@@ -153,22 +148,17 @@ class Lifecycle:
         self.state = UNCONFIGURED
         self._types, self._callbacks, self._changed = types, callbacks, changed
         self._lock = threading.Lock()
+        transitions, available = "GetAvailableTransitions", lambda _: self._told(self.available())
         self.services: Mapping[str, Service] = MappingProxyType(
             {
-                "~/change_state": ("lifecycle_msgs/srv/ChangeState", self._change_state),
-                "~/get_state": ("lifecycle_msgs/srv/GetState", self._get_state),
-                "~/get_available_states": (
-                    "lifecycle_msgs/srv/GetAvailableStates",
-                    self._get_available_states,
-                ),
-                "~/get_available_transitions": (
-                    "lifecycle_msgs/srv/GetAvailableTransitions",
-                    self._get_available_transitions,
-                ),
-                "~/get_transition_graph": (
-                    "lifecycle_msgs/srv/GetAvailableTransitions",
-                    self._get_transition_graph,
-                ),
+                f"~/{name}": (f"lifecycle_msgs/srv/{type_}", respond)
+                for name, type_, respond in (
+                    ("change_state", "ChangeState", self._change_state),
+                    ("get_state", "GetState", self._get_state),
+                    ("get_available_states", "GetAvailableStates", self._get_available_states),
+                    ("get_available_transitions", transitions, available),
+                    ("get_transition_graph", transitions, lambda _: self._told(TRANSITIONS)),
+                )
             }
         )
 
@@ -230,23 +220,16 @@ class Lifecycle:
     def _get_available_states(self, _: Any) -> Any:
         response = self._types.make("lifecycle_msgs/srv/GetAvailableStates_Response")
         for state in LifecycleState:
-            message = self._types.make("lifecycle_msgs/State")
-            _fill_state(message, state)
-            response.available_states.append(message)
+            response.available_states.append(self._types.make("lifecycle_msgs/State"))
+            _fill_state(response.available_states[-1], state)
         return response
 
-    def _get_available_transitions(self, _: Any) -> Any:
-        return self._described(self.available())
-
-    def _get_transition_graph(self, _: Any) -> Any:
-        return self._described(TRANSITIONS)
-
-    def _described(self, transitions: Iterable[Transition]) -> Any:
+    def _told(self, transitions: Iterable[Transition]) -> Any:
         response = self._types.make("lifecycle_msgs/srv/GetAvailableTransitions_Response")
         for each in transitions:
             message = self._types.make("lifecycle_msgs/TransitionDescription")
-            self._fill(message, each)
             response.available_transitions.append(message)
+            self._fill(message, each)
         return response
 
     def _fill(self, message: Any, transition: Transition) -> None:

@@ -45,11 +45,8 @@ class _Request:
 class ManagedRobot:
     """Makes the transitions of a :class:`Lifecycle`.
 
-    Args:
-        connected: Finds the robot and connects it during a block.
-        run: Publishes and drives until cancelled, and calls its second argument when it is ready;
-            then the robot stands.
-        tell: Given lines for a person.
+    `run` publishes and drives until cancelled, and calls its second argument when it is ready; then
+    the robot stands. `tell` is given lines for a person.
     """
 
     def __init__(

@@ -90,14 +90,7 @@ class RosClock:
 
 
 class Ros2Topics:
-    """Publishing and subscribing, for one node.
-
-    Args:
-        backend: Of the node.
-        node: Its name.
-        types: Of its distribution.
-        arguments: Remapping rules and parameters.
-    """
+    """Publishing and subscribing, for one node."""
 
     def __init__(
         self,
@@ -205,13 +198,12 @@ class Ros2Topics:
         And one if another node has the name of this one.
         """
         graph = self._backend.graph()
-        found = tuple(mismatches(self._own, graph, self.name, strict=self._backend.strict))
+        found = list(mismatches(self._own, graph, self.name, strict=self._backend.strict))
         if (number := graph.nodes.count(self.name)) > 1:
-            twins = (
+            found.append(
                 f"{number} nodes are called {self.name}: a command for one of them drives all; give"
                 " each robot a --namespace"
             )
-            return (*found, twins)
         return found
 
     def close(self) -> None:
@@ -239,15 +231,7 @@ class ClientTopics(Ros2Topics):
 
 
 class Ros2Middleware(Ros2Topics):
-    """All that a node needs.
-
-    Args:
-        backend: Of the node.
-        node: Its name.
-        types: Of its distribution.
-        arguments: Remapping rules and parameters.
-        tell: Given each warning, for the terminal.
-    """
+    """All that a node needs; `tell` is given each warning, for the terminal."""
 
     def __init__(
         self,
@@ -321,12 +305,8 @@ class Ros2Middleware(Ros2Topics):
             event.node, event.stamp = self.name, self.stamp(0.0)
             events.write(self._types.encode(event))
 
-        services = ParameterServices(
-            self._types,
-            {**parameters.values, **driving.declared},
-            driving.change,
-            changed,
-        )
+        declared = {**parameters.values, **driving.declared}
+        services = ParameterServices(self._types, declared, driving.change, changed)
         for name, (type_name, respond) in services.services.items():
             self.serve(name, type_name, respond)
         changed(services.declared())

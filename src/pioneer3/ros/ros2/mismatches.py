@@ -30,11 +30,7 @@ def mismatches(
 ) -> Iterator[str]:
     """Yield a sentence for each endpoint of others that cannot talk to one of ours.
 
-    Args:
-        own: Our endpoints.
-        graph: All endpoints that are known.
-        node: Full name of our node.
-        strict: Whether incompatible quality of service parts publishers from subscribers.
+    Our node has the full name `node`. With `strict` incompatible quality of service counts.
     """
     for endpoint in graph.endpoints:
         side = OTHER_SIDE.get(endpoint.kind)

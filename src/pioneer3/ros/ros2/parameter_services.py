@@ -32,13 +32,11 @@ KINDS: Final = {number: str(kind) for kind, number in NUMBERS.items()} | {
 class ParameterServices:
     """The values of the parameters of a node, and its services; any thread may use them.
 
-    Args:
-        types: Of the node's distribution.
-        parameters: All that are declared, with their values at first; `None` for none.
-        set_: Given new values by name, which have the right types and are within the bounds. It
-            may refuse them by a ConfigError, and may return others, which are in force instead.
-        changed: Given `rcl_interfaces/msg/ParameterEvent` after each change, without node and
-            stamp, which the caller fills in. The next change waits for it to return.
+    All parameters that are declared come with their values at first. `set_` is given new values by
+    name, which have the right types and are within the bounds. It may refuse them by a ConfigError,
+    and may return others, which are in force instead. `changed` is given
+    `rcl_interfaces/msg/ParameterEvent` after each change, without node and stamp, which the caller
+    fills in. The next change waits for it to return.
 
     Attributes:
         services: Type and function of each service, by names such as `~/get_parameters`.
@@ -214,10 +212,8 @@ class ParameterServices:
 def is_listed(name: str, prefixes: Iterable[str], depth: int) -> bool:
     """Return whether `list_parameters` lists a parameter.
 
-    Args:
-        name: Of the parameter.
-        prefixes: One of them must be the name, or some of its first parts; without any, all are.
-        depth: The most parts that may follow the prefix; 0 for any number.
+    One of the prefixes must be its name, or some of its first parts; at most `depth` more may
+    follow, any number for 0. Without prefixes all parts follow.
     """
     prefixes = tuple(prefixes)
     rests = [name] if not prefixes else []

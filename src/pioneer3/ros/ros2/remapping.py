@@ -50,12 +50,7 @@ class Remapping:
 
 @dataclass(frozen=True, slots=True)
 class RemapRule:
-    """A rule of the command line.
-
-    Attributes:
-        owner: Name of the node that it is for; empty for all nodes.
-        remapping: The rule itself.
-    """
+    """A rule of the command line; its owner is the name of a node, or empty for all nodes."""
 
     owner: str
     remapping: Remapping
@@ -90,10 +85,7 @@ def rule(source: str, target: str) -> RemapRule:
 
 
 def resolved(
-    name: str,
-    node: NodeName,
-    rules: Iterable[Remapping],
-    resource: Resource = Resource.TOPIC,
+    name: str, node: NodeName, rules: Iterable[Remapping], resource: Resource = Resource.TOPIC
 ) -> str:
     """Return the full name after remapping; the first rule that fits counts."""
     full = expanded(name, node)

@@ -33,13 +33,8 @@ class NodeRequests:
     """Makes requests in threads of its own: a node out of reach delays no other one.
 
     Requests keep their order, but for the emergency stop: it waits for none and drops those that
-    wait. One that is on its way cannot undo it, as it is then made again.
-
-    Args:
-        backend: Of this program.
-        types: Of its distribution.
-        middleware: Has the topics that stand in for services.
-        node: Full name of the robot's node.
+    wait. One that is on its way cannot undo it, as it is then made again. `node` is the full name
+    of the robot's node.
     """
 
     def __init__(
@@ -151,12 +146,9 @@ class NodeRequests:
 
     def _kind(self, name: str) -> EndpointKind | None:
         """Return whether the node serves this, or subscribes to it; `None` for neither."""
-        full = self._full(name)
-        kinds = (
-            {EndpointKind.SERVER, EndpointKind.SUBSCRIBER}
-            if self._backend.serves
-            else {EndpointKind.SUBSCRIBER}
-        )
+        full, kinds = self._full(name), {EndpointKind.SUBSCRIBER}
+        if self._backend.serves:
+            kinds.add(EndpointKind.SERVER)
         found = (each for each in self._backend.graph().endpoints if each.name == full)
         return next((e.kind for e in found if e.node == self._node and e.kind in kinds), None)
 

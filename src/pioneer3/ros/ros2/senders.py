@@ -29,12 +29,7 @@ class _Known:
 
 
 class Senders:
-    """Finds the publisher of each message; of use in any thread.
-
-    Args:
-        graph: Returns the graph.
-        now: Returns the time [s].
-    """
+    """Finds the publisher of each message in the graph; of use in any thread."""
 
     def __init__(
         self, graph: Callable[[], Graph], now: Callable[[], float] = time.monotonic

@@ -34,15 +34,7 @@ LEAVING: Final = 6.0
 
 
 class NetworkNode:
-    """This program as a node on one network.
-
-    Args:
-        backend: Of the node.
-        node: Its name.
-        types: Of the distribution.
-        sonar: Whether to listen to the sonars of robots.
-        at_once: Whether to go on before robots report, to stop them.
-    """
+    """This program as a node on one network; for `sonar` and `at_once` see :func:`sessions`."""
 
     def __init__(
         self, backend: Backend, node: NodeName, types: MessageTypes, *, sonar: bool, at_once: bool
@@ -58,10 +50,7 @@ class NetworkNode:
     async def robot(self, node: str, model: str | None, until: float) -> AsyncIterator[TopicRobot]:
         """Connect to the robot of a node; in the end it stands.
 
-        Args:
-            node: Its name.
-            model: Of the robot; `None` for the largest.
-            until: Latest time to find it [s, loop time].
+        It is looked for up to `until` [s, loop time]; without a model it is the largest.
 
         Raises:
             ConfigError: there is no such model, or several nodes have this name.
@@ -130,18 +119,9 @@ class NetworkNode:
 
 
 class NetworkNodes:
-    """The networks that this program is on; one is joined with the first robot on it.
+    """The networks that this program is on; one is joined with the first robot on it."""
 
-    Args:
-        name: Of the node on each of them.
-        patience: Longest wait for the node of a robot [s].
-        sonar: Whether to listen to the sonars of robots.
-        at_once: Whether to go on before robots report, to stop them.
-    """
-
-    def __init__(
-        self, name: str, patience: float = FOUND, *, sonar: bool = False, at_once: bool = False
-    ) -> None:
+    def __init__(self, name: str, patience: float, *, sonar: bool, at_once: bool) -> None:
         self._name, self._patience = name, patience
         self._sonar, self._at_once = sonar, at_once
         self._joining: dict[Network, asyncio.Task[NetworkNode]] = {}
@@ -198,11 +178,8 @@ async def sessions(
 ) -> AsyncIterator[NetworkNodes]:
     """Be the node `name` on the networks of robots that are asked for during the block.
 
-    Args:
-        name: Of the node on each of them.
-        patience: Longest wait for the node of a robot [s].
-        sonar: Whether to listen to the sonars of robots, most of all their topics.
-        at_once: Whether to go on before robots report, to stop them.
+    The node of a robot is waited for up to `patience` [s]. Most topics of a robot are of its sonar.
+    With `at_once` it goes on before robots report, to stop them.
     """
     made = NetworkNodes(name, patience, sonar=sonar, at_once=at_once)
     try:

@@ -3,7 +3,7 @@
 import asyncio
 import gc
 from collections.abc import AsyncIterator, Callable
-from contextlib import asynccontextmanager, suppress
+from contextlib import asynccontextmanager
 from dataclasses import dataclass, field, replace
 from typing import Final
 
@@ -20,6 +20,7 @@ from pioneer3.ros.ros2.network import Network, open_backend
 from pioneer3.ros.ros2.remapping import Remapping
 from pioneer3.ros.ros2.types import MessageTypes
 from pioneer3.runtime.robot import Robot
+from pioneer3.tasks import hand_over
 
 NODE: Final = "pioneer3"
 OF_TF: Final = ("tf", "tf_static")
@@ -27,14 +28,7 @@ OF_TF: Final = ("tf", "tf_static")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NodeOptions:
-    """The options of a node of ROS 2.
-
-    Attributes:
-        name: Of the node, unless the arguments have another.
-        namespace: Of the node, unless the arguments have another.
-        network: Where it is.
-        arguments: ROS 2's own, after `--ros-args`.
-    """
+    """The options of a node of ROS 2; a name in the arguments after `--ros-args` comes first."""
 
     name: str = NODE
     namespace: str = "/"
@@ -87,8 +81,7 @@ async def _until_failure(backend: Backend) -> AsyncIterator[None]:
             task.cancel()
 
     def failed(reason: str) -> None:
-        with suppress(RuntimeError):  # the loop has ended
-            loop.call_soon_threadsafe(end, reason)
+        hand_over(loop, end, reason)
 
     backend.on_failure(failed)
     try:

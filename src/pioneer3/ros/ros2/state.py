@@ -11,6 +11,7 @@ from typing import Any, Final
 from pioneer3.ros.client.graph import ODOMETRY, RobotTopics
 from pioneer3.ros.client.snapshots import OF_CLOCK, seconds_of
 from pioneer3.ros.node.middleware import Sender, Topics
+from pioneer3.tasks import hand_over
 
 BATTERY: Final = "sensor_msgs/BatteryState"
 BOOL: Final = "std_msgs/Bool"
@@ -37,12 +38,7 @@ class RobotState:
 
 
 class StateReader:
-    """Subscribes to the topics that tell the state of a robot; the newest messages count.
-
-    Args:
-        topics: Of the robot.
-        middleware: Where they are.
-    """
+    """Subscribes to the topics that tell the state of a robot; the newest messages count."""
 
     def __init__(self, topics: RobotTopics, middleware: Topics) -> None:
         self._topics, self._middleware = topics, middleware
@@ -53,12 +49,12 @@ class StateReader:
 
     def open(self) -> None:
         """Subscribe, in a thread."""
-        topics = self._topics
-        parts: tuple[tuple[str, str | None, Callable[[Any], None]], ...] = (
-            (ODOMETRY, topics.pose, self._take_odometry),
-            (BATTERY, topics.topic(BATTERY), self._take_battery),
-            (BOOL, topics.topic(BOOL, "motors_state"), self._take_motors),
-            (BOOL, topics.emergency_stop, self._take_emergency_stop),
+        topics, motors = self._topics, self._topics.topic(BOOL, "motors_state")
+        parts: tuple[tuple[str, str | None, Callable[[RobotState, Any], RobotState]], ...] = (
+            (ODOMETRY, topics.pose, self._with_odometry),
+            (BATTERY, topics.topic(BATTERY), lambda s, m: replace(s, battery=float(m.voltage))),
+            (BOOL, motors, lambda s, m: replace(s, motors=bool(m.data))),
+            (BOOL, topics.emergency_stop, lambda s, m: replace(s, emergency_stop=bool(m.data))),
         )
         self._silent = {name for _, name, _ in parts if name}
         for type_name, name, take in parts:
@@ -75,25 +71,18 @@ class StateReader:
         age = None if measured_at is None else time.time() - measured_at
         return replace(self._state, age=age)
 
-    def _receive(self, name: str, take: Callable[[Any], None], message: Any, _: Sender) -> None:
+    def _receive(
+        self, name: str, taken: Callable[[RobotState, Any], RobotState], message: Any, _: Sender
+    ) -> None:
         def act() -> None:
-            take(message)
+            self._state = taken(self._state, message)
             self._silent.discard(name)
             if not self._silent:
                 self._all_told.set()
 
-        with suppress(RuntimeError):  # the loop has ended
-            self._loop.call_soon_threadsafe(act)
+        hand_over(self._loop, act)
 
-    def _take_odometry(self, message: Any) -> None:
+    def _with_odometry(self, state: RobotState, message: Any) -> RobotState:
         stamp = seconds_of(message.header.stamp)
         self._measured_at = stamp if stamp > OF_CLOCK else time.time()
-
-    def _take_battery(self, message: Any) -> None:
-        self._state = replace(self._state, battery=float(message.voltage))
-
-    def _take_motors(self, message: Any) -> None:
-        self._state = replace(self._state, motors=bool(message.data))
-
-    def _take_emergency_stop(self, message: Any) -> None:
-        self._state = replace(self._state, emergency_stop=bool(message.data))
+        return state

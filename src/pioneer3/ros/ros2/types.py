@@ -49,9 +49,6 @@ NO_FIELD: Final = "structure_needs_at_least_one_member"
 class MessageTypes(MessageStore):
     """The types of one distribution.
 
-    Args:
-        distro: Whose definitions count.
-
     Raises:
         ConfigError: rosbags is not installed.
     """
@@ -160,9 +157,7 @@ def largest(name: str, fields: Mapping[str, Any]) -> float:
 def type_hash(name: str, fields: Mapping[str, Any]) -> str:
     """Return the hash of a type of messages, or of services, as REP 2016 defines it.
 
-    Args:
-        name: Such as `std_msgs/msg/String` or `std_srvs/srv/SetBool`.
-        fields: Fields of each type, as rosbags has them.
+    Fields of each type are as rosbags has them.
     """
     described: dict[str, dict[str, object]] = {}
 
