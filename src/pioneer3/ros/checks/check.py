@@ -40,8 +40,6 @@ MOST: Final = 4
 """Faults of the fields of one topic that are told."""
 STARTING: Final = 1.5
 """A device may take this long to begin when somebody listens [s]."""
-SILENT: Final = "nothing came"
-ABSENT: Final = "absent"
 
 
 def check(facts: RobotFacts) -> CheckReport:
@@ -91,7 +89,7 @@ def _topic_row(
         part=ReportPart(expected.direction.value),
         name=expected.name,
         expected=_promise(expected),
-        found=ABSENT,
+        found="absent",
     )
     if not there.robot:
         if not expected.required:
@@ -221,7 +219,7 @@ def _found(
     samples: Sequence[Sample], measured: float | None, there: EndpointSides, facts: RobotFacts
 ) -> str:
     if not samples:
-        return SILENT
+        return "nothing came"
     messages = f"{len(samples)} message{'' if len(samples) == 1 else 's'}"
     parts = [messages if measured is None else f"{measured:.1f} Hz"]
     parts += sorted({each.frame for each in samples if each.frame})[:1]

@@ -31,12 +31,10 @@ ALLOWED: Final[Mapping[str, Mapping[str, Set[str]]]] = {
     ),
 }
 """Fields with numbers that are not finite, by type."""
-QUATERNION: Final = "geometry_msgs/msg/Quaternion"
 UNIT: Final = 1e-3
 """A unit quaternion's length may differ from 1 by this much."""
 NOT_MEASURED: Final = -1.0
 """First number of a covariance in sensor_msgs/Imu whose quantity is not measured."""
-COVARIANCES: Final = (36, 9)
 BEAMS: Final = 1
 """Beams that rounding of angles may add or take."""
 MOST: Final = 0.5
@@ -65,7 +63,7 @@ def _walk(value: Any, path: str, top: str) -> Iterator[CheckFault]:
             label = getattr(each, "child_frame_id", place)
             yield from _walk(each, f"{path}[{label}]", top)
     elif is_dataclass(value):
-        if getattr(value, "__msgtype__", "") == QUATERNION:
+        if getattr(value, "__msgtype__", "") == "geometry_msgs/msg/Quaternion":
             yield from _quaternion(value, path)
         covariance = getattr(value, "orientation_covariance", None)
         is_measured = covariance is None or covariance[0] != NOT_MEASURED
@@ -89,7 +87,7 @@ def _array(value: Any, path: str, top: str) -> Iterator[CheckFault]:
     for kind, there in ((NAN, np.isnan), (INF, np.isinf)):
         if kind not in allowed and there(value).any():
             yield fail(f"{path} has numbers that are {kind}")
-    if path.endswith("covariance") and len(value) in COVARIANCES and value[0] != NOT_MEASURED:
+    if path.endswith("covariance") and len(value) in {36, 9} and value[0] != NOT_MEASURED:
         diagonal = value[:: round(sqrt(len(value))) + 1]
         if (diagonal < 0).any():
             yield fail(f"{path} has a negative variance", example=f"{min(diagonal):g}")

@@ -33,7 +33,7 @@ SCANS: Final = re.compile(r"scan(\d*)")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Expectation:
-    """One topic that a robot should have: its full name, its name in the table, and see Topic.
+    """One topic that a robot should have, by its full name; `row` is its name in the table.
 
     Attributes:
         rate: Messages a second [Hz]; `None` where they come with events.

@@ -161,7 +161,7 @@ class CheckRow:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CheckReport:
-    """The outcome of a check of a node, after listening for `seconds` [s], as the table has it."""
+    """The outcome of a check of a node after listening for `seconds` [s], row by row."""
 
     node: str
     seconds: float

@@ -59,7 +59,8 @@ class TopicSupervisor:
         self._switch = switch
         self._latch = latch
         self._unclear, self._tells_stops = unclear, tells_stops
-        self._fresh: Snapshot | None = None
+        self.snapshot: Snapshot | None = None
+        self.taken = False  # a node takes commands of all programs
         self._sent = STILL
         self._moved_at = -inf
         self._clock = asyncio.get_running_loop().time
@@ -70,20 +71,10 @@ class TopicSupervisor:
 
         Where its node tells of emergency stops, only while one holds the robot.
         """
-        if self._fresh is None:
+        if self.snapshot is None:
             return False
-        motors = self._fresh.motors
+        motors = self.snapshot.motors
         return not motors.enabled and (motors.stop_button or not self._tells_stops)
-
-    @property
-    def taken(self) -> bool:
-        """Never: a node takes commands of all programs."""
-        return False
-
-    @property
-    def snapshot(self) -> Snapshot | None:
-        """The latest snapshot, or `None` while the topics are silent."""
-        return self._fresh
 
     async def run(self) -> None:
         """Let requests expire, and notice silence; cancelled, it stops the robot."""
@@ -91,7 +82,7 @@ class TopicSupervisor:
             while True:
                 await asyncio.sleep(LOOK)
                 now = self._clock()
-                if self._fresh is not None and now - self._fresh.stamp > SILENT:
+                if self.snapshot is not None and now - self.snapshot.stamp > SILENT:
                     self._lose(now)
                 self.pilot.tick(now)
                 self._flush()
@@ -107,12 +98,12 @@ class TopicSupervisor:
         now = self._clock()
         if self._unclear or now - snapshot.stamp > SILENT:
             return
-        if self._fresh is None:
+        if self.snapshot is None:
             if self.pilot.emergency:
                 self._stop_hard()  # it may have been out of reach when that was asked for
             self.pilot.session_opened(self.info.limits, now)
             self.status.publish(ConnectionStatus(Connection.CONNECTED, self.info.url))
-        self._fresh = snapshot = self._with_stall(snapshot, now)
+        self.snapshot = snapshot = self._with_stall(snapshot, now)
         self.pilot.observe(snapshot, now)
         self.snapshot_taken(snapshot)
         self.snapshots.publish(snapshot)
@@ -156,11 +147,11 @@ class TopicSupervisor:
         """Return the reason why the robot stands still, or `None` while it moves."""
         if self._unclear:
             return Reason(ReasonKind.FAULT, self._unclear)
-        if self._fresh is None and self.pilot.limits is None and self.info is not None:
+        if self.snapshot is None and self.pilot.limits is None and self.info is not None:
             url = self.info.url
             return Reason(ReasonKind.FAULT, f"{url} has not reported: has it lost its robot?")
-        why = why_not_moving(self.pilot, self._fresh, self._clock(), decided)
-        held = self._fresh is not None and self._fresh.motors.stop_button
+        why = why_not_moving(self.pilot, self.snapshot, self._clock(), decided)
+        held = self.snapshot is not None and self.snapshot.motors.stop_button
         return HELD if held and why and not self.pilot.emergency else why
 
     def _stop_hard(self) -> None:
@@ -183,7 +174,7 @@ class TopicSupervisor:
         return replace(snapshot, motors=stalled)
 
     def _lose(self, now: float) -> None:
-        self._fresh = None
+        self.snapshot = None
         why = f"its topics are silent for {SILENT:g} s"
         self.pilot.session_lost(why, now)
         self._send(STILL)

@@ -167,12 +167,9 @@ class Commands:
         return self._newest.take(twist, at, sender=sender.node, shared=topic.shared)
 
     def _check_age(self, age: float | None) -> None:
-        """Refuse a command that was stamped longer ago [s], or later, than it would last.
+        """Refuse, by a CommandError, one that was stamped longer ago [s], or later, than it lasts.
 
         One from a clock that is ahead may be old, which its stamp cannot tell.
-
-        Raises:
-            CommandError: it was.
         """
         if age is None or abs(age) <= self._timeout:
             return

@@ -9,7 +9,6 @@ from pioneer3.ros.ros2.backend import DEPTH, Endpoint, EndpointKind, Graph, Node
 
 UNKNOWN: Final = "_NODE_NAME_UNKNOWN_"
 """Name of the node of an endpoint whose participant has told no node."""
-HASH: Final = "RIHS"
 
 
 def publishers(node: Any, topic: str, unread: Unread) -> frozenset[bytes]:
@@ -90,7 +89,7 @@ def _endpoint(kind: EndpointKind, name: str, found: Any) -> Endpoint:
         node=NodeName(found.node_name, found.node_namespace).full if is_known else "",
         name=name,
         type_name=found.topic_type,
-        type_hash=hash_ if hash_.startswith(HASH) else "",
+        type_hash=hash_ if hash_.startswith("RIHS") else "",
         qos=Qos(
             reliable=profile.reliability == ReliabilityPolicy.RELIABLE,
             transient_local=profile.durability == DurabilityPolicy.TRANSIENT_LOCAL,

@@ -11,19 +11,11 @@ from pioneer3.ros.ros2.backend import NodeName
 from pioneer3.ros.ros2.parameter_files import parameters_in, value_of
 from pioneer3.ros.ros2.remapping import Remapping, RemapRule, rule
 
-QOS: Final = "qos_overrides"
 IGNORED: Final = {
-    "--log-level": 1,
-    "--log-file-name": 1,
-    "--log-config-file": 1,
-    "--enclave": 1,
-    "-e": 1,
-    "--enable-stdout-logs": 0,
-    "--disable-stdout-logs": 0,
-    "--enable-rosout-logs": 0,
-    "--disable-rosout-logs": 0,
-    "--enable-external-lib-logs": 0,
-    "--disable-external-lib-logs": 0,
+    **dict.fromkeys(("--log-level", "--log-file-name", "--log-config-file", "--enclave", "-e"), 1),
+    **dict.fromkeys(("--enable-stdout-logs", "--disable-stdout-logs"), 0),
+    **dict.fromkeys(("--enable-rosout-logs", "--disable-rosout-logs"), 0),
+    **dict.fromkeys(("--enable-external-lib-logs", "--disable-external-lib-logs"), 0),
 }
 """Arguments that change nothing here, and the number of values that each takes."""
 
@@ -46,7 +38,7 @@ class RosArguments:
             first, dot, rest = name.partition(".")
             if dot and first in BELOW_NAMES:
                 parts.setdefault(first, {})[rest] = value
-            elif first != QOS:
+            elif first != "qos_overrides":
                 found[name] = value
         return {**found, **parts}
 
@@ -76,20 +68,17 @@ def parse(arguments: Sequence[str], default: NodeName) -> RosArguments:
     return RosArguments(name=name, namespace=namespace, rules=kept, parameters=given)
 
 
-Assignments = list[tuple[str, str]]
-
-
 def _first(rules: Sequence[RemapRule], sets: str, node: str) -> str | None:
     """Return the name that the first rule for `node` sets; `None` for no rule."""
     found = (each for each in rules if each.sets == sets and each.owner in {"", node})
     return next((each.remapping.target for each in found), None)
 
 
-def _sorted(words: Iterator[str]) -> tuple[list[RemapRule], Assignments, list[Path]]:
+def _sorted(
+    words: Iterator[str],
+) -> tuple[list[RemapRule], list[tuple[str, str]], list[Path]]:
     """Return the remapping rules, the parameters and their files."""
-    rules: list[RemapRule] = []
-    values: Assignments = []
-    files: list[Path] = []
+    rules, values, files = list[RemapRule](), list[tuple[str, str]](), list[Path]()
     for word in words:
         option, equals, _ = word.partition("=")
         if word in {"-r", "--remap"}:

@@ -241,8 +241,6 @@ class Unread:
 
 
 OWNERS: Final = {EndpointKind.PUBLISHER: "publisher", EndpointKind.SUBSCRIBER: "subscription"}
-RELIABILITY: Final = {"reliable": True, "best_effort": False}
-DURABILITY: Final = {"transient_local": True, "volatile": False}
 
 
 def overridden(qos: Qos, topic: str, kind: EndpointKind, parameters: Mapping[str, object]) -> Qos:
@@ -261,9 +259,11 @@ def overridden(qos: Qos, topic: str, kind: EndpointKind, parameters: Mapping[str
 def _changed(qos: Qos, name: str, policy: str, value: object) -> Qos:
     match policy:
         case "reliability":
-            return replace(qos, reliable=_chosen(name, value, RELIABILITY))
+            wanted = _chosen(name, value, {"reliable": True, "best_effort": False})
+            return replace(qos, reliable=wanted)
         case "durability":
-            return replace(qos, transient_local=_chosen(name, value, DURABILITY))
+            wanted = _chosen(name, value, {"transient_local": True, "volatile": False})
+            return replace(qos, transient_local=wanted)
         case "depth" if isinstance(value, int) and 1 <= value <= 1000:
             return replace(qos, depth=value)
         case "history" if value == "keep_last":

@@ -34,8 +34,6 @@ WARN: Final = 30
 """`rcl_interfaces/msg/Log.WARN`."""
 ROSOUT: Final = Qos(transient_local=True, depth=1000, lifespan=10.0)
 """As `rcl_qos_profile_rosout_default` has it: programs that come late get no old warnings."""
-TRANSITION_EVENT: Final = "~/transition_event"
-PARAMETER_EVENTS: Final = "/parameter_events"
 EVENTS: Final = Qos(depth=1000)
 """As `rmw_qos_profile_parameter_events` has it."""
 CLOCK: Final = Qos(reliable=False, depth=1)
@@ -297,7 +295,7 @@ class Ros2Middleware(Ros2Topics):
         if not self.serves:
             return
         events = self._backend.advertise(
-            PARAMETER_EVENTS, self._types.message_type("rcl_interfaces/ParameterEvent"), EVENTS
+            "/parameter_events", self._types.message_type("rcl_interfaces/ParameterEvent"), EVENTS
         )
         self._open.append(events)
 
@@ -316,7 +314,7 @@ class Ros2Middleware(Ros2Topics):
         if not self.serves:
             return Lifecycle(self._types, callbacks, lambda event: None)
         events = self._backend.advertise(
-            self.resolve(TRANSITION_EVENT),
+            self.resolve("~/transition_event"),
             self._types.message_type("lifecycle_msgs/TransitionEvent"),
             Qos(),
         )

@@ -55,7 +55,6 @@ class Network:
     """Where a node is: its backend, and the options of each.
 
     Attributes:
-        backend: Or `auto`.
         distro: Distribution of the peers; `None` for that of `ROS_DISTRO`, else Jazzy.
         domain: Number of the domain; `None` for that of `ROS_DOMAIN_ID`, else 0.
         interfaces: Names or addresses of network interfaces for DDS; without any, and without
@@ -63,11 +62,9 @@ class Network:
         dds_peers: Addresses of other computers for DDS, where multicast does not get through.
         dds_services: Whether the peers run rmw_cyclonedds_cpp, so that services work over DDS.
         connect: Endpoints of Zenoh routers, such as `tls/fleet.example.org:7447`.
-        listen: Endpoints where Zenoh listens.
         zenoh_config: File with further settings of Zenoh (JSON 5).
         ca: File with the certificates that Zenoh trusts for TLS.
-        certificate: File with this program's certificate.
-        key: File with its private key.
+        key: File with the private key of the certificate.
         credentials: File with a line `user:password` for Zenoh, for its owner only.
     """
 
