@@ -9,7 +9,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from pioneer3.ros.node.driving_parameters import DrivingParameters
-from pioneer3.ros.node.middleware import QUEUE, Response, Sender
+from pioneer3.ros.node.middleware import QUEUE, Lose, Receive, Response, Sender
 from pioneer3.ros.node.parameters import NodeParameters
 from tests.unit.ros.support import Blank
 
@@ -106,13 +106,7 @@ class FakeMiddleware:
         return self.publishers[name]
 
     def subscribe(
-        self,
-        name: str,
-        type_name: str,
-        receive: Callable[[Any, Sender], None],
-        *,
-        queue: int,
-        left: Callable[[Sender], None] | None = None,
+        self, name: str, type_name: str, receive: Receive, *, queue: int, left: Lose | None = None
     ) -> FakeSubscription:
         self.receivers[name], self.leaving[name] = receive, left
         return FakeSubscription()

@@ -28,6 +28,12 @@ class Sender:
     latched: bool = False
 
 
+Receive = Callable[[Any, Sender], None]
+"""Takes a message, in any thread."""
+Lose = Callable[[Sender], None]
+"""Told of a sender that is known to be gone, in any thread; ROS 1 tells of none."""
+
+
 @dataclass(frozen=True, slots=True)
 class Response:
     """Response of a service: whether it did its work, and a sentence for a person."""
@@ -72,18 +78,9 @@ class Topics(Protocol):
         """Return a publisher; of `queue` messages that wait for a subscriber the newest stay."""
 
     def subscribe(
-        self,
-        name: str,
-        type_name: str,
-        receive: Callable[[Any, Sender], None],
-        *,
-        queue: int,
-        left: Callable[[Sender], None] | None = None,
+        self, name: str, type_name: str, receive: Receive, *, queue: int, left: Lose | None = None
     ) -> Subscription:
-        """Call `receive` with each message, in any thread; of `queue` that wait the newest stay.
-
-        `left` is called with each sender that is known to be gone, in any thread; ROS 1 tells none.
-        """
+        """Call `receive` with each message; of `queue` that wait the newest stay."""
 
 
 class Middleware(Topics, Protocol):

@@ -14,7 +14,7 @@ from typing import Any, Final
 from pioneer3.errors import ConfigError
 from pioneer3.models.description.xml import MAKER
 from pioneer3.ros.node.driving_parameters import DrivingParameters
-from pioneer3.ros.node.middleware import QUEUE, Sender
+from pioneer3.ros.node.middleware import QUEUE, Lose, Receive, Sender
 from pioneer3.ros.node.parameters import NodeParameters
 from pioneer3.ros.ros1.reconfigure import Reconfigure
 
@@ -177,13 +177,7 @@ class RospyTopics:
         return RospyPublisher(self._once(name), type_name, latched=latched, queue=queue)
 
     def subscribe(
-        self,
-        name: str,
-        type_name: str,
-        receive: Callable[[Any, Sender], None],
-        *,
-        queue: int,
-        left: Callable[[Sender], None] | None = None,
+        self, name: str, type_name: str, receive: Receive, *, queue: int, left: Lose | None = None
     ) -> Any:
         """Call `receive` in a thread of the connection; return the `rospy.Subscriber`."""
         import rospy

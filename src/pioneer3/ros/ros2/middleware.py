@@ -8,7 +8,7 @@ from typing import Any, Final
 
 from pioneer3.ros.messages.update import NANO, nanoseconds
 from pioneer3.ros.node.driving_parameters import DrivingParameters
-from pioneer3.ros.node.middleware import QUEUE, Sender
+from pioneer3.ros.node.middleware import QUEUE, Lose, Receive, Sender
 from pioneer3.ros.node.parameters import NodeParameters
 from pioneer3.ros.ros2.arguments import RosArguments
 from pioneer3.ros.ros2.backend import (
@@ -135,25 +135,14 @@ class Ros2Topics:
         return SerializedPublisher(writer, type_name, self._types)
 
     def subscribe(
-        self,
-        name: str,
-        type_name: str,
-        receive: Callable[[Any, Sender], None],
-        *,
-        queue: int,
-        left: Callable[[Sender], None] | None = None,
+        self, name: str, type_name: str, receive: Receive, *, queue: int, left: Lose | None = None
     ) -> SerializedSubscription:
         """Call `receive` in a thread of the backend; other bytes are told of once, and counted."""
         full = checked_topic(self.resolve(name))
         return self._subscribe(full, type_name, receive, self._qos_to_read(full, queue), left)
 
     def _subscribe(
-        self,
-        full: str,
-        type_name: str,
-        receive: Callable[[Any, Sender], None],
-        qos: Qos,
-        left: Callable[[Sender], None] | None = None,
+        self, full: str, type_name: str, receive: Receive, qos: Qos, left: Lose | None = None
     ) -> SerializedSubscription:
         type_ = self._types.message_type(type_name)
         qos = overridden(qos, full, EndpointKind.SUBSCRIBER, self._arguments.parameters)
