@@ -178,7 +178,8 @@ class TopicListener:
         stream = self._heard[each.name] = TopicStream(self._clock())
 
         def received(cdr: bytes, gid: bytes) -> None:  # reading it now would hold up the next one
-            at, now = self._clock(), self._simulated if self._simulates else self._wall()
+            at = self._clock()
+            now = self._simulated if self._simulates else self._wall()
 
             def read() -> None:
                 try:

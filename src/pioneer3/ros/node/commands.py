@@ -107,7 +107,7 @@ class Commands:
 
     def left(self, sender: Sender) -> None:
         """Stop if this publisher, which is gone, drives; in any thread."""
-        hand_over(self._loop, self._leave, sender)
+        hand_over(self._loop, self._leave, sender)  # a loop that has ended has stopped the robot
 
     def _leave(self, sender: Sender) -> None:
         self._drive()  # its last messages come first

@@ -199,9 +199,8 @@ class Services:
         return response
 
     def _not_served(self, service: "Service", reason: str) -> AnyResponse:
-        return (
-            PlanResponse(self.navigation.no_plan()) if service is PLAN else Response(False, reason)
-        )
+        is_plan = service is PLAN
+        return PlanResponse(self.navigation.no_plan()) if is_plan else Response(False, reason)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

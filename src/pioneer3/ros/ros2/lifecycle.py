@@ -148,7 +148,7 @@ class Lifecycle:
         self.state = UNCONFIGURED
         self._types, self._callbacks, self._changed = types, callbacks, changed
         self._lock = threading.Lock()
-        transitions, available = "GetAvailableTransitions", lambda _: self._told(self.available())
+        listed = "GetAvailableTransitions"
         self.services: Mapping[str, Service] = MappingProxyType(
             {
                 f"~/{name}": (f"lifecycle_msgs/srv/{type_}", respond)
@@ -156,8 +156,8 @@ class Lifecycle:
                     ("change_state", "ChangeState", self._change_state),
                     ("get_state", "GetState", self._get_state),
                     ("get_available_states", "GetAvailableStates", self._get_available_states),
-                    ("get_available_transitions", transitions, available),
-                    ("get_transition_graph", transitions, lambda _: self._told(TRANSITIONS)),
+                    ("get_available_transitions", listed, lambda _: self._told(self.available())),
+                    ("get_transition_graph", listed, lambda _: self._told(TRANSITIONS)),
                 )
             }
         )
