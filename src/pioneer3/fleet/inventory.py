@@ -13,8 +13,8 @@ from typing import Any, Final
 from pioneer3.errors import ConfigError
 from pioneer3.fleet import checks
 from pioneer3.fleet.network import FleetNetwork, check_networks
-from pioneer3.fleet.reach import address_towards
 from pioneer3.fleet.spec import ALL, Defaults, Fleet, FleetRobot, OperatorComputer, usual
+from pioneer3.links.urls import SOMEWHERE, address_towards
 from pioneer3.tables import Source, converted, keys, load, table_of, written
 from pioneer3.text import decoded, read_bytes, shown
 
@@ -141,10 +141,6 @@ def _table(robot: FleetRobot, defaults: Defaults) -> dict[str, object]:
     return {key: written_out.get(key, values[key]) for key in given}
 
 
-DOCUMENTATION_ADDRESS = "192.0.2.1"
-"""An address that no computer has (RFC 5737)."""
-
-
 def robot_of(word: str, defaults: Defaults) -> FleetRobot:
     """Read `NAME=ADDRESS`, such as `p3at-1=192.168.1.113`.
 
@@ -186,6 +182,6 @@ def here(robots: Sequence[str]) -> OperatorComputer:
         robots: `NAME=ADDRESS` of each; a network without a router has no other hint.
     """
     addresses = [word.partition("=")[2].strip() for word in robots]
-    own = address_towards(next(iter(addresses), DOCUMENTATION_ADDRESS))
+    own = address_towards(next(iter(addresses), SOMEWHERE))
     name = socket.gethostname().partition(".")[0]
     return OperatorComputer(name=name, address="" if own in addresses else own)

@@ -1,20 +1,15 @@
 """How this computer reaches a robot of the fleet: by its port, if that is one for others."""
 
-import socket
 from collections.abc import Sequence
 from dataclasses import replace
 from ipaddress import ip_address
-from typing import Final
 
 from pioneer3.errors import ConfigError
 from pioneer3.fleet.spec import ALL, Fleet, FleetRobot
-from pioneer3.links.urls import split_url
+from pioneer3.links.urls import is_own, split_url
 from pioneer3.mjpeg import parse_url
 from pioneer3.models import Fallback, find_model
 from pioneer3.sim.worldfile.toml import MODEL_FILES
-
-ANY_PORT: Final = 9
-"""Nothing is sent there."""
 
 
 def port_of(fleet: Fleet, name: str) -> str:
@@ -116,28 +111,3 @@ def reached_at(fleet: Fleet, endpoint: tuple[str, int]) -> tuple[str, int]:
 def is_here(robot: FleetRobot) -> bool:
     """Whether the robot's computer is this one."""
     return is_own(robot.address)
-
-
-def is_own(address: str) -> bool:
-    """Whether this computer has an IP address."""
-    family = socket.AF_INET6 if ip_address(address).version == 6 else socket.AF_INET
-    with socket.socket(family, socket.SOCK_DGRAM) as tried:
-        try:
-            tried.bind((address, 0))
-        except OSError:
-            return False
-    return True
-
-
-def address_towards(address: str) -> str:
-    """Return this computer's address on the way to another one; empty without a way there.
-
-    No packet is sent.
-    """
-    family = socket.AF_INET6 if ":" in address else socket.AF_INET
-    with socket.socket(family, socket.SOCK_DGRAM) as probe:
-        try:
-            probe.connect((address, ANY_PORT))
-        except OSError:  # no network leads there, or it is no address
-            return ""
-        return str(probe.getsockname()[0])

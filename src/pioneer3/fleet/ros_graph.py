@@ -17,8 +17,8 @@ from xml.parsers.expat import ExpatError
 from xmlrpc.client import Error, dumps, loads
 
 from pioneer3.errors import LinkError
-from pioneer3.fleet.reach import address_towards
 from pioneer3.fleet.spec import Fleet
+from pioneer3.links.urls import address_towards
 
 MASTER_PORT: Final = 11311
 CALLER: Final = "/pioneer3_fleet"

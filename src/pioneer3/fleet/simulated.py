@@ -5,9 +5,9 @@ from ipaddress import ip_address
 from typing import Final
 
 from pioneer3.errors import ConfigError
-from pioneer3.fleet.reach import is_own, model_of, reached_at
+from pioneer3.fleet.reach import model_of, reached_at
 from pioneer3.fleet.spec import Fleet, FleetRobot
-from pioneer3.links.urls import ANY
+from pioneer3.links.urls import ANY, is_own
 from pioneer3.sim.worldfile import RobotSpec
 
 USUAL: Final = "p3at"

@@ -10,13 +10,12 @@ from urllib.parse import urlsplit
 
 from pioneer3.doctor.facts import Finding, Level
 from pioneer3.errors import ConfigError
+from pioneer3.links.urls import SOMEWHERE, is_own
 from pioneer3.ros.addresses import LOCAL, LOOPBACK, PORT, address_towards
 
 MASTER: Final = "ROS_MASTER_URI"
 ADDRESS: Final = "ROS_IP"
 NAME: Final = "ROS_HOSTNAME"
-ELSEWHERE: Final = "192.0.2.1"
-"""An address that nobody has (RFC 5737): the way there leads out of this computer."""
 
 
 def resolve(host: str) -> tuple[str, ...]:
@@ -28,20 +27,9 @@ def resolve(host: str) -> tuple[str, ...]:
     return tuple(dict.fromkeys(str(each[4][0]) for each in found))
 
 
-def is_own(address: str) -> bool:
-    """Return whether this computer has an address."""
-    family = socket.AF_INET6 if ip_address(address).version == 6 else socket.AF_INET
-    try:
-        with socket.socket(family, socket.SOCK_DGRAM) as probe:
-            probe.bind((address, 0))
-    except OSError:
-        return False
-    return True
-
-
 def own_address(master: str) -> str:
     """Return the address of this computer that the master's computer sees; nothing is sent."""
-    for host in (ELSEWHERE if master in LOOPBACK else master, ELSEWHERE):
+    for host in (SOMEWHERE if master in LOOPBACK else master, SOMEWHERE):
         try:
             return address_towards(host)
         except ConfigError:

@@ -3,7 +3,8 @@
 import pytest
 
 from pioneer3.errors import ConfigError
-from pioneer3.ros.ros1.environment import NetworkProbe, check_environment, checked_master, is_own
+from pioneer3.links.urls import is_own
+from pioneer3.ros.ros1.environment import NetworkProbe, check_environment, checked_master
 
 OWN = "192.168.0.7"
 NAMES = {"me": (OWN,), "other": ("192.168.0.9",), "127.0.0.1": ("127.0.0.1",)}
