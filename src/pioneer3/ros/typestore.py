@@ -38,10 +38,6 @@ class MessageStore:
             self._makers[name] = self._maker(full_name(name))
         return self._makers[name]()
 
-    def constant(self, type_name: str, name: str, default: Any) -> Any:
-        """Return a constant of a message type, or `default` if this distribution lacks it."""
-        return getattr(self._store.types[full_name(type_name)], name, default)
-
     def _maker(self, name: str) -> Callable[[], Any]:
         kind = self._store.types[name]
         fields = [self._empty(desc) for field, desc in self._store.fielddefs[name][1]]

@@ -74,11 +74,6 @@ class ParameterServices:
             }
         )
 
-    @property
-    def values(self) -> Mapping[str, Value | None]:
-        """The values in force; `None` for those that are not set."""
-        return MappingProxyType(dict(self._values))
-
     def declared(self) -> Any:
         """Return the event of the beginning: all parameters are new; without node and stamp."""
         event = self._make("ParameterEvent")

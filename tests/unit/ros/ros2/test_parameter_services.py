@@ -203,10 +203,12 @@ def test_set_values_are_applied_one_by_one_and_told() -> None:
 )
 def test_refusals_say_the_reason(message: Any, reason: str) -> None:
     node = Node()
-    before = dict(node.services.values)
+    names = [each.name for each, value in TABLE.items() if value is not None]
+    before = node.get(*names)
     assert reason in node.reasons(message)[0]
     assert reason in node.at_once(a("speed", 3, 0.1), message)
-    assert (node.services.values, node.applied, node.events) == (before, [], [])
+    assert (node.get(*names), node.applied, node.events) == (before, [], [])
+    assert list(node.call("get_parameter_types", names=["drift"]).types) == [0]
 
 
 def test_a_parameter_without_a_value_is_declared_as_in_rclpy_until_it_gets_one() -> None:
