@@ -27,8 +27,6 @@ MOST_BLOBS: Final = 10
 DIGIT, BASE = 6, 64
 HEADER_SIZE, BLOB_SIZE = 4 * CHANNELS, 16
 LONGEST: Final = HEADER_SIZE + CHANNELS * MOST_BLOBS * BLOB_SIZE
-LARGEST: Final = BASE**2 - 1
-"""Largest coordinate [pixels]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

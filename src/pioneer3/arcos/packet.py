@@ -12,8 +12,6 @@ from typing import Final
 from pioneer3.errors import CommandError
 
 HEADER: Final = b"\xfa\xfb"
-MIN_COUNT: Final = 3
-"""One id byte and two checksum bytes."""
 MAX_PAYLOAD: Final = 253
 """The most that a one-byte count can carry; robots stay below 200 bytes a frame."""
 PAUSE: Final = 0.05

@@ -29,7 +29,6 @@ MANYLINUX: Final = ((2, 17), (2, 28), (2, 31), (2, 34))
 MACHINES: Final = ("x86_64", "aarch64")
 """Processors for which the packages have wheels."""
 _NOT_SHIPPED: Final = {"__pycache__"}
-_REQUIREMENT: Final = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,14 +8,12 @@ import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from ipaddress import ip_address
-from pathlib import Path
 from typing import Final
 
 from pioneer3.doctor.facts import FAILED, Finding, Level
 from pioneer3.fleet.edit import with_block
 from pioneer3.fleet.spec import Fleet
 
-HOSTS: Final = Path("/etc/hosts")
 _LINE: Final = re.compile(r"(\s*)([^\s#]+)([ \t]+)([^#]*?)([ \t]*)(#.*)?$")
 
 

@@ -4,7 +4,6 @@ from dataclasses import dataclass, field
 from math import inf
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pioneer3.geometry import Pose2
 from pioneer3.maps import OccupancyGrid
@@ -13,8 +12,6 @@ from pioneer3.nav.costs import COST_CELL, CostMap
 from pioneer3.nav.frontiers import Frontier, find_frontiers
 from pioneer3.nav.planner import NoWay, Way, plan
 from pioneer3.nav.settings import AS_SHIPPED, MapperSettings
-
-Float = NDArray[np.float64]
 
 SAME_EDGE = 0.5
 """Distance within which two edges, seen one after the other, are the same [m]."""

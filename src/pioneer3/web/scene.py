@@ -5,7 +5,6 @@ a map that the user gave.
 """
 
 import asyncio
-import logging
 from collections.abc import Callable, Hashable
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -24,8 +23,6 @@ from pioneer3.sim.relief import FLAT, Relief
 from pioneer3.sim.server.running import RunningSimulation, SimulatedRobot
 from pioneer3.state import Snapshot
 from pioneer3.tasks import running
-
-log = logging.getLogger(__name__)
 
 NOT_LOOKED_FOR = "nothing tells where it is; with --map, a robot with a laser is found"
 

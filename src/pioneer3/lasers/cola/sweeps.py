@@ -16,8 +16,6 @@ WHITE: Final = {8: 200, 16: 51_200}
 LARGEST: Final = {8: 254, 16: 65_535}
 """Largest remissions by their bits: 255 in 8 bits means dazzled."""
 LONGEST: Final = 65_535
-FIRST_ECHO = 0
-"""Value of FREchoFilter for the first echo."""
 ALL_ECHOES = 1
 """Value of FREchoFilter for all echoes."""
 LAST_ECHO = 2

@@ -125,10 +125,3 @@ NAVIGATION_TOPICS: Final = (
     ),
 )
 """All of them; a node has them beside its others."""
-SUBSCRIBED: Final[tuple[Topic, ...]] = (
-    INITIAL_POSE,
-    SIMPLE_GOAL,
-    GOAL_NAME,
-    ACTION_GOAL,
-    ACTION_CANCEL,
-)

@@ -16,7 +16,6 @@ from pioneer3.sim.kernels.robots import Others, Walls, cells, neighbours
 from pioneer3.sim.kernels.walls import SLACK
 
 Float = NDArray[np.float64]
-Bool = NDArray[np.bool_]
 Int32 = NDArray[np.int32]
 
 

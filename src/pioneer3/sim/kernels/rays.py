@@ -12,7 +12,6 @@ from pioneer3.sim.kernels.robots import FAR, Others, Walls, cells, neighbours
 from pioneer3.sim.raycast import TOUCH
 
 Float = NDArray[np.float64]
-Bool = NDArray[np.bool_]
 Int32 = NDArray[np.int32]
 
 

@@ -21,7 +21,6 @@ from pioneer3.sim.physics.elements import FLOOR, GROUND_FRICTION, SOLID, Element
 from pioneer3.sim.relief import Relief
 from pioneer3.sim.worldfile import Box, Person
 
-Float = NDArray[np.float64]
 Int = NDArray[np.int64]
 Bool = NDArray[np.bool_]
 

@@ -27,7 +27,6 @@ from pioneer3.sim.sensors import SONAR_RANGE
 from pioneer3.sim.worldfile import Person
 
 Float = NDArray[np.float64]
-Bool = NDArray[np.bool_]
 Int32 = NDArray[np.int32]
 
 MET = {"legs": LEGS, "bodies": BODIES}

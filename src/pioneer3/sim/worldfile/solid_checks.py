@@ -13,8 +13,6 @@ from pioneer3.sim.worldfile.spec import WorldFile
 from pioneer3.tables import Source
 
 Float = NDArray[np.float64]
-Bool = NDArray[np.bool_]
-
 TOUCHING = 0.005
 """A wall that goes no farther into a ramp or step touches it [m]."""
 MOST_SOLIDS = 500

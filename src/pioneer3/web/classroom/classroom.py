@@ -10,7 +10,6 @@ Rules, besides those of :mod:`pioneer3.classroom.roster`:
 """
 
 import asyncio
-import logging
 import time
 from collections.abc import Callable, Mapping, Sequence
 from hmac import compare_digest
@@ -28,8 +27,6 @@ from pioneer3.web.classroom.robot import PAGE, ClassRobot, small_snapshot
 from pioneer3.web.clients import Clients
 from pioneer3.web.control import Operator
 from pioneer3.web.robot_view import RobotView
-
-log = logging.getLogger(__name__)
 
 PERIOD = 0.2
 """Time between two looks at all robots [s]."""
