@@ -14,7 +14,7 @@ Rules:
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from pioneer3.errors import CommandError
 from pioneer3.names import clean_name, free_name
@@ -95,11 +95,6 @@ class Roster:
         student = self.student(robot)
         self._students[robot] = None
         return student
-
-    def move_session(self, robot: int, session: str) -> None:
-        """Let the student of `robot` go on in another session."""
-        if (student := self.student(robot)) is not None:
-            self._students[robot] = replace(student, session=session)
 
     def student(self, robot: int) -> Student | None:
         """Return the student of a robot, `None` if nobody has it.
