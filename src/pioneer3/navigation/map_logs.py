@@ -28,8 +28,6 @@ IMPROVE = 10
 """Loops are looked for after so many scans."""
 LEAP = 20.0
 """Way between two readings of odometry above which it has begun anew, or is damaged [m]."""
-SILENCE = 5.0
-"""A recording is over if no reading comes for so long [s]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -259,11 +259,11 @@ def overridden(qos: Qos, topic: str, kind: EndpointKind, parameters: Mapping[str
 def _changed(qos: Qos, name: str, policy: str, value: object) -> Qos:
     match policy:
         case "reliability":
-            wanted = _chosen(name, value, {"reliable": True, "best_effort": False})
-            return replace(qos, reliable=wanted)
+            reliable = _chosen(name, value, {"reliable": True, "best_effort": False})
+            return replace(qos, reliable=reliable)
         case "durability":
-            wanted = _chosen(name, value, {"transient_local": True, "volatile": False})
-            return replace(qos, transient_local=wanted)
+            late = _chosen(name, value, {"transient_local": True, "volatile": False})
+            return replace(qos, transient_local=late)
         case "depth" if isinstance(value, int) and 1 <= value <= 1000:
             return replace(qos, depth=value)
         case "history" if value == "keep_last":
