@@ -11,7 +11,7 @@ from pioneer3.errors import CommandError, MotionError
 from pioneer3.nav.settings import AS_SHIPPED
 from pioneer3.robot.devices import Devices, PictureSource
 from pioneer3.robot.devices.laser import LaserSource
-from pioneer3.robot.limits import checked, wheels_as_twist, finite
+from pioneer3.robot.limits import checked, finite, wheels_as_twist
 from pioneer3.robot.supervisor import Supervisor
 from pioneer3.runtime.arbiter import PROGRAM, Arbiter
 from pioneer3.runtime.driven import Driven
