@@ -6,7 +6,7 @@ Angles are counter-clockwise, seen from above, from straight ahead of the laser.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from enum import StrEnum
 from math import inf, radians
@@ -29,7 +29,6 @@ class RangeError:
     """Errors of ranges up to `up_to` [m].
 
     Attributes:
-        up_to: [m].
         systematic: Largest lasting error, the same for all readings of one unit [m].
         share: The same as a share of the range, in addition.
         sigma: Standard deviation of one reading [m].
@@ -45,14 +44,9 @@ class RangeError:
 class Steps:
     """Geometry of a SCIP laser as its PP answer gives it (scip.md 4.1).
 
-    Attributes:
-        shortest: DMIN [mm]; smaller values are codes.
-        longest: DMAX [mm].
-        per_turn: ARES.
-        first: AMIN, the first step measured.
-        last: AMAX, the last one.
-        front: AFRT, the step that looks straight ahead.
-        rpm: SCAN [1/min].
+    Ranges from `shortest` (DMIN; smaller values are codes) to `longest` (DMAX) [mm], steps from
+    `first` (AMIN) to `last` (AMAX) of `per_turn` (ARES), of which `front` (AFRT) looks straight
+    ahead, and SCAN, the `rpm` [1/min].
     """
 
     shortest: int
@@ -74,8 +68,6 @@ class LaserModel:
 
     Attributes:
         name: In files and options, such as `utm-30lx`.
-        title: For people.
-        protocol: Its language.
         product: The product name that the unit sends.
         first: Direction of the first reading [rad].
         last: Direction of the last one [rad].
@@ -84,13 +76,12 @@ class LaserModel:
         far: Longest range [m].
         far_dark: Longest range to a surface of 10 % remission [m]; `None` where it is not known.
         turn: Time of one turn of the mirror [s].
-        errors: Of its ranges, by range.
+        errors: By range.
         spot: Diameter of the light spot at the laser [m].
         divergence: Growth of that with the range [rad].
         speeds: Serial speeds [baud], the one at delivery first; empty without a serial line.
         usb: Whether it is a serial port on USB by itself, where the speed does not matter.
         tcp_ports: Empty without Ethernet.
-        steps: Of a SCIP laser.
         kinds: ARIA's names of the type.
     """
 
@@ -122,8 +113,6 @@ class LaserModel:
 
 def _scip(
     name: str,
-    title: str,
-    product: str,
     steps: Steps,
     *,
     far: float,
@@ -135,9 +124,9 @@ def _scip(
 ) -> LaserModel:
     return LaserModel(
         name=name,
-        title=title,
+        title=f"Hokuyo {name.upper()}",
         protocol=LaserProtocol.SCIP,
-        product=product,
+        product=f"SOKUIKI Sensor {name.upper()}",
         first=steps.angle(steps.first),
         last=steps.angle(steps.last),
         step=TURN / steps.per_turn,
@@ -153,50 +142,9 @@ def _scip(
     )
 
 
-def _sick(
-    name: str,
-    title: str,
-    protocol: LaserProtocol,
-    *,
-    product: str,
-    field: tuple[float, float],
-    step: float,
-    near: float,
-    far: float,
-    far_dark: float,
-    turn: float,
-    errors: tuple[RangeError, ...],
-    spot: float,
-    divergence: float,
-    speeds: tuple[int, ...] = (),
-    tcp_ports: tuple[int, ...] = (),
-    kinds: tuple[str, ...],
-) -> LaserModel:
-    return LaserModel(
-        name=name,
-        title=title,
-        protocol=protocol,
-        product=product,
-        first=radians(field[0]),
-        last=radians(field[1]),
-        step=radians(step),
-        near=near,
-        far=far,
-        far_dark=far_dark,
-        turn=turn,
-        errors=errors,
-        spot=spot,
-        divergence=divergence,
-        speeds=speeds,
-        tcp_ports=tcp_ports,
-        kinds=kinds,
-    )
-
-
 HOKUYO_PORT = 10940
 SICK_PORTS = (2111, 2112)
 _URG_SPEEDS = (19200, 57600, 115200, 38400)
-_LMS_SPEEDS = (9600, 38400, 19200, 500000)
 _URG = Steps(shortest=20, longest=5600, per_turn=1024, first=44, last=725, front=384, rpm=600)
 _UBG = Steps(shortest=20, longest=5600, per_turn=1024, first=44, last=725, front=384, rpm=2142)
 _UTM = Steps(shortest=23, longest=60000, per_turn=1440, first=0, last=1080, front=540, rpm=2400)
@@ -214,8 +162,98 @@ _UTM_ERRORS = (
     RangeError(up_to=inf, systematic=0.05, sigma=0.03),
 )
 _UST_ERRORS = (RangeError(up_to=inf, systematic=0.04, sigma=0.012),)
-_LMS1XX_ERRORS = (RangeError(up_to=inf, systematic=0.03, sigma=0.012),)
-_TIM_ERRORS = (RangeError(up_to=inf, systematic=0.06, sigma=0.02),)
+_LMS_200 = LaserModel(
+    name="lms-200",
+    title="SICK LMS-200",
+    protocol=LaserProtocol.LMS2XX,
+    product="LMS200;301061;V02.30 ",
+    first=radians(-90),
+    last=radians(90),
+    step=radians(1),
+    near=0.0,
+    far=32.0,
+    far_dark=10.0,
+    turn=1 / 75,
+    errors=(
+        RangeError(up_to=8.0, systematic=0.015, sigma=0.005),
+        RangeError(up_to=inf, systematic=0.04, sigma=0.01),
+    ),
+    spot=0.012,
+    divergence=0.0044,
+    speeds=(9600, 38400, 19200, 500000),
+    kinds=("lms2xx",),
+)
+_LMS_291 = replace(
+    _LMS_200,
+    name="lms-291",
+    title="SICK LMS-291",
+    product="LMS291;S05   ;V02.30 ",
+    far=80.0,
+    far_dark=30.0,
+    errors=(RangeError(up_to=inf, systematic=0.035, sigma=0.01),),
+)
+_LMS_111 = LaserModel(
+    name="lms-111",
+    title="SICK LMS-111",
+    protocol=LaserProtocol.COLA,
+    product="LMS111",
+    first=radians(-135),
+    last=radians(135),
+    step=radians(0.5),
+    near=0.05,
+    far=20.0,
+    far_dark=18.0,
+    turn=0.02,
+    errors=(RangeError(up_to=inf, systematic=0.03, sigma=0.012),),
+    spot=0.008,
+    divergence=0.015,
+    tcp_ports=SICK_PORTS,
+    kinds=("lms1xx",),
+)
+_LMS_511 = replace(
+    _LMS_111,
+    name="lms-511",
+    title="SICK LMS-511",
+    product="LMS511",
+    first=radians(-95),
+    last=radians(95),
+    near=0.1,
+    far=80.0,
+    far_dark=26.0,
+    errors=(
+        RangeError(up_to=10.0, systematic=0.025, sigma=0.007),
+        RangeError(up_to=20.0, systematic=0.035, sigma=0.009),
+        RangeError(up_to=inf, systematic=0.05, sigma=0.014),
+    ),
+    spot=0.0136,
+    divergence=0.0045,
+    kinds=("lms5xx",),
+)
+_TIM_551 = replace(
+    _LMS_111,
+    name="tim551",
+    title="SICK TiM551",
+    product="TiM551",
+    step=radians(1),
+    far=10.0,
+    far_dark=8.0,
+    turn=1 / 15,
+    errors=(RangeError(up_to=inf, systematic=0.06, sigma=0.02),),
+    spot=0.007,
+    divergence=0.0173,
+    kinds=("tim551", "tim5xx"),
+)
+_TIM_561 = replace(
+    _TIM_551,
+    name="tim561",
+    title="SICK TiM561",
+    product="TiM561",
+    step=radians(1 / 3),
+    kinds=("tim561",),
+)
+_TIM_571 = replace(
+    _TIM_561, name="tim571", title="SICK TiM571", product="TiM571", far=25.0, kinds=("tim571",)
+)
 
 LASERS: Mapping[str, LaserModel] = MappingProxyType(
     {
@@ -223,186 +261,26 @@ LASERS: Mapping[str, LaserModel] = MappingProxyType(
         for model in (
             _scip(
                 "urg-04lx",
-                "Hokuyo URG-04LX",
-                "SOKUIKI Sensor URG-04LX",
                 _URG,
                 far=4.095,
                 errors=_METRE_AND_ON,
                 speeds=_URG_SPEEDS,
                 kinds=("urg", "urg2.0"),
             ),
+            _scip("urg-04lx-ug01", _URG, far=5.6, errors=_UG01, usb=True),
+            _scip("ubg-04lx-f01", _UBG, far=5.6, errors=_METRE_AND_ON, speeds=_URG_SPEEDS),
             _scip(
-                "urg-04lx-ug01",
-                "Hokuyo URG-04LX-UG01",
-                "SOKUIKI Sensor URG-04LX-UG01",
-                _URG,
-                far=5.6,
-                errors=_UG01,
-                usb=True,
+                "utm-30lx", _UTM, far=30.0, errors=_UTM_ERRORS, usb=True, tcp_ports=(HOKUYO_PORT,)
             ),
-            _scip(
-                "ubg-04lx-f01",
-                "Hokuyo UBG-04LX-F01",
-                "SOKUIKI Sensor UBG-04LX-F01",
-                _UBG,
-                far=5.6,
-                errors=_METRE_AND_ON,
-                speeds=_URG_SPEEDS,
-            ),
-            _scip(
-                "utm-30lx",
-                "Hokuyo UTM-30LX",
-                "SOKUIKI Sensor UTM-30LX",
-                _UTM,
-                far=30.0,
-                errors=_UTM_ERRORS,
-                usb=True,
-                tcp_ports=(HOKUYO_PORT,),
-            ),
-            _scip(
-                "ust-10lx",
-                "Hokuyo UST-10LX",
-                "SOKUIKI Sensor UST-10LX",
-                _UST,
-                far=10.0,
-                errors=_UST_ERRORS,
-                tcp_ports=(HOKUYO_PORT,),
-            ),
-            _scip(
-                "ust-20lx",
-                "Hokuyo UST-20LX",
-                "SOKUIKI Sensor UST-20LX",
-                _UST,
-                far=20.0,
-                errors=_UST_ERRORS,
-                tcp_ports=(HOKUYO_PORT,),
-            ),
-            _sick(
-                "lms-200",
-                "SICK LMS-200",
-                LaserProtocol.LMS2XX,
-                product="LMS200;301061;V02.30 ",
-                field=(-90, 90),
-                step=1.0,
-                near=0.0,
-                far=32.0,
-                far_dark=10.0,
-                turn=1 / 75,
-                errors=(
-                    RangeError(up_to=8.0, systematic=0.015, sigma=0.005),
-                    RangeError(up_to=inf, systematic=0.04, sigma=0.01),
-                ),
-                spot=0.012,
-                divergence=0.0044,
-                speeds=_LMS_SPEEDS,
-                kinds=("lms2xx",),
-            ),
-            _sick(
-                "lms-291",
-                "SICK LMS-291",
-                LaserProtocol.LMS2XX,
-                product="LMS291;S05   ;V02.30 ",
-                field=(-90, 90),
-                step=1.0,
-                near=0.0,
-                far=80.0,
-                far_dark=30.0,
-                turn=1 / 75,
-                errors=(RangeError(up_to=inf, systematic=0.035, sigma=0.01),),
-                spot=0.012,
-                divergence=0.0044,
-                speeds=_LMS_SPEEDS,
-                kinds=("lms2xx",),
-            ),
-            _sick(
-                "lms-111",
-                "SICK LMS-111",
-                LaserProtocol.COLA,
-                product="LMS111",
-                field=(-135, 135),
-                step=0.5,
-                near=0.05,
-                far=20.0,
-                far_dark=18.0,
-                turn=0.02,
-                errors=_LMS1XX_ERRORS,
-                spot=0.008,
-                divergence=0.015,
-                tcp_ports=SICK_PORTS,
-                kinds=("lms1xx",),
-            ),
-            _sick(
-                "lms-511",
-                "SICK LMS-511",
-                LaserProtocol.COLA,
-                product="LMS511",
-                field=(-95, 95),
-                step=0.5,
-                near=0.1,
-                far=80.0,
-                far_dark=26.0,
-                turn=0.02,
-                errors=(
-                    RangeError(up_to=10.0, systematic=0.025, sigma=0.007),
-                    RangeError(up_to=20.0, systematic=0.035, sigma=0.009),
-                    RangeError(up_to=inf, systematic=0.05, sigma=0.014),
-                ),
-                spot=0.0136,
-                divergence=0.0045,
-                tcp_ports=SICK_PORTS,
-                kinds=("lms5xx",),
-            ),
-            _sick(
-                "tim551",
-                "SICK TiM551",
-                LaserProtocol.COLA,
-                product="TiM551",
-                field=(-135, 135),
-                step=1.0,
-                near=0.05,
-                far=10.0,
-                far_dark=8.0,
-                turn=1 / 15,
-                errors=_TIM_ERRORS,
-                spot=0.007,
-                divergence=0.0173,
-                tcp_ports=SICK_PORTS,
-                kinds=("tim551", "tim5xx"),
-            ),
-            _sick(
-                "tim561",
-                "SICK TiM561",
-                LaserProtocol.COLA,
-                product="TiM561",
-                field=(-135, 135),
-                step=1 / 3,
-                near=0.05,
-                far=10.0,
-                far_dark=8.0,
-                turn=1 / 15,
-                errors=_TIM_ERRORS,
-                spot=0.007,
-                divergence=0.0173,
-                tcp_ports=SICK_PORTS,
-                kinds=("tim561",),
-            ),
-            _sick(
-                "tim571",
-                "SICK TiM571",
-                LaserProtocol.COLA,
-                product="TiM571",
-                field=(-135, 135),
-                step=1 / 3,
-                near=0.05,
-                far=25.0,
-                far_dark=8.0,
-                turn=1 / 15,
-                errors=_TIM_ERRORS,
-                spot=0.007,
-                divergence=0.0173,
-                tcp_ports=SICK_PORTS,
-                kinds=("tim571",),
-            ),
+            _scip("ust-10lx", _UST, far=10.0, errors=_UST_ERRORS, tcp_ports=(HOKUYO_PORT,)),
+            _scip("ust-20lx", _UST, far=20.0, errors=_UST_ERRORS, tcp_ports=(HOKUYO_PORT,)),
+            _LMS_200,
+            _LMS_291,
+            _LMS_111,
+            _LMS_511,
+            _TIM_551,
+            _TIM_561,
+            _TIM_571,
         )
     }
 )
