@@ -58,12 +58,8 @@ def parse_aria(
 
     A non-zero TransVelMax or RotVelMax below the absolute maximum takes its place, and a
     non-zero TransAccel, TransDecel, RotAccel or RotDecel that of the usual start value.
-
-    Args:
-        text: The whole file.
-        source: Its name, for messages.
-        fallback_name: Used where the file has no Subclass.
-        base: The model whose values count where the file has none, as in a robot's own file.
+    `source` is the file's name; without a Subclass in it the robot has the name `fallback_name`.
+    Values of `base` count where the file has none, as in a robot's own file.
 
     Raises:
         ConfigError: Naming file, line and key.
@@ -190,13 +186,8 @@ def _laser_in(given: Parameters) -> LaserMount | None:
     mounted = given.flag("LaserAutoConnect", default=True)
     if not (kind and mounted):
         return None
-    return LaserMount(
-        kind=kind,
-        x=x,
-        y=y,
-        theta=theta,
-        upside_down=given.flag("LaserFlipped", default=False),
-    )
+    flipped = given.flag("LaserFlipped", default=False)
+    return LaserMount(kind=kind, x=x, y=y, theta=theta, upside_down=flipped)
 
 
 def aria_text(model: RobotModel) -> str:

@@ -11,10 +11,8 @@ from typing import Final
 class CameraModel:
     """A make of camera.
 
-    Attributes:
-        title: For people.
-        wide: Angle from the left edge of the picture to the right one without zoom [rad].
-        tele: The same at the end of the zoom [rad].
+    `wide` is the angle from the left edge of the picture to the right one without zoom, `tele` that
+    at the end of the zoom [rad].
     """
 
     title: str

@@ -78,13 +78,9 @@ def load_model(name_or_path: str | Path) -> RobotModel:
 
 
 def parse_model(text: str, name: str) -> RobotModel:
-    """Read the text of a model's TOML file: the fields of `RobotModel`, angles in degrees.
+    """Read the text of the TOML file `name`: the fields of `RobotModel`, angles in degrees.
 
     One that is `like` a shipped model needs only the fields that differ.
-
-    Args:
-        text: The whole file.
-        name: Its name, for messages.
 
     Raises:
         ConfigError: It is wrong; names file, line and key.
@@ -161,17 +157,6 @@ def generic_model(
     Factors are a P3-DX-SH's, sizes a P3-AT's, the largest of the shipped models; no sonar mount
     is known. It never fails: a value of 0 (CONFIG has none) or NaN becomes that of a real P3-AT
     (protocol.md 5.1), a value out of range the nearest allowed.
-
-    Args:
-        name: As the robot reports it.
-        max_speed: [m/s].
-        max_turn_rate: [rad/s].
-        acceleration: [m/s^2].
-        deceleration: [m/s^2].
-        turn_acceleration: [rad/s^2].
-        turn_deceleration: [rad/s^2].
-        front_bumpers: Number of segments.
-        rear_bumpers: Number of segments.
     """
     name = _printable(name)
     return UnknownModel(
@@ -230,11 +215,9 @@ def read_model_text(path: Path) -> str:
         ConfigError: It cannot be read, or is no text.
     """
     try:
-        status = path.stat()
-        fit = (
-            S_ISREG(status.st_mode) or S_ISDIR(status.st_mode)
-        ) and status.st_size <= _LARGEST_FILE
-        data = path.read_bytes() if fit else b"\0"
+        there = path.stat()
+        plain = S_ISREG(there.st_mode) or S_ISDIR(there.st_mode)  # reading a folder says why
+        data = path.read_bytes() if plain and there.st_size <= _LARGEST_FILE else b"\0"
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise ConfigError(f"{_shown(path)}: cannot be read: {reason}") from error

@@ -183,7 +183,6 @@ class RobotModel:
         title: For people, such as `Pioneer 3-AT`.
         family: `Pioneer` for every P2, P3, PeopleBot and AmigoBot.
         radius: Of the circle that the robot needs to turn in [m].
-        width: [m].
         length_front: From the centre of rotation to the front end [m].
         length_rear: From the centre of rotation to the rear end [m].
         max_speed: Never to be exceeded [m/s].
@@ -194,19 +193,14 @@ class RobotModel:
         speed_factor: Metres per second per unit of the reported wheel speeds.
         range_factor: Metres per unit of the reported sonar ranges.
         vel2_unit: Metres per second per unit of a VEL2 command.
-        acceleration: Start value where CONFIG gives none [m/s^2]; so are the next three.
-        deceleration: [m/s^2].
-        turn_acceleration: [rad/s^2].
-        turn_deceleration: [rad/s^2].
+        acceleration: Start value where CONFIG gives none [m/s^2], as the next three [rad/s^2].
         braking: Deceleration the driver asks for, where CONFIG allows it [m/s^2]; lower for tall
             robots, which tip.
         turn_braking: The same, turning [rad/s^2].
         gyro_scaler: Factor on the readings of a gyro that the computer has to apply.
         sonars: By transducer number.
         table_irs: By sensor number; empty without table sensing.
-        front_bumpers: Number of segments; 0 without bumpers.
-        rear_bumpers: Number of segments; 0 without bumpers.
-        laser: `None` without one.
+        front_bumpers: Number of segments, as of those behind.
         controller: The program in the robot.
         drive: `skid` where the wheels of one side are coupled and turning means slipping.
         has_move_command: Whether the firmware knows MOVE.

@@ -30,15 +30,7 @@ DERIVED: Final = "calculated from the numbers here"
 
 
 class Number(NamedTuple):
-    """One number, or a few that belong together.
-
-    Attributes:
-        part: Of the description, such as `Shape`.
-        name: Of the field.
-        value: With four digits.
-        unit: Empty for a number without one.
-        source: Where it is from.
-    """
+    """One number, or a few that belong together, of a part such as `Shape`, with four digits."""
 
     part: str
     name: str
@@ -48,12 +40,7 @@ class Number(NamedTuple):
 
 
 def numbers_of(model: RobotModel, *, shipped: bool) -> tuple[Number, ...]:
-    """Return the numbers of a robot's parameters, shape and physics.
-
-    Args:
-        model: Of the robot.
-        shipped: Whether it is one of ours, whose parameters are ARIA's.
-    """
+    """Return parameters, which are ARIA's if the model is `shipped`, shape and physics."""
     return (*_parameters(model, ARIA if shipped else FILE), *_shape(model), *_physics(model))
 
 
@@ -90,8 +77,6 @@ def _text(value: object) -> str:
         value = astuple(value)
     if isinstance(value, tuple):
         texts = [_text(each) for each in value]
-        nested = [isinstance(each, tuple) for each in value]
-        return ", ".join(
-            f"({text})" if inside else text for text, inside in zip(texts, nested, strict=True)
-        )
+        pairs = zip(texts, value, strict=True)
+        return ", ".join(f"({text})" if isinstance(of, tuple) else text for text, of in pairs)
     return f"{value:.4g}"

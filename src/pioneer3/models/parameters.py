@@ -28,14 +28,11 @@ Mount = tuple[float, float, float]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ParameterLine:
-    """One line that holds a key; its errors name file, line and key.
+    """One line of the file `source`, from 1, that holds a key; its errors name all three.
 
     Attributes:
-        source: Name of the file.
-        number: Counted from 1.
         section: Name of the section it stands in, lower case; empty before the first.
         key: As the file spells it.
-        values: The words after the key.
     """
 
     source: str
@@ -43,11 +40,6 @@ class ParameterLine:
     section: str
     key: str
     values: tuple[str, ...]
-
-    @property
-    def is_blank(self) -> bool:
-        """Whether the key has no value."""
-        return not self.values or not self.values[0]
 
     @property
     def is_zero(self) -> bool:
@@ -120,12 +112,9 @@ class Parameters:
         self._lines: Mapping[str, ParameterLine] = {line.key.lower(): line for line in self._all}
 
     def length(self, key: str, bounds: Bounds, default: float | None = None) -> float:
-        """Return a value given in mm, or mm per something, in metres.
+        """Return a value given in mm, or mm per something, in metres, within `bounds` [m].
 
-        Args:
-            key: As the files spell it.
-            bounds: [m] or [m per something].
-            default: Where the file has no value, or 0 [m]; without one the key is essential.
+        The default counts where the file has no value, or 0; without one the key is essential.
         """
         return rounded(self._scaled(key, bounds, MM, default))
 
@@ -167,11 +156,9 @@ class Parameters:
     def units(self, kind: str, first: int, axes: str) -> list[Mount]:
         """Return the mounts of the `{kind}Unit` lines in the order of their numbers.
 
-        Args:
-            kind: `Sonar` or `IR`. `{kind}Num` of them exist: further lines are left out, and
-                there may be fewer lines, since `powerbot` lists one less (facts.md 6.3).
-            first: Index of the word that holds x.
-            axes: `x y`, or `x y th` where the lines have a direction.
+        `{kind}Num` of them exist: further lines are left out, and there may be fewer lines, since
+        `powerbot` lists one less (facts.md 6.3). The word number `first` holds x; `axes` are `x y`,
+        or `x y th` where the lines have a direction.
         """
         lines = [line for line in self._all if line.key.lower() == f"{kind}Unit".lower()]
         mounts = dict(_unit(line, first, axes) for line in lines)
@@ -184,21 +171,17 @@ class Parameters:
 
     def _find(self, key: str) -> ParameterLine | None:
         line = self._lines.get(key.lower())
-        return None if line is None or line.is_blank else line
+        return line if line and line.values and line.values[0] else None
 
     def _scaled(self, key: str, bounds: Bounds, unit: float, default: float | None) -> float:
         line = self._find(key)
-        if line is None:
-            return self._missing(key, bounds, unit) if default is None else default
-        if default is not None and line.is_zero:
+        if default is not None and (line is None or line.is_zero):
             return default
-        return line.scaled(0, bounds, unit)
-
-    def _missing(self, key: str, bounds: Bounds, unit: float) -> float:
-        problem = f"missing, expected {bounds.in_words(unit)}"
-        line = self._lines.get(key.lower())
         if line is not None:
-            line.refuse(problem)
+            return line.scaled(0, bounds, unit)
+        problem = f"missing, expected {bounds.in_words(unit)}"
+        if blank := self._lines.get(key.lower()):
+            blank.refuse(problem)
         raise ConfigError(f"{self._source}: {key}: {problem}")
 
 

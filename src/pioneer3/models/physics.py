@@ -25,9 +25,8 @@ class Inertia(NamedTuple):
 class Contact:
     """The contact of a tire with things, as MuJoCo has it.
 
-    Attributes:
-        solref: Time constant [s] and damping ratio.
-        solimp: Smallest and largest impedance, and the sink between them [m].
+    `solref` is time constant [s] and damping ratio, `solimp` the smallest and the largest impedance
+    and the sink between them [m].
     """
 
     solref: tuple[float, float]
@@ -59,12 +58,10 @@ class BodyPhysics:
         center_z: Of the body's mass, above the floor.
         box: Length, width and height of the even box that has the body's inertia.
         friction: Coefficient of a tire, rolling or sliding.
-        contact: Of a tire.
         armature: Rotor inertia of the motor times its gear ratio squared, of one wheel.
         side_torque: Largest torque of all the motors of one side together, at the wheels.
         loop_gain: Of the wheel-speed loop: torque for each radian that a wheel is behind.
         loop_damping: Of the wheel-speed loop: torque for each radian per second.
-        caster_damping: Of the caster's swivel and its wheel.
         rolling_radius: Way for each radian of a driven wheel: tires sink under the robot's weight.
         turning_track: Difference of the ways of the wheels of both sides for each radian that the
             robot turns; with it a robot is calibrated.
@@ -98,8 +95,10 @@ class BodyPhysics:
         return box_inertia(self.base_mass, *self.box)
 
     def wheel_inertia(self, shape: BodyShape) -> Inertia:
-        """Return the inertia of a driven wheel, which turns about its y axis."""
-        return disc_inertia(self.wheel_mass, shape.wheel_radius, shape.wheel_width)
+        """Return the inertia of a driven wheel, an even cylinder, which turns about its y axis."""
+        mass, square = self.wheel_mass, shape.wheel_radius**2
+        across = mass / 12 * (3 * square + shape.wheel_width**2)
+        return Inertia(across, mass / 2 * square, across)
 
     def caster_inertia(self, shape: BodyShape) -> Inertia:
         """Return the inertia of the caster's wheel, and of its swivel, as of a ball."""
@@ -111,12 +110,6 @@ def box_inertia(mass: float, length: float, width: float, height: float) -> Iner
     """Return the inertia of an even box about its middle; lengths along x, y and z [kg, m]."""
     x, y, z = length**2, width**2, height**2
     return Inertia(mass / 12 * (y + z), mass / 12 * (x + z), mass / 12 * (x + y))
-
-
-def disc_inertia(mass: float, radius: float, width: float) -> Inertia:
-    """Return the inertia of an even cylinder about its middle, lying along y [kg, m]."""
-    across = mass / 12 * (3 * radius**2 + width**2)
-    return Inertia(across, mass / 2 * radius**2, across)
 
 
 EVEN_BOX: Final = (

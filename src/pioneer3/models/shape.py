@@ -28,17 +28,13 @@ _CASTER: Final[Mapping[str, str]] = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BodyShape:
-    """Sizes that complete a :class:`RobotModel` to a body [m].
-
-    None was measured on a robot.
+    """Sizes that complete a :class:`RobotModel` to a body [m]; none was measured on a robot.
 
     Attributes:
         height: Of the top plate above the floor.
         clearance: Of the body above the floor.
         sonar_height: Of the transducers above the floor.
         laser_height: Of the plane that a laser range finder scans above the floor.
-        wheel_radius: Of a wheel.
-        wheel_width: Of a wheel.
         track: From the middle of a left wheel to that of the right one.
         axles: Where the driven wheels are along the robot, front first.
         caster: Where the caster's swivel axis is along the robot, or `None` without a caster.

@@ -39,12 +39,7 @@ class BridgeDirection(StrEnum):
 class Exchange:
     """A topic of one name in Gazebo and in ROS.
 
-    Attributes:
-        topic: Its name: in ROS that of the profile `standard` of our node, where the node has the
-            same messages.
-        ros_type: Of its messages in ROS.
-        gazebo_type: Of its messages in Gazebo.
-        direction: Of the messages.
+    That is the name in the profile `standard` of our node, where the node has the same messages.
     """
 
     topic: str

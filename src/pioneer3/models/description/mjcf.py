@@ -46,11 +46,8 @@ def mjcf_of(
     Wheels have the names of the tree's joints. Solids that touch things are in group 3, those that
     are only seen in group 2.
 
-    Args:
-        model: Of the robot.
-        bumpers: Numbers of segments in front and behind; `None` for the model's.
-        laser: Whether it carries the laser range finder of its model.
-        floor: Whether to add a floor and a light, for a file that is simulated by itself.
+    `bumpers` are the numbers of segments in front and behind, `None` for the model's; `laser` is
+    that of its model. A file that is simulated by itself needs a `floor`, which has a light, too.
     """
     shape, physics, frames = shape_of(model), physics_of(model), Frames()
     tree = body_tree(model, frames)
@@ -66,9 +63,16 @@ def mjcf_of(
     )  # fmt: skip
     world = ET.SubElement(root, "worldbody")
     if floor:
-        _floor(world)
+        ET.SubElement(world, "light", name="light", pos="0 0 4", dir="0 0 -1", type="directional")
+        ET.SubElement(
+            world, "geom", name="floor", type="plane", size="20 20 0.1", rgba="0.6 0.6 0.6 1"
+        )
     base = _base(world, tree, frames, physics, solids)
-    _camera(base, tree.fixed_in_base()[frames.camera])
+    lens = tree.fixed_in_base()[frames.camera]
+    ET.SubElement(
+        base, "camera", name=CAMERA, pos=row(*lens[:3]), xyaxes="0 -1 0 0 0 1",
+        fovy=row(CAMERA_VIEW),
+    )  # fmt: skip
     for joint in tree.wheels:
         _wheel(base, joint, shape, physics, solids[joint.child])
     if tree.caster:
@@ -88,11 +92,6 @@ def bumper_geoms(model: RobotModel) -> list[str]:
     link = frames.bumper_link
     names = _names(link, solids.get(link, ()), touching=True)
     return [name for name, (_, kind) in names if kind == COLLIDES]
-
-
-def _floor(world: ET.Element) -> None:
-    ET.SubElement(world, "light", name="light", pos="0 0 4", dir="0 0 -1", type="directional")
-    ET.SubElement(world, "geom", name="floor", type="plane", size="20 20 0.1", rgba="0.6 0.6 0.6 1")
 
 
 def _base(
@@ -115,14 +114,6 @@ def _base(
                 size="0.005", group=VISUAL,
             )  # fmt: skip
     return base
-
-
-def _camera(base: ET.Element, place: LinkPose) -> None:
-    """Add a camera that looks forward."""
-    ET.SubElement(
-        base, "camera", name=CAMERA, pos=row(*place[:3]), xyaxes="0 -1 0 0 0 1",
-        fovy=row(CAMERA_VIEW),
-    )  # fmt: skip
 
 
 def _wheel(
@@ -152,8 +143,7 @@ def _caster(
         parent = _body(parent, joint, damping=physics.caster_damping)
         _inertial(parent, physics.caster_mass, physics.caster_inertia(shape))
         if joint is joints[-1]:
-            size = (shape.caster_radius,)
-            _tire(parent, joint.child, "sphere", size, physics)
+            _tire(parent, joint.child, "sphere", (shape.caster_radius,), physics)
         _geoms(parent, joint.child, solids.get(joint.child, ()), touching=False)
 
 

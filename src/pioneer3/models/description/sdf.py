@@ -37,12 +37,8 @@ def sdf_of(model: RobotModel, *, bumpers: tuple[int, int] | None = None, laser: 
 
     Links that never move are frames of `base_link`, whose origin is on the floor, in the centre
     of the robot's rotation. Topics are those of `gazebo.bridge_of`. The world must have Gazebo's
-    systems for sensors, IMU and contacts.
-
-    Args:
-        model: Of the robot.
-        bumpers: Numbers of segments in front and behind; `None` for the model's.
-        laser: Whether it carries the laser range finder of its model.
+    systems for sensors, IMU and contacts. `bumpers` are the numbers of segments in front and
+    behind, `None` for the model's; `laser` is that of its model.
     """
     frames = Frames()
     tree, shape, physics = body_tree(model, frames), shape_of(model), physics_of(model)
@@ -137,11 +133,10 @@ def _solid(link: ET.Element, kind: str, name: str, solid: LinkSolid, on: str) ->
     part = ET.SubElement(link, kind, name=name)
     _pose(part, solid.at, solid.turned, relative_to=on)
     geometry = ET.SubElement(part, "geometry")
-    x, _, z = solid.size
     if solid.is_round:
         cylinder = ET.SubElement(geometry, "cylinder")
-        _text(cylinder, "radius", x / 2)
-        _text(cylinder, "length", z)
+        _text(cylinder, "radius", solid.size[0] / 2)
+        _text(cylinder, "length", solid.size[2])
     else:
         _text(ET.SubElement(geometry, "box"), "size", row(*solid.size))
     return part
@@ -198,12 +193,11 @@ def _across(scan: ET.Element, direction: str, count: int, first: float, last: fl
 def _touch(base: ET.Element, frames: Frames, bumpers: tuple[LinkSolid, ...]) -> None:
     """Add a contact sensor for each piece of the bumpers; all have one topic."""
     for number in range(sum(solid.hits for solid in bumpers)):
-        collision = f"{frames.bumper_link}_collision_{number}"
         sensor = ET.SubElement(base, "sensor", name=f"bumper_{number}", type="contact")
         _text(sensor, "update_rate", ODOMETRY_RATE)
         _text(sensor, "always_on", "true")
         contact = ET.SubElement(sensor, "contact")
-        _text(contact, "collision", collision)
+        _text(contact, "collision", f"{frames.bumper_link}_collision_{number}")
         _text(contact, "topic", gazebo.BUMPERS.topic)
 
 

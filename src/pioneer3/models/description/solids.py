@@ -51,7 +51,6 @@ class LinkSolid:
         size: Along x, y and z [m]; a cylinder's x and y are its diameter.
         at: Its middle [m].
         turned: Roll, pitch and yaw [rad].
-        is_round: Whether it is a cylinder.
         hits: Whether it can touch things.
     """
 
@@ -68,12 +67,7 @@ def solids_of(
 ) -> dict[str, tuple[LinkSolid, ...]]:
     """Return the solids of each link of `tree` that has any.
 
-    Args:
-        model: Of the robot.
-        tree: Of the robot's frames.
-        frames: Their names, without the prefix.
-        bumpers: Numbers of segments in front and behind; 0 without.
-        laser: Whether it carries the laser range finder of its model.
+    `frames` are its names without the prefix, `bumpers` numbers of segments in front and behind.
     """
     shape = shape_of(model)
     solids = {tree.base: _body(model, shape), "top_plate": _top(model)}

@@ -33,12 +33,11 @@ class Frames:
         base: The robot: on the floor, in the centre of its rotation.
         footprint: The same under its other name, between `odom` and `base` (REP 120); empty for
             none.
-        bumpers: Of the bumpers; the robot's own pose.
-        sonar: Of all sonars together; the robot's own pose: their points are in robot coordinates.
+        bumpers: The robot's own pose.
+        sonar: All sonars together; the robot's own pose: their points are in robot coordinates.
         sonar_prefix: Before the number of a transducer, which looks along its frame's x axis.
-        laser: Of the laser range finder; of others it is followed by their number.
-        imu: Of the gyro.
-        camera: Of the camera: x forward, z up. Its pictures' own frame has another name.
+        laser: The first laser range finder; of others their number follows.
+        camera: x forward, z up. Its pictures' own frame has another name.
     """
 
     odom: str = "odom"
@@ -109,16 +108,9 @@ class LinkPose(NamedTuple):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Joint:
-    """The pose of a link on another one.
+    """The pose of the link `child` in the frame of the link `parent` [m, rad].
 
     Attributes:
-        name: Of the joint.
-        parent: Link that it sits on.
-        child: Link that sits there.
-        x: Of the child in the parent's frame [m]; so are y and z.
-        y: To the left.
-        z: Up.
-        yaw: Of the child in the parent's frame, counter-clockwise seen from above [rad].
         optical: Whether the child is the optical frame of a camera, with the z axis forward.
         axis: About which it turns without end; empty for a joint that never moves.
     """
@@ -135,7 +127,7 @@ class Joint:
 
     @property
     def rpy(self) -> tuple[float, float, float]:
-        """Roll, pitch and yaw of the child in the parent's frame [rad]."""
+        """Roll, pitch and yaw [rad]."""
         return (-pi / 2, 0.0, -pi / 2) if self.optical else (0.0, 0.0, self.yaw)
 
     def rotation(self, turned: float = 0.0) -> Quaternion:
@@ -154,7 +146,6 @@ class FrameTree:
     Attributes:
         root: Name of the frame that all others are below.
         base: Name of the body's frame, in the same place.
-        fixed: Joints that never move.
         wheels: Joints that motors turn: left before right, front before rear.
         caster: Joints of a caster that moves: its swivel, and its wheel on that.
     """
@@ -204,13 +195,9 @@ def tree_of(
 ) -> FrameTree:
     """Return the tree of a robot of this kind.
 
-    Args:
-        model: Has the places of sensors.
-        frames: Names, without a prefix.
-        wheel_names: Of the joints, in place of those of :func:`wheel_joint_names`.
-        sonar_height: Above the floor [m], in place of the usual one.
-        lasers: Poses of the laser range finders on the robot [m, rad]; `None` for that of `model`.
-        camera: Whether the robot has a camera.
+    `wheel_names`, of joints, take the place of those of :func:`wheel_joint_names`, `sonar_height`
+    above the floor that of the usual one [m], and `lasers`, poses on the robot [m, rad], that of
+    the model's.
 
     Raises:
         ConfigError: two frames have one name, or there are too many or too few names of wheels.
@@ -280,11 +267,6 @@ def _on_outline(model: RobotModel, share: float, *, rear: bool) -> Pose2:
     return Pose2(reach * c, reach * s, wrap(bearing))
 
 
-def height_of_sonars(model: RobotModel) -> float:
-    """Return how high the transducers sit above the floor [m]."""
-    return shape_of(model).sonar_height
-
-
 def _fixed(
     model: RobotModel, frames: Frames, sonar_height: float | None, lasers: Sequence[Pose2]
 ) -> Iterator[Joint]:
@@ -326,16 +308,9 @@ def _wheels(model: RobotModel, frames: Frames, names: tuple[str, ...]) -> Iterat
     if len(names) != len(links):
         raise ConfigError(f"a {model.title} has {len(links)} wheels, not {len(names)}")
     for number, (name, link) in enumerate(zip(names, links, strict=True)):
-        side = -1 if number % 2 else 1
-        yield Joint(
-            name=name,
-            parent=frames.base,
-            child=link,
-            x=shape.axles[number // 2],
-            y=side * shape.track / 2,
-            z=shape.wheel_radius,
-            axis="y",
-        )
+        aside = -shape.track / 2 if number % 2 else shape.track / 2
+        at = (shape.axles[number // 2], aside, shape.wheel_radius)
+        yield replace(_joint(frames.base, link, at), name=name, axis="y")
 
 
 def _wheel_links(model: RobotModel) -> list[str]:

@@ -20,14 +20,10 @@ def describe(
     bumpers: tuple[int, int] | None = None,
     laser: bool = True,
 ) -> str:
-    """Return the URDF of a robot.
+    """Return the URDF of a robot, whose links are the frames of `tree`.
 
-    Args:
-        model: Of the robot.
-        tree: Of its frames: every link is one.
-        frames: Their names, without the prefix: rviz has a setting for that.
-        bumpers: Numbers of segments in front and behind; `None` for the model's.
-        laser: Whether it carries the laser range finder of its model.
+    `frames` are their names without the prefix, for which rviz has a setting; `bumpers` numbers of
+    segments in front and behind, `None` for the model's; `laser` is that of its model.
     """
     robot = ET.Element("robot", name=model.name)
     robot.append(ET.Comment(f" {MAKER} "))
@@ -47,11 +43,9 @@ def describe(
     shape, physics = shape_of(model), physics_of(model)
     for joint in tree.fixed:
         _joint(robot, joint)
+    effort, velocity = physics.side_torque / len(shape.axles), model.max_speed / shape.wheel_radius
     for joint in tree.wheels:
-        effort = physics.side_torque / len(shape.axles)
-        velocity = model.max_speed / shape.wheel_radius
-        limit = {"effort": row(effort), "velocity": row(velocity)}
-        ET.SubElement(_joint(robot, joint), "limit", limit)
+        ET.SubElement(_joint(robot, joint), "limit", effort=row(effort), velocity=row(velocity))
     for joint in tree.caster:
         ET.SubElement(_joint(robot, joint), "dynamics", damping=row(physics.caster_damping))
     for joint in tree.wheels:
@@ -62,8 +56,7 @@ def describe(
 def _link(robot: ET.Element, name: str, solids: tuple[LinkSolid, ...]) -> ET.Element:
     link = ET.SubElement(robot, "link", name=name)
     for solid in solids:
-        visual = _solid(link, "visual", solid)
-        ET.SubElement(visual, "material", name=solid.color)
+        ET.SubElement(_solid(link, "visual", solid), "material", name=solid.color)
     for solid in solids:
         if solid.hits:
             _solid(link, "collision", solid)
@@ -90,9 +83,9 @@ def _solid(link: ET.Element, kind: str, solid: LinkSolid) -> ET.Element:
     part = ET.SubElement(link, kind)
     ET.SubElement(part, "origin", xyz=row(*solid.at), rpy=row(*solid.turned))
     geometry = ET.SubElement(part, "geometry")
-    x, _, z = solid.size
     if solid.is_round:
-        ET.SubElement(geometry, "cylinder", radius=row(x / 2), length=row(z))
+        across, _, length = solid.size
+        ET.SubElement(geometry, "cylinder", radius=row(across / 2), length=row(length))
     else:
         ET.SubElement(geometry, "box", size=row(*solid.size))
     return part

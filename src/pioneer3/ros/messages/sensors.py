@@ -5,8 +5,8 @@ from collections.abc import Callable, Sequence
 from math import cos, inf, isfinite, nan, sin, tan
 from typing import Any, Final
 
-from pioneer3.models import RobotModel, SonarMount
-from pioneer3.models.description.tree import BUMPER_HEIGHT, bumper_segments, height_of_sonars
+from pioneer3.models import RobotModel, SonarMount, shape_of
+from pioneer3.models.description.tree import BUMPER_HEIGHT, bumper_segments
 from pioneer3.robot.assemble import SONAR_MAX
 from pioneer3.ros.messages.update import (
     UNMEASURED,
@@ -192,9 +192,8 @@ def echoes(message: Any, update: StateUpdate) -> None:
         for number in sonar.fresh
         if number < len(mounts) and isfinite(sonar.ranges[number])
     ]
-    _cloud2(
-        message, update.make, heard, height_of_sonars(update.model) if height is None else height
-    )
+    usual = shape_of(update.model).sonar_height
+    _cloud2(message, update.make, heard, usual if height is None else height)
     message.is_dense = True
 
 
