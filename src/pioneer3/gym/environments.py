@@ -11,17 +11,14 @@ from gymnasium.utils.seeding import np_random
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.random import Generator
-from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
 
+from pioneer3.arrays import Bool, Float, Float32
 from pioneer3.errors import CommandError
 from pioneer3.gym.rendering import METADATA, EnvironmentRenderer, Image, metadata_of
 from pioneer3.gym.simulation import GoalSimulation, Infos, StepResult, info_of
 from pioneer3.gym.task import EPISODE, Task, TaskOptions
 
-Float = NDArray[np.float64]
-Float32 = NDArray[np.float32]
-Bool = NDArray[np.bool_]
 Info = dict[str, Any]
 Seeds = int | Sequence[int | None] | None
 T = TypeVar("T")

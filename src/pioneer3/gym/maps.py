@@ -6,15 +6,13 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.random import Generator
-from numpy.typing import NDArray
 
+from pioneer3.arrays import Bool, Float
 from pioneer3.errors import ConfigError
 from pioneer3.maps import Extent, LineMap
 from pioneer3.sim.free_space import FreeGrid, Obstructions, places_inside
 from pioneer3.sim.kernels import build_grid
 
-Float = NDArray[np.float64]
-Bool = NDArray[np.bool_]
 Point = tuple[float, float]
 
 FENCE = 1

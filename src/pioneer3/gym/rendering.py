@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pioneer3.arrays import Float
 from pioneer3.errors import ConfigError
 from pioneer3.gym.simulation import GoalSimulation
 from pioneer3.maps.grid import shape_of, touched
 
-Float = NDArray[np.float64]
 Image = NDArray[np.uint8]
 
 METADATA: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 10}

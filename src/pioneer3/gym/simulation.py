@@ -11,6 +11,7 @@ from gymnasium.spaces import Box, Space
 from numpy.random import Generator
 from numpy.typing import NDArray
 
+from pioneer3.arrays import Bool, Float, Float32, Int
 from pioneer3.errors import CommandError, ConfigError, how_to_get
 from pioneer3.gym.maps import Distance, FreeSpace, Point, TiledMap
 from pioneer3.gym.task import Task
@@ -26,10 +27,6 @@ from pioneer3.sim.sensors import SONAR_RANGE
 from pioneer3.sim.world import World
 from pioneer3.sim.worldfile import load_map
 
-Float = NDArray[np.float64]
-Float32 = NDArray[np.float32]
-Bool = NDArray[np.bool_]
-Int = NDArray[np.int64]
 Infos = dict[str, NDArray[Any]]
 
 APART = 0.1

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pioneer3.arrays import Float, Int
 from pioneer3.errors import ConfigError
 from pioneer3.maps.aria_objects import object_types, parse_object
 from pioneer3.maps.grid import grid_of, outline
@@ -17,8 +17,6 @@ from pioneer3.maps.line_map import LineMap, MapObject, OccupancyGrid, solid_wall
 from pioneer3.text import LARGEST_MM, TextLine, lines_of, shown, wrong
 from pioneer3.units import MM
 
-Float = NDArray[np.float64]
-Int = NDArray[np.int64]
 Refuse = Callable[[ConfigError], None]
 
 HEADERS = ("2D-Map", "2D-Map-Ex", "2D-Map-Ex2")

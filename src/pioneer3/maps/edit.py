@@ -5,8 +5,8 @@ from math import hypot
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pioneer3.arrays import Float
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
 from pioneer3.maps.grid import raster_outline
@@ -20,7 +20,6 @@ from pioneer3.maps.line_map import (
     solid_walls,
 )
 
-Float = NDArray[np.float64]
 Point = tuple[float, float]
 NewRole = Literal["goal", "dock", "home"]
 """The roles of places that can be added."""

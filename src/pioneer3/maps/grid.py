@@ -3,14 +3,10 @@
 from math import ceil
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pioneer3.arrays import Bool, Float, Int
 from pioneer3.geometry import Pose2
 from pioneer3.maps.line_map import OCCUPIED, UNKNOWN, Extent, OccupancyGrid
-
-Float = NDArray[np.float64]
-Int = NDArray[np.int64]
-Bool = NDArray[np.bool_]
 
 MOST_CELLS = 1 << 25
 """Larger grids and pictures are refused before memory is taken: 5792 x 5792, 290 m at 5 cm."""
@@ -121,7 +117,7 @@ def raster_outline(occupied: Bool) -> Float:
     return np.concatenate([horizontal, vertical]).astype(np.float64)
 
 
-def _row_runs(edges: Bool) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
+def _row_runs(edges: Bool) -> tuple[Int, Int, Int]:
     """Return line, first and last corner of each run of edges along the rows, shape (R,) each."""
     changes = np.diff(np.pad(edges, ((0, 0), (1, 1))).view(np.int8), axis=1)
     if np.count_nonzero(changes) > 2 * MOST_WALLS:

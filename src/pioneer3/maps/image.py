@@ -8,16 +8,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pioneer3.arrays import Bytes
 from pioneer3.errors import ConfigError
 from pioneer3.maps.grid import MOST_CELLS
 from pioneer3.text import one_line, read_bytes, wrong
 
 if TYPE_CHECKING:
     from PIL.ImageFile import ImageFile
-
-Bytes = NDArray[np.uint8]
 
 PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
 PGM_SIGNATURES = (b"P2", b"P5")

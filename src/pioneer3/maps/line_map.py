@@ -8,10 +8,10 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from pioneer3.arrays import Float
 from pioneer3.geometry import Pose2
 from pioneer3.maps.materials import Codes
 
-Float = NDArray[np.float64]
 States = NDArray[np.uint8]
 Role = Literal["goal", "dock", "home", "place", "line", "area"]
 

@@ -11,7 +11,8 @@ from math import radians
 import numpy as np
 from numpy.typing import NDArray
 
-Float = NDArray[np.float64]
+from pioneer3.arrays import Float
+
 Codes = NDArray[np.uint8]
 
 

@@ -7,12 +7,10 @@ in protocol.md 4.7.
 from math import cos, hypot, pi, sin
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pioneer3.arrays import Bool, Float
 from pioneer3.geometry import Pose2
 from pioneer3.models import RobotModel
-
-Float = NDArray[np.float64]
 
 TOUCH = 1e-9
 """How deep a wall must reach into the rectangle to count [m]: a robot may rest against a wall."""
@@ -141,11 +139,11 @@ def inside(polygon: Float, x: float, y: float) -> bool:
     return bool(which_inside(polygon, np.array(x), np.array(y)))
 
 
-def which_inside(polygon: Float, x: Float, y: Float) -> NDArray[np.bool_]:
+def which_inside(polygon: Float, x: Float, y: Float) -> Bool:
     """Return which of the points (x, y) [m], shape (...), lie in a convex polygon."""
     x0, y0, x1, y1 = polygon.T
     sides = (x1 - x0) * (y[..., None] - y0) - (y1 - y0) * (x[..., None] - x0)
-    found: NDArray[np.bool_] = (sides > 0).all(axis=-1) | (sides < 0).all(axis=-1)
+    found: Bool = (sides > 0).all(axis=-1) | (sides < 0).all(axis=-1)
     return found
 
 

@@ -4,9 +4,7 @@ from collections.abc import Sequence
 from concurrent.futures import Future
 from typing import Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
+from pioneer3.arrays import Float
 from pioneer3.maps import LineMap
 from pioneer3.sim.body import Body, Speeds
 from pioneer3.sim.kernels import DriveArrays, Grid, Kernels, RobotArrays
@@ -17,8 +15,6 @@ from pioneer3.sim.relief import Relief
 from pioneer3.sim.sensing import PlanarSensing, Sensing
 from pioneer3.sim.sensors import GRAVITY, ImuReading
 from pioneer3.sim.worldfile.spec import PHYSICS_STEP, Physics
-
-Float = NDArray[np.float64]
 
 
 class Dynamics(Protocol):

@@ -10,8 +10,8 @@ from math import inf, pi, tan
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pioneer3.arrays import Float
 from pioneer3.geometry import Pose2
 from pioneer3.sim.body import Body
 from pioneer3.sim.collision import outline
@@ -19,7 +19,6 @@ from pioneer3.sim.raycast import cast_reference
 from pioneer3.sim.world import World
 from pioneer3.sim.worldfile import Box
 
-Float = NDArray[np.float64]
 Kind = Literal["person", "box", "robot"]
 
 HEIGHTS: dict[Kind, float] = {"person": 1.7, "box": 0.5, "robot": 0.3}

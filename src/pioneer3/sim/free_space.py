@@ -5,17 +5,14 @@ from math import ceil, floor, sqrt
 from typing import NamedTuple, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pioneer3.arrays import Bool, Float
 from pioneer3.geometry import Pose2
 from pioneer3.maps import Extent, LineMap
 from pioneer3.maps.grid import samples
 from pioneer3.maps.line_map import distances
 from pioneer3.models import RobotModel
 from pioneer3.sim.collision import hits, inside, which_inside
-
-Float = NDArray[np.float64]
-Bool = NDArray[np.bool_]
 
 CELL = 0.1
 """Side of a cell [m]; larger in huge maps."""

@@ -13,16 +13,14 @@ from dataclasses import dataclass
 from math import ceil, floor, hypot, inf
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pioneer3.arrays import Float, Int
 from pioneer3.geometry import ORIGIN, Pose2, wrap
 from pioneer3.maps.materials import MATT, REFERENCE, REMISSION, Codes
 from pioneer3.models.lasers import LaserModel
 from pioneer3.sim.body import Body
 from pioneer3.sim.kernels import laser_fan
 from pioneer3.sim.world import World
-
-Float = NDArray[np.float64]
 
 PIECE = 2.5e-3
 """Rays of so much time start at one place [s]: at 1 m/s within 1.25 mm of the true one."""
@@ -169,7 +167,7 @@ class LaserScanner:
         found = self._world.look(self._body, fan, self.model.far)
         self._ranges[first:end], self._codes[first:end] = found
 
-    def _spots(self, middle: NDArray[np.int64]) -> tuple[Float, Codes, Float, Float]:
+    def _spots(self, middle: Int) -> tuple[Float, Codes, Float, Float]:
         """Return range, material, depth of the surface [m] and share of light of each spot.
 
         `middle` are the rays in the middle of the spots, shape (B,).
@@ -193,7 +191,7 @@ class LaserScanner:
         codes = self._codes[rays[chosen, np.arange(len(middle))]]
         return np.where(divided, seen, ranges[0]), codes, spread, light
 
-    def _of_two(self, ranges: Float) -> tuple[Float, NDArray[np.int64]]:
+    def _of_two(self, ranges: Float) -> tuple[Float, Int]:
         """Return the readings of spots that two surfaces share, and the ray of the nearer one.
 
         The nearer surface wins if it fills half of the spot, or there is nothing behind it. Else

@@ -5,13 +5,11 @@ from dataclasses import replace
 from math import hypot, pi, tan
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pioneer3.arrays import Float
 from pioneer3.geometry import Pose2, wrap
 from pioneer3.sim.kernels import Kernels, RobotArrays
 from pioneer3.sim.worldfile import Box, Person
-
-Float = NDArray[np.float64]
 
 CUT = 1 - tan(pi / 8)
 """Share of half a side that cut corners take, to make a square a regular octagon."""

@@ -9,8 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.random import Generator
-from numpy.typing import NDArray
 
+from pioneer3.arrays import Bool, Float
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import ORIGIN, Pose2, wrap
 from pioneer3.maps import LineMap
@@ -27,9 +27,6 @@ from pioneer3.sim.free_space import (
 )
 from pioneer3.sim.worldfile import RobotSpec, WorldFile
 from pioneer3.sim.worldfile.spec import Start
-
-Float = NDArray[np.float64]
-Bool = NDArray[np.bool_]
 
 GAP = 0.1
 """Between the turning circles of robots where there is little room [m]."""

@@ -6,9 +6,8 @@ with the same numbers, so no ray slips between them.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
-Float = NDArray[np.float64]
+from pioneer3.arrays import Float
 
 TOUCH = 1e-9
 """A wall's end this close to a ray is on it [m]."""

@@ -10,14 +10,11 @@ from typing import Literal, get_args
 
 import numpy as np
 from numpy.random import Generator
-from numpy.typing import NDArray
 
+from pioneer3.arrays import Float, Int
 from pioneer3.errors import ConfigError
 from pioneer3.models import RobotModel
 from pioneer3.sim.kernels import Grid, Reflectors, find_edges
-
-Float = NDArray[np.float64]
-Int = NDArray[np.int64]
 
 OdometryMode = Literal["none", "constant", "random_init", "random_each_update", "all"]
 """Source of the odometry's error.

@@ -6,8 +6,8 @@ from math import cos
 from typing import Literal, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pioneer3.arrays import Bool, Float, Int32
 from pioneer3.geometry import Pose2
 from pioneer3.maps import LineMap
 from pioneer3.maps.materials import GLASS, GLASS_ANGLE, PLAIN, Codes, Material, codes_of
@@ -21,9 +21,6 @@ from pioneer3.sim.realism import SonarErrors
 from pioneer3.sim.relief import Relief
 from pioneer3.sim.sensors import SONAR_RANGE
 from pioneer3.sim.worldfile import Box
-
-Float = NDArray[np.float64]
-Int32 = NDArray[np.int32]
 
 SAME = 1e-5
 """A range this close to that of a wall is its range; above the error of the kernels [m]."""
@@ -86,12 +83,12 @@ class Surfaces:
         codes[met] = self.codes[nearest[met]]
         return np.minimum(ranges, first), codes
 
-    def _in_front(self, angles: Float, some: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    def _in_front(self, angles: Float, some: Bool) -> Bool:
         """Return whether each ray looks at `some` of the walls nearly at a right angle."""
         extents = self.walls[some, 2:] - self.walls[some, :2]
         along = np.arctan2(extents[:, 1], extents[:, 0])
         # the sine of the angle between ray and wall is the cosine of that to the normal
-        near: NDArray[np.bool_] = abs(np.sin(angles[:, None] - along)) >= cos(GLASS_ANGLE)
+        near: Bool = abs(np.sin(angles[:, None] - along)) >= cos(GLASS_ANGLE)
         return near
 
 

@@ -15,16 +15,12 @@ from typing import Protocol
 
 import numpy as np
 from numpy.random import Generator
-from numpy.typing import NDArray
 
+from pioneer3.arrays import Float, Int, Int32
 from pioneer3.sim.body import Body
 from pioneer3.sim.kernels import Mounts, sonar_mounts
 from pioneer3.sim.realism import SonarErrors
 from pioneer3.sim.sensors import SONAR_MIN, SONAR_RANGE, Firing, fired
-
-Float = NDArray[np.float64]
-Int = NDArray[np.int64]
-Int32 = NDArray[np.int32]
 
 ALMOST = 1e-9
 """Tolerance of a slot [s]: two steps of 20 ms make one of 40 ms, whatever rounding does."""

@@ -11,8 +11,8 @@ from math import ceil, radians
 
 import numpy as np
 from numpy.random import Generator, SeedSequence, default_rng
-from numpy.typing import NDArray
 
+from pioneer3.arrays import Float, Int, Int32
 from pioneer3.geometry import Pose2
 from pioneer3.maps import LineMap, empty_map
 from pioneer3.maps.materials import Codes
@@ -34,10 +34,6 @@ from pioneer3.sim.relief import FLAT, Relief
 from pioneer3.sim.sensors import LASER_RANGE, Firing, ImuReading
 from pioneer3.sim.sonar import SequentialSonars, SimultaneousSonars, Sonars
 from pioneer3.sim.worldfile import Box, Person
-
-Float = NDArray[np.float64]
-Int = NDArray[np.int64]
-Int32 = NDArray[np.int32]
 
 NOISE_STEPS = 64
 """Random numbers are drawn for so many steps at once."""

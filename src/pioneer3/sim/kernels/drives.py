@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-Float = NDArray[np.float64]
+from pioneer3.arrays import Float, Int
+
 Flags = NDArray[np.uint8]
 
 LONGEST = 0.1
@@ -99,7 +100,7 @@ class DriveArrays:
         pairs: Any = zip(self.arrays, other.arrays, strict=True)
         return DriveArrays(*(np.concatenate(pair, axis=-1) for pair in pairs))
 
-    def only(self, which: slice | NDArray[np.int64]) -> "DriveArrays":
+    def only(self, which: slice | Int) -> "DriveArrays":
         """Return copies of some."""
         parts: Any = self.arrays
         return DriveArrays(*(part[..., which].copy() for part in parts))

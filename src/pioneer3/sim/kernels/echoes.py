@@ -6,11 +6,9 @@ from math import pi, tau
 import numpy as np
 from numpy.typing import NDArray
 
+from pioneer3.arrays import Bool, Float, Int
 from pioneer3.sim.kernels.walls import SLACK, TOGETHER, Grid, build_grid
 
-Float = NDArray[np.float64]
-Bool = NDArray[np.bool_]
-Int = NDArray[np.int64]
 Sectors = NDArray[np.uint64]
 
 SHADE = 0.02

@@ -8,16 +8,12 @@ grid as far as it sees.
 from math import ceil, cos, floor, inf, pi, sin, sqrt, tau
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pioneer3.arrays import Float, Int32
 from pioneer3.jit import inlined, kernel
 from pioneer3.sim.kernels.rays import meeting, walk
 from pioneer3.sim.kernels.robots import Others, Walls, cells, neighbours
 from pioneer3.sim.kernels.walls import SLACK
-
-Float = NDArray[np.float64]
-Int32 = NDArray[np.int32]
-
 
 CLOSE = 1e-3
 """A segment's end or line this close to a laser is measured beam by beam [m]."""

@@ -10,18 +10,14 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pioneer3.arrays import Bool, Float, Int32
 from pioneer3.jit import KernelCache, fast, numba_version, plain
 from pioneer3.sim.kernels import fans, motion, rays
 from pioneer3.sim.kernels.drives import DriveArrays
 from pioneer3.sim.kernels.echoes import ALL, Reflectors
 from pioneer3.sim.kernels.robots import Fan, Mounts, RobotArrays, laser_fan, place, sonar_mounts
 from pioneer3.sim.kernels.walls import Grid, build_grid
-
-Float = NDArray[np.float64]
-Bool = NDArray[np.bool_]
-Int32 = NDArray[np.int32]
 
 _HERE = Path(__file__).parent
 CACHE = KernelCache(_HERE, [_HERE.parent / "collision.py", _HERE.parent / "raycast.py"])

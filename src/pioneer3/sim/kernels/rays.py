@@ -4,16 +4,12 @@
 from math import cos, floor, inf, sin, sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pioneer3.arrays import Float, Int32
 from pioneer3.jit import inlined, kernel
 from pioneer3.sim.kernels.echoes import SHADE
 from pioneer3.sim.kernels.robots import FAR, Others, Walls, cells, neighbours
 from pioneer3.sim.raycast import TOUCH
-
-Float = NDArray[np.float64]
-Int32 = NDArray[np.int32]
-
 
 EMPTY = 0.1
 """Along the edges of a grid at least this much has no walls [cells]."""

@@ -11,15 +11,11 @@ from dataclasses import dataclass, replace
 from math import cos, floor, inf, sin, sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pioneer3.arrays import Bool, Float, Int32
 from pioneer3.errors import ConfigError
 from pioneer3.jit import inlined, kernel
 from pioneer3.sim.kernels.walls import SLACK
-
-Float = NDArray[np.float64]
-Bool = NDArray[np.bool_]
-Int32 = NDArray[np.int32]
 
 Walls = tuple[Float, Int32, Float]
 """Arrays of a grid: frame, cell_start, pieces."""

@@ -4,11 +4,8 @@ from dataclasses import dataclass
 from math import sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 
-Float = NDArray[np.float64]
-Int = NDArray[np.int64]
-Int32 = NDArray[np.int32]
+from pioneer3.arrays import Bool, Float, Int, Int32
 
 LARGEST_CELL = 1.0
 """Largest side of a cell [m]."""
@@ -169,11 +166,11 @@ def rasterise(walls: Float, cell: float) -> tuple[Int, Int]:
     return cells[near], owners[near]
 
 
-def _line_meets(walls: Float, cells: Int, cell: float) -> NDArray[np.bool_]:
+def _line_meets(walls: Float, cells: Int, cell: float) -> Bool:
     """Return whether the line through each wall (I, 4) meets the cell (I, 2) beside it, (I,)."""
     ex, ey = (walls[:, 2:] - walls[:, :2]).T
     x, y = ((cells + 0.5) * cell - walls[:, :2]).T
-    meets: NDArray[np.bool_] = abs(ex * y - ey * x) <= (cell / 2 + SLACK) * (abs(ex) + abs(ey))
+    meets: Bool = abs(ex * y - ey * x) <= (cell / 2 + SLACK) * (abs(ex) + abs(ey))
     return meets
 
 

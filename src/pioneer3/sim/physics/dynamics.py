@@ -11,8 +11,8 @@ from math import ceil
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pioneer3.arrays import Bool, Float
 from pioneer3.errors import ConfigError, how_to_get
 from pioneer3.geometry import Pose2
 from pioneer3.maps import LineMap, empty_map
@@ -37,9 +37,6 @@ from pioneer3.sim.worldfile import Person
 from pioneer3.sim.worldfile.spec import PHYSICS_STEP
 
 log = logging.getLogger(__name__)
-
-Float = NDArray[np.float64]
-Bool = NDArray[np.bool_]
 
 CYCLE = 0.02
 """The wheel-speed loop gets another speed so often [s]; one call of MuJoCo for each."""

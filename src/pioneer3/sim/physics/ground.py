@@ -4,16 +4,14 @@ from math import cos, radians, sin, tan
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pioneer3.arrays import Float
 from pioneer3.geometry import Pose2
 from pioneer3.models import RobotModel, shape_of
 from pioneer3.sim.physics.colors import COUNT, THINGS, TOUCHING
 from pioneer3.sim.physics.elements import FLOOR, turned
 from pioneer3.sim.relief import Relief
 from pioneer3.sim.worldfile import Box
-
-Float = NDArray[np.float64]
 
 ABOVE = 1000.0
 """Rays begin so high [m]; nothing in a world file is as high."""

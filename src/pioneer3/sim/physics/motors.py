@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pioneer3.arrays import Bool, Float
 from pioneer3.models import RobotModel, physics_of, shape_of, total_mass
 from pioneer3.sim.body import Body, Speeds
 from pioneer3.sim.kernels import DriveArrays, Kernels
@@ -18,9 +18,6 @@ from pioneer3.sim.kernels.drives import (
     VELOCITY,
 )
 from pioneer3.sim.physics.scene import Scene
-
-Float = NDArray[np.float64]
-Bool = NDArray[np.bool_]
 
 STALL_TIME = 0.3
 """Time after which a side that pushes with nearly all its torque is stalled [s]."""

@@ -5,15 +5,11 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pioneer3.arrays import Bool, Float, Int
 from pioneer3.maps.materials import GLASS, GLASS_ANGLE
 from pioneer3.sim.physics.colors import COUNT, THINGS
 from pioneer3.sim.physics.scene import Scene
-
-Float = NDArray[np.float64]
-Bool = NDArray[np.bool_]
-Int = NDArray[np.int64]
 
 LEVEL = float(np.cos(np.radians(0.5)))
 """Cosine of the tilt up to which a robot is level: at 8 m its beams are within 7 cm of level."""

@@ -7,8 +7,8 @@ from math import atan2, hypot
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pioneer3.arrays import Bool, Int
 from pioneer3.maps import LineMap
 from pioneer3.maps.materials import GLASS, PLAIN, Codes, codes_of
 from pioneer3.models import RobotModel, shape_of
@@ -20,9 +20,6 @@ from pioneer3.sim.physics.colors import BODIES, LEGS, PARTS, THINGS, WALLS, pain
 from pioneer3.sim.physics.elements import FLOOR, GROUND_FRICTION, SOLID, Elements, tires_of, turned
 from pioneer3.sim.relief import Relief
 from pioneer3.sim.worldfile import Box, Person
-
-Int = NDArray[np.int64]
-Bool = NDArray[np.bool_]
 
 WALL_THICKNESS = 0.01
 """[m]."""

@@ -9,8 +9,8 @@ are not heard for themselves then.
 from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pioneer3.arrays import Float, Int32
 from pioneer3.maps import LineMap
 from pioneer3.maps.materials import PLAIN, Codes
 from pioneer3.models import shape_of
@@ -25,9 +25,6 @@ from pioneer3.sim.relief import Relief
 from pioneer3.sim.sensing import People, SensedWalls, beams_of
 from pioneer3.sim.sensors import SONAR_RANGE
 from pioneer3.sim.worldfile import Person
-
-Float = NDArray[np.float64]
-Int32 = NDArray[np.int32]
 
 MET = {"legs": LEGS, "bodies": BODIES}
 """The group of people's geoms that light meets."""

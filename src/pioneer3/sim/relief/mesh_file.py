@@ -7,12 +7,9 @@ from itertools import islice, pairwise
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pioneer3.arrays import Float, Int
 from pioneer3.text import decoded, numbered, read_bytes, wrong
-
-Float = NDArray[np.float64]
-Int = NDArray[np.int64]
 
 ENDINGS = (".stl", ".obj")
 LARGEST_MESH = 16 << 20

@@ -6,12 +6,10 @@ from types import MappingProxyType
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pioneer3.arrays import Float
 from pioneer3.maps import LineMap
 from pioneer3.sim.relief.solids import Solid
-
-Float = NDArray[np.float64]
 
 Side = tuple[float, float, float, float]
 

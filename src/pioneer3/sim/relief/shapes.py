@@ -13,14 +13,13 @@ from typing import Annotated, Final
 
 import numpy as np
 from msgspec import Meta
-from numpy.typing import NDArray
 
+from pioneer3.arrays import Float
 from pioneer3.geometry import Pose2, wrap
 from pioneer3.sim.relief.mesh_file import Triangles
 from pioneer3.tables import FieldForm, degrees_of
 from pioneer3.units import DEGREE
 
-Float = NDArray[np.float64]
 Size3 = tuple[float, float, float]
 """Length, width and height along the x, y and z axes of a shape [m]."""
 FARTHEST = 1e5

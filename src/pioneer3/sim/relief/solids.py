@@ -13,8 +13,8 @@ from typing import Annotated, ClassVar, Protocol
 
 import numpy as np
 from msgspec import Meta
-from numpy.typing import NDArray
 
+from pioneer3.arrays import Float
 from pioneer3.geometry import Pose2
 from pioneer3.maps.image import read_image
 from pioneer3.sim.relief.mesh_file import read_mesh
@@ -40,8 +40,6 @@ from pioneer3.sim.relief.shapes import (
     ring,
 )
 from pioneer3.text import wrong
-
-Float = NDArray[np.float64]
 
 SENSOR_HEIGHT = 0.2
 """Where the plane cuts solids [m]: between the sonars of a P3-DX and of a P3-AT, below lasers."""
