@@ -48,12 +48,7 @@ class AriaEntry:
 
 @dataclass(frozen=True, slots=True)
 class Section:
-    """The rows [mm] below one LINES or DATA heading; `source` is empty for the default sensor.
-
-    Attributes:
-        source: The sensor.
-        kind: LINES or DATA.
-    """
+    """The rows [mm] below one LINES or DATA heading; `source` is empty for the default sensor."""
 
     source: str
     kind: str
@@ -87,8 +82,7 @@ class Section:
     def add_block(self, text: str, number: int) -> bool:
         """Read the lines of `text`, of which the first is line `number`, all at once.
 
-        Returns:
-            Whether all are rows; else nothing is taken, and they are to be read one by one.
+        Return whether all are rows; else nothing is taken, and they are to be read one by one.
         """
         if len(text) > 2 * BLOCK:  # one endless line
             return False
@@ -110,10 +104,6 @@ class Section:
         self._numbers.frombytes(values.tobytes())
         self._lines.frombytes((np.flatnonzero(counts) + number).astype(np.int64).tobytes())
         return True
-
-    def metres(self) -> Float:
-        """Return the rows [m], shape (N, 4) for LINES and (N, 2) for DATA."""
-        return self.rows * MM
 
 
 class AriaPlace(NamedTuple):
@@ -146,7 +136,7 @@ class AriaFile:
         lines: list[Float] = []
         grids: list[OccupancyGrid] = []
         for section in self.sections:
-            rows, grid = section.metres(), None
+            rows, grid = section.rows * MM, None
             if section.kind == "DATA":
                 side = self._resolution(section.source)
                 grid, rows = grid_of(rows, side), outline(rows, side)
@@ -187,12 +177,9 @@ def _raise(error: ConfigError) -> None:
 
 
 def parse_aria(path: Path, text: str, refuse: Refuse = _raise) -> AriaFile:
-    """Read the text of a map file.
+    """Read the text of the map file at `path`.
 
-    Args:
-        path: The file, for messages and the map's name.
-        text: All of it.
-        refuse: Called with the error of a bad line; if it returns, the line is left out.
+    `refuse` is called with the error of a bad line; if it returns, the line is left out.
 
     Raises:
         ConfigError: It is no such map; one line, `path:line: field: why`.

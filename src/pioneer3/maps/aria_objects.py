@@ -43,8 +43,8 @@ class ObjectTypes:
         turned_to: Types whose MapInfo says `Heading=Required` or `Optional`.
     """
 
-    lines: frozenset[str] = field(default=STANDARD_LINES)
-    solids: frozenset[str] = field(default=STANDARD_SOLIDS)
+    lines: frozenset[str] = STANDARD_LINES
+    solids: frozenset[str] = STANDARD_SOLIDS
     declared: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
     turned_to: frozenset[str] = frozenset()
 
@@ -70,12 +70,13 @@ def object_types(infos: Iterable[str]) -> ObjectTypes:
         if is_line:
             lines.add(name)
         obstacle = given.get("Sim.Obstacle", "").lower()
+        reflects = given.get("Sim.LaserReflect", "")
         if obstacle in _NO:
             solids.discard(name)
         elif (
             (obstacle in _YES and not is_line)
             or name.endswith(".Reflect")
-            or (is_line and _reflects(given.get("Sim.LaserReflect", "")))
+            or (is_line and reflects.isdecimal() and reflects not in {"0", "1"})
         ):
             solids.add(name)
     return ObjectTypes(
@@ -83,17 +84,8 @@ def object_types(infos: Iterable[str]) -> ObjectTypes:
     )
 
 
-def _reflects(value: str) -> bool:
-    return value.isdecimal() and value not in {"0", "1"}
-
-
 def parse_object(line: TextLine, value: str, types: ObjectTypes) -> MapObject:
-    """Return the object that a `Cairn:` line describes.
-
-    Args:
-        line: The line, for errors.
-        value: The text after `Cairn:`.
-        types: The types that the map declares.
+    """Return the object that a `Cairn:` line describes, of which `value` is the rest.
 
     Raises:
         ConfigError: Fields are missing, left over or not numbers.

@@ -47,7 +47,8 @@ def erased(line_map: LineMap, box: Extent) -> LineMap:
     ]
     same = all(a is b for a, b in zip(grids, line_map.grids, strict=True))
     if same and len(lines) == len(line_map.lines):
-        raise ConfigError(f"{line_map.name}: no wall is inside of {_words(box)}")
+        inside = f"x {box.x_min:g} to {box.x_max:g} m, y {box.y_min:g} to {box.y_max:g} m"
+        raise ConfigError(f"{line_map.name}: no wall is inside of {inside}")
     kept = np.array(lines, dtype=np.float64).reshape(-1, 4)
     walls = np.concatenate([kept, *map(_outline, grids)])
     materials = dict(zip(map(tuple, line_map.walls.tolist()), line_map.materials, strict=True))
@@ -100,12 +101,7 @@ def with_forbidden(
 ) -> LineMap:
     """Return a map with a line that robots do not cross, or an area that they do not enter.
 
-    Args:
-        line_map: The map.
-        shape: Which of both.
-        start: An end of the line, or a corner of the area [m].
-        end: The other end, or the opposite corner.
-        name: Of the line or area; may be empty.
+    `start` and `end` are the line's, or opposite corners of the area [m].
 
     Raises:
         ConfigError: It is too small.
@@ -209,7 +205,3 @@ def _outline(grid: OccupancyGrid) -> Float:
 
 def _holds(box: Extent, x: float, y: float) -> bool:
     return box.x_min <= x <= box.x_max and box.y_min <= y <= box.y_max
-
-
-def _words(box: Extent) -> str:
-    return f"x {box.x_min:g} to {box.x_max:g} m, y {box.y_min:g} to {box.y_max:g} m"

@@ -19,12 +19,7 @@ EDGE = 1e-6
 def grid_of(points: Float, resolution: float) -> OccupancyGrid | None:
     """Return the grid whose occupied cells :func:`outline` outlines.
 
-    Args:
-        points: Middles of occupied cells [m], shape (N, 2).
-        resolution: Side of a cell [m].
-
-    Returns:
-        The grid, or `None` where there are no points, or they lie too far apart.
+    Return `None` where there are no `points`, or they lie too far apart.
     """
     if not points.size:
         return None
@@ -43,12 +38,9 @@ def grid_of(points: Float, resolution: float) -> OccupancyGrid | None:
 def outline(points: Float, resolution: float) -> Float:
     """Return the edges between occupied and free cells, neighbours on one line joined.
 
-    Each point occupies the cell it is the centre of. A point off the grid (whose phase is that of
-    the smallest coordinates) moves to the nearest cell, less than one cell away.
-
-    Args:
-        points: Occupied points [m], shape (N, 2); order and repetition don't matter.
-        resolution: Side of a cell [m].
+    Each of `points` (N, 2) [m] occupies the cell it is the centre of, with sides of `resolution`
+    [m]; order and repetition don't matter. A point off the grid (whose phase is that of the
+    smallest coordinates) moves to the nearest cell, less than one cell away.
 
     Returns:
         Segments `x0, y0, x1, y1` [m], shape (W, 4), along the axes. Watertight: every edge of
@@ -70,14 +62,10 @@ def outline(points: Float, resolution: float) -> Float:
 
 
 def _edge_runs(along: Int, across: Int) -> tuple[Int, Int, Int]:
-    """Return the edges that run in one direction, joined.
+    """Return grid line, first and last corner of each run of edges [cells], shape (R,) each.
 
-    Args:
-        along: Cell indices >= 0 in the direction of the edges, shape (N,).
-        across: Cell indices >= 0 at right angles to it, shape (N,).
-
-    Returns:
-        Grid line, first and last corner of each run [cells], three arrays of shape (R,).
+    `along` and `across` are cell indices >= 0 in the direction of the edges and at right angles to
+    it, shape (N,).
     """
     # one spare cell at each side keeps a run from going on in the next line
     stride = int(along.max()) + 2
@@ -99,12 +87,8 @@ def _edge_runs(along: Int, across: Int) -> tuple[Int, Int, Int]:
 def raster_outline(occupied: Bool) -> Float:
     """Return the edges between occupied and free cells, neighbours on one line joined.
 
-    Args:
-        occupied: Shape (H, W); row 0 is the lowest. All around it is free.
-
-    Returns:
-        Segments `x0, y0, x1, y1` [cells] from the lower left corner, shape (W, 4), watertight as
-        those of :func:`outline`.
+    Row 0 of `occupied` (H, W) is the lowest; all around it is free. The segments x0, y0, x1, y1
+    [cells] count from the lower left corner, shape (W, 4), watertight as those of :func:`outline`.
 
     Raises:
         OverflowError: There are more than :data:`MOST_WALLS`.
@@ -127,15 +111,10 @@ def _row_runs(edges: Bool) -> tuple[Int, Int, Int]:
 
 
 def touched(walls: Float, bounds: Extent, cell: float) -> Bool:
-    """Return the cells that walls pass, shape (H, W); row 0 is the lowest.
+    """Return the cells that `walls` (W, 4) [m], all in `bounds`, pass; row 0 is the lowest.
 
     A cell that a wall cuts by less than half a cell's side may be left out; neighbours along a
     wall always touch, at a corner at least.
-
-    Args:
-        walls: Segments [m], shape (W, 4), all within `bounds`.
-        bounds: Of the picture [m].
-        cell: Side of a cell [m].
     """
     height, width = shape_of(bounds, cell)
     cells = np.zeros((height, width), dtype=np.bool_)

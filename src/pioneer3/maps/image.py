@@ -92,11 +92,7 @@ def _without_comments(raw: bytes) -> bytes:
 
 
 def _check_size(path: Path, picture: "ImageFile") -> None:
-    """Refuse a picture that takes too much memory or time, before its pixels are read.
-
-    Raises:
-        ConfigError: It is too large.
-    """
+    """Refuse a picture that takes too much memory or time, before its pixels are read."""
     width, height = picture.size
     pixels = width * height
     if pixels > MOST_CELLS:
@@ -128,10 +124,7 @@ def _gray(picture: "ImageFile") -> ShadeImage:
 
 
 def to_png(pixels: Bytes) -> bytes:
-    """Return 8-bit `pixels`, row 0 the top, as a PNG file.
-
-    Shape (H, W, 3) is red, green, blue; shape (H, W) is grey.
-    """
+    """Return 8-bit `pixels`, row 0 the top, as a PNG file: RGB (H, W, 3), or grey (H, W)."""
     return _written(pixels, "PNG")
 
 

@@ -40,7 +40,7 @@ class MapObject:
 
     Attributes:
         kind: ARIA's type name: `Goal`, `RobotHome`, `ForbiddenLine`, `Sim.BoxObstacle`...
-        name: The label; often empty.
+        name: Often empty.
         pose: Pose in the map frame; meaningless for lines and areas.
         outline: Points `(x, y)` [m] in the map frame: none for a place, the two ends of a line,
             the four corners of an area in order.
@@ -140,7 +140,6 @@ class LineMap:
     """Walls and places; compares by identity.
 
     Attributes:
-        name: On screen.
         walls: Segments `x0, y0, x1, y1` [m], shape (W, 4), float64; a read-only copy is kept. The
             sides of solid objects are among them.
         homes: Poses a robot may start at, in file order.

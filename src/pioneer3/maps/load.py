@@ -31,11 +31,7 @@ def read_map(path: Path) -> LineMap:
 
 
 def read_map_file(path: Path) -> AriaFile | MapServerFile:
-    """Read a map file with its line numbers.
-
-    Raises:
-        ConfigError: The file cannot be read or is not a map.
-    """
+    """Read a map file with its line numbers; errors are those of :func:`read_map`."""
     raw = read_bytes(path)
     ending = path.suffix.lower()
     if ending in PICTURES and raw.startswith(SIGNATURES):

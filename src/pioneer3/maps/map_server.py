@@ -51,11 +51,8 @@ _TRUE, _FALSE = ("1", "true", "yes", "on"), ("0", "false", "no", "off")
 class YamlField:
     """A key of a YAML file, its value as text, and its line.
 
-    Attributes:
-        line: The line of the key.
-        key: The key.
-        text: The scalar as written, without quotes; empty for lists and tables.
-        items: The scalars of a list; empty for everything else.
+    `text` is a scalar as written, without quotes; `items` are the scalars of a list. Where the
+    value is something else, both are empty. What reads them raises a ConfigError.
     """
 
     line: TextLine
@@ -64,41 +61,25 @@ class YamlField:
     items: tuple[str, ...] = ()
 
     def number(self, low: float, high: float) -> float:
-        """Return a number from `low` to `high`.
-
-        Raises:
-            ConfigError: The value is not such a number.
-        """
+        """Return a number from `low` to `high`."""
         return self._number(self.text, low, high)
 
     def numbers(self, count: int, low: float, high: float) -> tuple[float, ...]:
-        """Return a list of `count` numbers.
-
-        Raises:
-            ConfigError: The value is not such a list.
-        """
+        """Return a list of `count` numbers."""
         if len(self.items) != count:
             given = shown(self.text) if self.text else f"a list of {len(self.items)}"
             raise self.wrong(f"expected a list of {count} numbers, not {given}")
         return tuple(self._number(item, low, high) for item in self.items)
 
     def flag(self) -> bool:
-        """Return true or false, also written 1 or 0.
-
-        Raises:
-            ConfigError: The value is neither.
-        """
+        """Return true or false, also written 1 or 0."""
         word = self.text.lower()
         if word not in _TRUE + _FALSE:
             raise self.wrong(f"expected 0 or 1, not {shown(self.text)}")
         return word in _TRUE
 
     def string(self) -> str:
-        """Return the value.
-
-        Raises:
-            ConfigError: It is empty, a list or a table.
-        """
+        """Return the value, which is not empty."""
         if not self.text:
             raise self.wrong("has no value")
         return self.text
@@ -121,15 +102,13 @@ class MapServerFile:
     """The contents of a YAML file.
 
     Attributes:
-        path: The file.
         fields: Every key in it.
-        image: The picture.
         resolution: Side of a pixel [m].
         origin: Lower left corner of the picture, and how it is turned, in the map frame.
         negate: Bright is occupied.
         occupied_thresh: Above it [0 to 1] a pixel is a wall.
         free_thresh: Below it [0 to 1] a pixel is known to be free.
-        mode: `trinary`, `scale` or `raw`.
+        mode: One of :data:`MODES`.
     """
 
     path: Path
@@ -219,13 +198,7 @@ def parse_map_server(path: Path, text: str) -> MapServerFile:
 
 
 def _fields(path: Path, text: str) -> dict[str, YamlField]:
-    """Return the keys of a YAML file.
-
-    The nodes are not turned into objects, so aliases cost nothing.
-
-    Raises:
-        ConfigError: It is not YAML, is not a table, or has a key twice.
-    """
+    """Return the keys of a YAML file; its nodes do not become objects, so aliases cost nothing."""
     import yaml
 
     try:

@@ -19,12 +19,8 @@ def occupancy_of(
 
     A map that is one grid, of which it knows the free cells, stays as it is. Else the cells that
     walls pass are occupied. The others are free, except where the map's grids know nothing: walls
-    alone don't say on which side of them anything is known.
-
-    Args:
-        line_map: The map.
-        resolution: Side of a cell [m].
-        most: Cells of the result at most.
+    alone don't say on which side of them anything is known. The result has at most `most` cells,
+    with sides of `resolution` [m] or more.
     """
     known = [grid for grid in line_map.grids if (grid.states == FREE).any()]
     if len(known) == len(line_map.grids) == 1 and not len(line_map.lines):

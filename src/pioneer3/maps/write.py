@@ -6,8 +6,8 @@ from math import cos, degrees, sin
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pioneer3.arrays import Float, Int
 from pioneer3.errors import ConfigError
 from pioneer3.maps.aria_objects import STANDARD_LINES, STANDARD_SOLIDS
 from pioneer3.maps.grid import EDGE, MOST_CELLS, shape_of, touched
@@ -50,7 +50,9 @@ def write_aria_map(line_map: LineMap, path: Path) -> None:
 def _aria_lines(line_map: LineMap) -> Iterator[str]:
     resolution = _resolution_mm(line_map)
     walls = line_map.walls if resolution is None else line_map.lines
-    walls_mm = np.rint(_drawn(walls, line_map.objects) / MM).astype(np.int64)
+    solid = {tuple(side) for side in solid_walls(line_map.objects).tolist()}
+    drawn = np.array([tuple(wall) not in solid for wall in walls.tolist()], dtype=np.bool_)
+    walls_mm = np.rint(walls[drawn] / MM).astype(np.int64)
     points_mm = np.empty((0, 2), dtype=np.int64) if resolution is None else _points_mm(line_map)
     yield "2D-Map"
     if len(points_mm):
@@ -83,23 +85,14 @@ def _resolution_mm(line_map: LineMap) -> int | None:
     return round(side) if side >= 1 and abs(side - round(side)) < EDGE else None
 
 
-def _points_mm(line_map: LineMap) -> NDArray[np.int64]:
+def _points_mm(line_map: LineMap) -> Int:
     """Return the middles of the occupied cells [mm], shape (N, 2)."""
-    corners = [(grid.origin.x, grid.origin.y) for grid in line_map.grids]
-    parts: list[NDArray[np.float64]] = [np.empty((0, 2))]
-    for grid, corner in zip(line_map.grids, corners, strict=True):
+    parts: list[Float] = [np.empty((0, 2))]
+    for grid in line_map.grids:
         rows, columns = np.nonzero(grid.states == OCCUPIED_CELL)
         middles = (np.stack([columns, rows], axis=1) + 0.5) * grid.resolution
-        parts.append(middles + np.array(corner))
+        parts.append(middles + np.array([grid.origin.x, grid.origin.y]))
     return np.rint(np.concatenate(parts) / MM).astype(np.int64)
-
-
-def _drawn(walls: NDArray[np.float64], objects: tuple[MapObject, ...]) -> NDArray[np.float64]:
-    """Return the walls that are not sides of a solid object."""
-    solid = {tuple(side) for side in solid_walls(objects).tolist()}
-    kept = [tuple(wall) not in solid for wall in walls.tolist()]
-    drawn: NDArray[np.float64] = walls[np.array(kept, dtype=np.bool_)]
-    return drawn
 
 
 def _info(item: MapObject) -> str:
@@ -151,13 +144,8 @@ def write_map_server(line_map: LineMap, path: Path, resolution: float = RESOLUTI
 
     Walls become black pixels, all else is free: which side of a wall is unknown, lines don't
     say. Objects are lost, map_server has none. Reading it back gives outlines that lie within
-    a pixel's diagonal of the walls. A map that is one grid of this resolution, with free cells, is
-    written as it is, with its lines on it.
-
-    Args:
-        line_map: The map.
-        path: The YAML file.
-        resolution: Side of a pixel [m].
+    a pixel's diagonal of the walls. A map that is one grid of this `resolution`, the side of a
+    pixel [m], with free cells, is written as it is, with its lines on it.
 
     Raises:
         ConfigError: The picture would be too large, or a file cannot be written.
