@@ -60,12 +60,9 @@ class GoalEnv(gymnasium.Env[Float32, Float32]):
     def step(self, action: Float32) -> tuple[Float32, float, bool, bool, Info]:
         """Let the robot act for one step."""
         result = self._simulation.step(np.asarray(action)[None], np.ones(1, dtype=np.bool_))
-        observation, info = (
-            self._simulation.observe()[0],
-            info_of(self._simulation.infos(result), 0),
-        )
+        info = info_of(self._simulation.infos(result), 0)
         terminated = info["is_success"] or info["collision"]
-        return observation, float(result.reward[0]), terminated, False, info
+        return self._simulation.observe()[0], float(result.reward[0]), terminated, False, info
 
     def render(self) -> Image | None:
         """Return a picture, shape (H, W, 3), or `None` without a render mode."""
@@ -116,11 +113,9 @@ class GoalVectorEnv(VectorEnv[Float32, Float32, Any]):
         self._done = np.ones(num_envs, dtype=np.bool_)
 
     def reset(self, *, seed: Seeds = None, options: Info | None = None) -> tuple[Float32, Info]:
-        """Begin an episode with every robot, or with those of a mask.
+        """Begin an episode with every robot, or with those of `options["reset_mask"]` (num_envs,).
 
-        Args:
-            seed: n seeds robot 0 with n, robot 1 with n + 1 and so on; a list has one for each.
-            options: `reset_mask`, shape (num_envs,): the robots that begin; without it all do.
+        Seed n seeds robot 0 with n, robot 1 with n + 1 and so on; a list has one for each.
         """
         mask = (options or {}).get("reset_mask", np.ones(self.num_envs, dtype=np.bool_))
         seeds = _seeds(seed, self.num_envs)

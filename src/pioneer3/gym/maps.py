@@ -34,14 +34,10 @@ TRIES = 10_000
 class TiledMap:
     """Copies of a map with a fence around each, side by side, in which all numbers round alike.
 
-    Args:
-        line_map: What to copy.
-        count: Number of copies.
-
     Attributes:
-        bounds: Of the fence, in the frame of `line_map` [m].
-        walls: Of one copy, fence included, in the frame of `line_map` [m], shape (W, 4).
-        offsets: From the frame of `line_map` to each copy [m], whole numbers, shape (count, 2).
+        bounds: Of the fence, in the frame of the map [m].
+        walls: Of one copy, fence included, in the frame of the map [m], shape (W, 4).
+        offsets: From the frame of the map to each copy [m], whole numbers, shape (count, 2).
         line_map: All copies as one map.
 
     Raises:
@@ -80,10 +76,8 @@ class Distance(NamedTuple):
 class FreeSpace:
     """Positions in a map where a robot can turn, and each of which can be reached from each other.
 
-    Args:
-        line_map: Walls, and homes that say which side of them is inside.
-        walls: Of the map and the fence: segments [m], shape (W, 4).
-        radius: Of the circle that the robot needs to turn in [m].
+    The homes of `line_map` say which side of its walls is inside; `walls` are those of the map and
+    the fence [m], shape (W, 4). The robot needs a circle of this `radius` to turn in [m].
 
     Attributes:
         points: [m], shape (K, 2).

@@ -45,11 +45,7 @@ def metadata_of(simulation: GoalSimulation, render_mode: str | None) -> dict[str
 
 
 class EnvironmentRenderer:
-    """Draws one copy of the map of a simulation, with its robots and goals.
-
-    Args:
-        simulation: The robots, goals and maps.
-    """
+    """Draws one copy of the map of a simulation, with its robots and goals."""
 
     def __init__(self, simulation: GoalSimulation) -> None:
         self._simulation = simulation
@@ -67,17 +63,16 @@ class EnvironmentRenderer:
         Robots that were removed are not drawn.
         """
         simulation, image = self._simulation, self._empty.copy()
+        outlines, away = simulation.world.outlines, np.tile(simulation.maps.offsets[copy], 2)
         first = copy * simulation.robots
         who = range(first, first + simulation.robots)
         for n, colour in zip(who, cycle(COLOURS), strict=False):
             if simulation.active[n]:
                 x, y, theta = simulation.poses[n]
-                nose = simulation.world.outlines.front[n] * np.array([np.cos(theta), np.sin(theta)])
-                sides = simulation.world.outlines.outlines[n] - np.tile(
-                    simulation.maps.offsets[copy], 2
-                )
+                nose = outlines.front[n] * np.array([np.cos(theta), np.sin(theta)])
+                heading = [[x, y, x + nose[0], y + nose[1]]]
                 circle = _circle(simulation.goals[n], simulation.task.goal_radius)
-                strokes = [sides, [[x, y, x + nose[0], y + nose[1]]], circle]
+                strokes = [outlines.outlines[n] - away, heading, circle]
                 self._paint(image, np.concatenate(strokes), colour)
         return np.ascontiguousarray(image[::-1])
 

@@ -3,7 +3,6 @@
 import logging
 from copy import deepcopy
 from math import ceil, pi
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -82,11 +81,9 @@ class Observations:
         return Box(-1.0, 1.0, (2,), dtype=np.float32)
 
     def observe(self, world: World, ahead: Float) -> Float32:
-        """Return the observations of all robots, shape (N, D).
+        """Return the observations of all robots of `world`, shape (N, D).
 
-        Args:
-            world: Where they are.
-            ahead: The vector from each to its goal, in the frame of the world [m], shape (N, 2).
+        `ahead` is the vector from each to its goal, in the frame of the world [m], shape (N, 2).
         """
         ranges = []
         if self.sonars:
@@ -107,16 +104,10 @@ class GoalSimulation:
 
     Robots are numbered copy by copy: those of copy c are c * robots and the following ones.
 
-    Args:
-        task: The task of every robot.
-        copies: Number of copies of the map.
-        robots: Robots in each copy; these see each other, and are in each other's way.
-
     Attributes:
         task: The task of every robot.
-        robots: Robots in each copy.
+        robots: Robots in each copy; these see each other, and are in each other's way.
         count: Robots in all.
-        maps: The copies of the map.
         world: The robots among walls. Its frame is not that of the map, see :class:`TiledMap`.
         observations: Computes observations, and has the spaces.
         goals: In the frame of the map [m], shape (N, 2).
@@ -129,7 +120,7 @@ class GoalSimulation:
         if min(copies, robots) < 1:
             raise ConfigError(f"{copies} copies with {robots} robots each: both must be positive")
         self.task, self.robots, self.count = task, robots, copies * robots
-        self._model = _model(task.model)
+        self._model = task.model if isinstance(task.model, RobotModel) else load_model(task.model)
         line_map = task.map if isinstance(task.map, LineMap) else load_map(task.map)
         self.observations = Observations(task, self._model)
         self.maps = TiledMap(line_map, copies)
@@ -191,8 +182,7 @@ class GoalSimulation:
             starts.append(start)
             goals.append(goal)
         who = slice(copy * self.robots, (copy + 1) * self.robots)
-        drives, outlines = self.world.drives, self.world.outlines
-        rest = self._at_rest
+        drives, outlines, rest = self.world.drives, self.world.outlines, self._at_rest
         drives.axes[..., who], drives.flags[:, who] = rest.axes[..., who], rest.flags[:, who]
         drives.wheels[:, who] = rest.wheels[:, who]
         outlines.poses[:2, who] = (np.array(starts) + self._offsets[who]).T
@@ -211,9 +201,8 @@ class GoalSimulation:
     def step(self, actions: Float | Float32, active: Bool) -> StepResult:
         """Let one step pass.
 
-        Args:
-            actions: Speed and turn rate, as shares of the highest, shape (N, 2); clipped to -1..1.
-            active: Which robots act, shape (N,); the others stand still and have no reward.
+        `actions` are speed and turn rate, as shares of the highest, shape (N, 2), clipped to -1..1.
+        Robots that are not `active` (N,) stand still and have no reward.
 
         Raises:
             CommandError: An action is not finite or of the wrong shape.
@@ -265,7 +254,3 @@ class GoalSimulation:
 def info_of(infos: Infos, n: int) -> dict[str, Any]:
     """Return the information of one robot."""
     return {key: some[n] if some.ndim > 1 else some[n].item() for key, some in infos.items()}
-
-
-def _model(model: str | Path | RobotModel) -> RobotModel:
-    return model if isinstance(model, RobotModel) else load_model(model)

@@ -59,7 +59,6 @@ class Task:
         dt: Of a step [s].
         goal_distance: Least and greatest distance of a goal from the start, as the crow flies [m].
         goal_radius: Nearer than this the goal is reached [m].
-        reward: The parts of the reward.
         threads: Number of threads for 50 robots and more; they pay only with numba.
 
     Raises:
@@ -81,14 +80,10 @@ class Task:
 
     def __post_init__(self) -> None:
         """Refuse an impossible task, naming the field."""
-        if self.sensors not in get_args(Sensors):
-            raise ConfigError(
-                f"sensors: {self.sensors!r} is not one of {', '.join(get_args(Sensors))}"
-            )
-        if self.physics not in get_args(Physics):
-            raise ConfigError(
-                f"physics: {self.physics!r} is not one of {', '.join(get_args(Physics))}"
-            )
+        for name, choices in (("sensors", get_args(Sensors)), ("physics", get_args(Physics))):
+            given = getattr(self, name)
+            if given not in choices:
+                raise ConfigError(f"{name}: {given!r} is not one of {', '.join(choices)}")
         if not 0 < self.dt <= LONGEST_STEP:
             raise ConfigError(f"dt: {self.dt} s is not between 0 and {LONGEST_STEP:g} s")
         if self.beams < 2 or self.threads < 1:

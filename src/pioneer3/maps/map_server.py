@@ -15,8 +15,8 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pioneer3.arrays import Float
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2, wrap
 from pioneer3.maps.grid import MOST_WALLS, raster_outline
@@ -161,7 +161,7 @@ class MapServerFile:
         shades = np.arange(white + 1)
         return self._compared((shades if self.negate else white - shades) / white)
 
-    def _compared(self, occupancy: NDArray[np.float64]) -> States:
+    def _compared(self, occupancy: Float) -> States:
         states = np.full(occupancy.shape, UNKNOWN, dtype=np.uint8)
         states[occupancy < self.free_thresh] = FREE
         states[occupancy > self.occupied_thresh] = OCCUPIED
@@ -234,7 +234,7 @@ def _field(path: Path, key: "Node", value: "Node") -> YamlField:
     return YamlField(line, name, items=tuple(i if isinstance(i, str) else "" for i in items))
 
 
-def placed(walls: NDArray[np.float64], origin: Pose2) -> NDArray[np.float64]:
+def placed(walls: Float, origin: Pose2) -> Float:
     """Return `walls` (W, 4) of a frame that lies at `origin`."""
     c, s = cos(origin.theta), sin(origin.theta)
     x, y = walls[:, ::2], walls[:, 1::2]
