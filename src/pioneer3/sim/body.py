@@ -12,6 +12,7 @@ from pioneer3.models import RobotModel
 from pioneer3.sim.kernels import DriveArrays, RobotArrays
 from pioneer3.sim.kernels.drives import (
     ACCELERATION,
+    ANGULAR,
     BASE,
     CAPACITY,
     DECELERATION,
@@ -19,6 +20,7 @@ from pioneer3.sim.kernels.drives import (
     ENERGY,
     HEAT,
     LEFT,
+    LINEAR,
     ODOM_THETA,
     ODOM_X,
     ODOM_Y,
@@ -55,8 +57,7 @@ Speeds = tuple[float, float]
 class SimulatedBattery:
     """Energy left, and the voltage that goes with it: a straight line from full to empty.
 
-    Attributes:
-        fixed: Voltage set by a test, or `None` [V].
+    A test may have set another, which is `fixed` [V].
     """
 
     def __init__(self, body: "Body") -> None:
@@ -248,10 +249,8 @@ class Body:
         model, axes, n = self.model, self.drives.axes, self.number
         axes[ACCELERATION, :, n] = model.acceleration, model.turn_acceleration
         axes[DECELERATION, :, n] = model.deceleration, model.turn_deceleration
-        axes[TOP, :, n] = (
-            min(model.max_speed, USUAL_SPEED),
-            min(model.max_turn_rate, USUAL_TURN_RATE),
-        )
+        axes[TOP, LINEAR, n] = min(model.max_speed, USUAL_SPEED)
+        axes[TOP, ANGULAR, n] = min(model.max_turn_rate, USUAL_TURN_RATE)
         self.drive.power(on=False)
         self.drive.held = False
 

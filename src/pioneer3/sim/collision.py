@@ -103,8 +103,7 @@ def _bits(middles: Float, halves: Float, segments: int) -> int:
 
 def turning_circle(model: RobotModel) -> float:
     """Return the radius of the circle that `model` sweeps when it turns on the spot [m]."""
-    longest = max(model.length_front, model.length_rear)
-    return max(model.radius, hypot(longest, model.width / 2))
+    return max(model.radius, model.corner)
 
 
 def outline(model: RobotModel, pose: Pose2) -> Float:

@@ -36,13 +36,9 @@ SLACK = 0.1
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Eye:
-    """The camera.
+    """The camera, so many metres above ground; its view is from the left edge to the right [rad].
 
-    Attributes:
-        width: Of the picture [pixels]; ACTS takes pictures of 160 by 120 unless told otherwise.
-        height: [pixels].
-        view: Angle from the left edge to the right [rad].
-        above_ground: [m].
+    ACTS takes pictures of 160 by 120 pixels unless told otherwise.
     """
 
     width: int = 160
@@ -97,10 +93,8 @@ def look(world: World, body: Body, eye: Eye, pan: float = 0.0, tilt: float = 0.0
 def _things(world: World, body: Body) -> Iterator[tuple[Kind, Float]]:
     """Yield the kind and the sides of everything but `body` and the walls."""
     for obstacle in world.obstacles:
-        yield (
-            ("box" if isinstance(obstacle.kind, Box) else "person"),
-            obstacle.outline_at(obstacle.pose),
-        )
+        kind: Kind = "box" if isinstance(obstacle.kind, Box) else "person"
+        yield kind, obstacle.outline_at(obstacle.pose)
     for other in world.robots:
         if other is not body:
             yield "robot", outline(other.model, other.robot_in_world)

@@ -36,10 +36,7 @@ class SerialDevice(Protocol):
 class SimulatedAuxPort(Accessory):
     """One port: TTY sends out of it, GETAUX n waits until n bytes came in, GETAUX 0 forgets them.
 
-    A request takes the place of one that still waits.
-
-    Attributes:
-        device: The connected device, or `None`: bytes to it are then lost.
+    A request takes the place of one that still waits. Bytes for a `device` that is `None` are lost.
     """
 
     def __init__(self, port: int, device: SerialDevice | None = None) -> None:

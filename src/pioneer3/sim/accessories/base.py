@@ -105,5 +105,4 @@ class ReportingAccessory(Accessory):
         return (self.read(now),) if self._request.due(cycle=cycle) else ()
 
     def hang_up(self) -> None:
-        """Send no more reports; other states stay."""
         self._request = HostRequest()

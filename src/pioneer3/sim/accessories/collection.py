@@ -1,7 +1,8 @@
 """All accessories of one robot."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from math import inf
+from types import MappingProxyType
 from typing import Final
 
 from numpy.random import Generator, default_rng
@@ -12,7 +13,7 @@ from pioneer3.arcos.reports import Report
 from pioneer3.sim.accessories.aux_port import SimulatedAuxPort
 from pioneer3.sim.accessories.base import NOTHING, Accessory, CarryingRobot, SipFields
 from pioneer3.sim.accessories.canon import SimulatedCanonVcc4
-from pioneer3.sim.accessories.digital_io import DigitalIo, TableIr, nothing_low
+from pioneer3.sim.accessories.digital_io import DigitalIo, TableIr
 from pioneer3.sim.accessories.gauges import BatteryGauge, SimulatedEncoders, SimulatedJoystick
 from pioneer3.sim.accessories.gripper import NoGripper, SimulatedGripper
 from pioneer3.sim.accessories.heading import SimulatedCompass, SimulatedGyro
@@ -42,6 +43,9 @@ IGNORED: Final = frozenset(
         "SOUNDTOG",
     )
 ) | {commands.Say.ID}
+CAMERAS: Final[Mapping[Camera, type[SimulatedCanonVcc4 | SimulatedSonyEvi]]] = MappingProxyType(
+    {"vcc4": SimulatedCanonVcc4, "sony": SimulatedSonyEvi}
+)
 
 
 class IgnoredCommands(Accessory):
@@ -66,7 +70,7 @@ class Accessories:
         self.equipment = fitted = equipment or Equipment.of(body.model)
         noise = rng or default_rng(0)
         self.table_ir = TableIr(body, fitted.table_ir) if fitted.table_ir else None
-        self.digital = DigitalIo(self.table_ir.held_low if self.table_ir else nothing_low)
+        self.digital = DigitalIo(self.table_ir.held_low) if self.table_ir else DigitalIo()
         self.encoders = SimulatedEncoders(body)
         self.battery = BatteryGauge(body)
         self.gripper = SimulatedGripper() if fitted.gripper else None
@@ -74,7 +78,7 @@ class Accessories:
         self.gyro = self._gyro(body, noise) if fitted.gyro_type else None
         self.joystick = SimulatedJoystick() if fitted.joystick else None
         self.aux = tuple(SimulatedAuxPort(port) for port in PORTS)
-        self.camera = _camera(fitted.camera)
+        self.camera = CAMERAS[fitted.camera]() if fitted.camera else None
         self.aux[fitted.camera_port - 1].device = self.camera
         fixed: tuple[Accessory, ...] = (self.digital, self.encoders, self.battery, *self.aux)
         chosen = (
@@ -139,12 +143,3 @@ class Accessories:
             bias=fitted.gyro_bias,
             noise=fitted.gyro_noise,
         )
-
-
-def _camera(kind: Camera | None) -> SimulatedCanonVcc4 | SimulatedSonyEvi | None:
-    match kind:
-        case "vcc4":
-            return SimulatedCanonVcc4()
-        case "sony":
-            return SimulatedSonyEvi()
-    return None

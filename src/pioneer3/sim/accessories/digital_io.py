@@ -25,11 +25,6 @@ SIP_STEPS = 255
 ALL_HIGH = (1 << LINES) - 1
 
 
-def nothing_low() -> int:
-    """Return the input lines that are held low without sensors: none."""
-    return 0
-
-
 class DigitalIo(ReportingAccessory):
     """32 inputs and 8 outputs, all high at first, and 8 analog ports of 0 to 5 V.
 
@@ -39,7 +34,7 @@ class DigitalIo(ReportingAccessory):
         selected: The analog port that the standard report shows.
     """
 
-    def __init__(self, held_low: Callable[[], int] = nothing_low) -> None:
+    def __init__(self, held_low: Callable[[], int] = lambda: 0) -> None:
         """`held_low` returns the input lines that sensors pull down now, as bits."""
         super().__init__()
         self.outputs = 0xFF
@@ -79,7 +74,6 @@ class DigitalIo(ReportingAccessory):
         return True
 
     def read(self, now: float) -> Report:
-        """Return the levels of all lines and ports."""
         return Io(
             digital_in=tuple(self._levels().to_bytes(BYTES_IN, "little")),
             digital_out=(self.outputs,),
@@ -123,24 +117,16 @@ OLD_LINES = {
     TableSensor.LEFT_BEAM: 3,
 }
 """Digital inputs of the old wiring."""
-NEW_LINES = {
-    TableSensor.RIGHT: 24,
-    TableSensor.LEFT: 25,
-    TableSensor.LEFT_BEAM: 26,
-    TableSensor.RIGHT_BEAM: 27,
-}
+NEW_LINES = {sensor: 24 + bit for bit, sensor in enumerate(TableSensor)}
 """The fourth byte of the inputs."""
 NONE = TableSensor(0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TableTop:
-    """A rectangular table top, or another surface above the robot.
+    """A rectangular table top, or another surface above the robot, around `center` [m, rad].
 
-    Attributes:
-        center: In the world [m, rad].
-        length: Along its x axis [m].
-        width: Along its y axis [m].
+    It has its length along the x axis of this pose in the world, and its width along the y axis.
     """
 
     center: Pose2

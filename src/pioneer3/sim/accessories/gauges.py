@@ -33,7 +33,6 @@ class SimulatedGauge(ReportingAccessory):
     request: ClassVar[type[Request]]
 
     def obey(self, command: Command, now: float) -> bool:
-        """Take requests for reports."""
         if not isinstance(command, self.request):
             return False
         self._request.set(command.how)
@@ -50,7 +49,6 @@ class BatteryGauge(SimulatedGauge):
         self._body = body
 
     def read(self, now: float) -> Report:
-        """Return the charge."""
         percent = charge_percent(self._body.battery)
         battery = SmartBattery(
             flags1=0,
@@ -77,7 +75,6 @@ class SimulatedEncoders(SimulatedGauge):
         self._ticks = TICKS_PER_METRE[body.model.drive]
 
     def read(self, now: float) -> Report:
-        """Return the counts."""
         left, right = (_s32(way * self._ticks) for way in self._body.wheel_travel)
         return EncoderReport(left_counts=left, right_counts=right)
 
@@ -126,7 +123,6 @@ class SimulatedJoystick(SimulatedGauge):
         self.stick = StickPosition()
 
     def read(self, now: float) -> Report:
-        """Return the stick's position."""
         stick = self.stick
         return JoystickReport(
             button1=int(stick.button1),

@@ -4,8 +4,11 @@ Paddles and lift move at constant speed until something stops them. The bits are
 reads; Player reads the same byte in another way (facts.md 13, row 20).
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from math import copysign, inf
+from types import MappingProxyType
+from typing import Final
 
 from pioneer3.arcos import commands
 from pioneer3.arcos.commands import Command, GripperAction
@@ -86,11 +89,7 @@ class Paddles:
 
 
 class Lift:
-    """The lift that carries the gripper.
-
-    Attributes:
-        height: 0 at the lower end to 1 at the upper.
-    """
+    """The lift that carries the gripper; its height is 0 at the lower end to 1 at the upper."""
 
     def __init__(self) -> None:
         self.height = 0.0
@@ -137,6 +136,20 @@ GRASP_TIME = 0.2
 """Time for which the paddles press after they have met resistance, until PRESSURE sets it [s]."""
 TWENTY_MS = 0.02
 VALUED = (GripperAction.PRESSURE, GripperAction.LIFT_CARRY)
+DIRECTIONS: Final[Mapping[GripperAction, tuple[int | None, int | None]]] = MappingProxyType(
+    {
+        GripperAction.OPEN: (1, None),
+        GripperAction.CLOSE: (-1, None),
+        GripperAction.STOP: (0, None),
+        GripperAction.LIFT_UP: (None, 1),
+        GripperAction.LIFT_DOWN: (None, -1),
+        GripperAction.LIFT_STOP: (None, 0),
+        GripperAction.STORE: (-1, 1),
+        GripperAction.DEPLOY: (1, -1),
+        GripperAction.HALT: (0, 0),
+    }
+)
+"""Of the paddles and of the lift, `None` for one that goes on as it does."""
 
 
 class SimulatedGripper(ReportingAccessory):
@@ -223,29 +236,11 @@ class SimulatedGripper(ReportingAccessory):
 
     def _act(self, action: GripperAction) -> None:
         self._valued = action if action in VALUED else None
-        paddles, lift = self._paddles, self._lift
-        match action:
-            case GripperAction.OPEN:
-                paddles.drive(1)
-            case GripperAction.CLOSE:
-                paddles.drive(-1)
-            case GripperAction.STOP:
-                paddles.drive(0)
-            case GripperAction.LIFT_UP:
-                lift.drive(1)
-            case GripperAction.LIFT_DOWN:
-                lift.drive(-1)
-            case GripperAction.LIFT_STOP:
-                lift.drive(0)
-            case GripperAction.STORE:
-                paddles.drive(-1)
-                lift.drive(1)
-            case GripperAction.DEPLOY:
-                paddles.drive(1)
-                lift.drive(-1)
-            case GripperAction.HALT:
-                paddles.drive(0)
-                lift.drive(0)
+        paddles, lift = DIRECTIONS.get(action, (None, None))
+        if paddles is not None:
+            self._paddles.drive(paddles)
+        if lift is not None:
+            self._lift.drive(lift)
 
     def _value(self, duration: float) -> None:
         if self._valued is GripperAction.PRESSURE:
@@ -255,7 +250,6 @@ class SimulatedGripper(ReportingAccessory):
         self._valued = None
 
     def read(self, now: float) -> Report:
-        """Return the gripper's state."""
         grasp_time = min(0xFF, round(self._paddles.squeeze / TWENTY_MS))
         return GripperState(GENERAL_IO, self.switches(now), grasp_time)
 
@@ -293,5 +287,4 @@ class NoGripper(ReportingAccessory):
         return True
 
     def read(self, now: float) -> Report:
-        """Return the report "none"."""
         return GripperState(NO_GRIPPER, IDLE, 0)

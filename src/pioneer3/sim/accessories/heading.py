@@ -53,15 +53,9 @@ class SimulatedCompass(ReportingAccessory):
         self._calibrating = self._calibrated = False
 
     def obey(self, command: Command, now: float) -> bool:
-        """Obey TCM2."""
-        match command:
-            case commands.Tcm2(mode):
-                self._set(mode)
-                return True
-        return False
-
-    def _set(self, mode: Tcm2Mode) -> None:
-        match mode:
+        if not isinstance(command, commands.Tcm2):
+            return False
+        match mode := command.mode:
             case Tcm2Mode.USER_CALIBRATION | Tcm2Mode.AUTO_CALIBRATION:
                 self._calibrating = True
             case Tcm2Mode.STOP_CALIBRATION:
@@ -72,6 +66,7 @@ class SimulatedCompass(ReportingAccessory):
                 self._request = HostRequest(mode is Tcm2Mode.ONCE, mode is Tcm2Mode.STREAM)
                 if mode is Tcm2Mode.SOFT_RESET:
                     self._calibrating = self._calibrated = False
+        return True
 
     def read(self, now: float) -> Report:
         """Return the heading, and the level field at it."""
@@ -200,5 +195,4 @@ class SimulatedGyro(Accessory):
         return (GyroRates(samples),) if samples else ()
 
     def hang_up(self) -> None:
-        """Send no more samples."""
         self._on = False

@@ -13,33 +13,23 @@ class PtzPosition:
 
 
 class PtzAxis:
-    """One axis between two ends.
-
-    Attributes:
-        rate: Speed [1/s], positive.
-    """
+    """One axis between two ends, which moves to its target at a positive rate [1/s]."""
 
     def __init__(self, low: float, high: float, rate: float) -> None:
         self.low, self.high, self.rate = low, high, rate
-        self._from = self._to = 0.0
-        self._since = 0.0
+        self._from = self.target = self._since = 0.0
 
     def at(self, now: float) -> float:
         """Return the position at `now` [s]."""
         way = self.rate * max(0.0, now - self._since)
-        if abs(self._to - self._from) <= way:
-            return self._to
-        return self._from + (way if self._to > self._from else -way)
-
-    @property
-    def target(self) -> float:
-        """The position it moves to."""
-        return self._to
+        if abs(self.target - self._from) <= way:
+            return self.target
+        return self._from + (way if self.target > self._from else -way)
 
     def go(self, target: float, now: float) -> None:
         """Move to `target`, or to the end that lies in between."""
         self._from, self._since = self.at(now), now
-        self._to = max(self.low, min(self.high, target))
+        self.target = max(self.low, min(self.high, target))
 
     def stop(self, now: float) -> None:
         """Stop."""
@@ -47,7 +37,7 @@ class PtzAxis:
 
     def arrival(self, now: float) -> float:
         """Return when the target is reached [s], not before `now`."""
-        return now + abs(self._to - self.at(now)) / self.rate
+        return now + abs(self.target - self.at(now)) / self.rate
 
 
 class PtzAxes:

@@ -74,7 +74,9 @@ class Console:
             case commands.SimMessage(text):
                 self._show(text)
             case commands.Unknown(number, _) if number == commands.OldMessage.ID:
-                self._show_old(command)
+                meaning = commands.from_payload(commands.to_payload(command), simulator=True)
+                if isinstance(meaning, commands.OldMessage):
+                    self._show(meaning.data[CODE_BYTES:].decode("latin-1"))
             case commands.SimExit():
                 log.info("%s: asks the simulator to end; refused", self.body.model.name)
             case commands.SimModelConfig():
@@ -130,11 +132,6 @@ class Console:
         log.info("%s says %r", self.body.model.name, text)
         self.messages.append(text)
 
-    def _show_old(self, command: Command) -> None:
-        meaning = commands.from_payload(commands.to_payload(command), simulator=True)
-        if isinstance(meaning, commands.OldMessage):
-            self._show(meaning.data[CODE_BYTES:].decode("latin-1"))
-
     def _state(self) -> str:
         body = self.body
         world, odom = body.robot_in_world, body.robot_in_odom
@@ -148,7 +145,9 @@ class Console:
 
     def _stat(self) -> SimStat:
         pose, times = self.body.robot_in_world, self.step_times
-        way_error, turn_error = self._odometry_errors()
+        # by how much more the wheels see than is true, per way and per turn
+        errors = self.body.drives.errors[:, self.body.number]
+        way_error, turn_error = 1 / errors.item(V_OF_V) - 1, 1 / errors.item(W_OF_W) - 1
         flags = SimFlag.HAS_MAP if self.world.map.walls.size else SimFlag(0)
         if way_error or turn_error:
             flags |= SimFlag.HAS_ODOMETRY_ERROR
@@ -169,11 +168,6 @@ class Console:
             odometry_error_y_e7=0,
             odometry_error_heading_e7=round(turn_error * E7),
         )
-
-    def _odometry_errors(self) -> tuple[float, float]:
-        """Return by how much more the wheels see than is true, per way and per turn."""
-        errors = self.body.drives.errors[:, self.body.number]
-        return 1 / errors.item(V_OF_V) - 1, 1 / errors.item(W_OF_W) - 1
 
     def _info(self) -> SimInfo:
         fitted, model = self.equipment, self.body.model

@@ -51,6 +51,15 @@ NAME = "MobileSim"
 """By this name real ARIA programs know a simulator, and take its laser (protocol.md 2.6)."""
 LONGEST_NAME = 40
 """Longest name of a robot that tells its own [letters]."""
+SERIAL_NUMBER = "SIM"
+"""By this AriaCoda knows a simulator (facts.md 13, row 12)."""
+OWN_SERIAL_NUMBER = "SIMULATED"
+"""Serial number of a robot with its own name; AriaCoda takes it for a real one."""
+LARGEST_WORD = 9999
+TOP_ACCELERATION_MM = 2000
+"""Highest acceleration of one real P3-AT (protocol.md 5.1) [mm/s^2]."""
+TOP_TURN_ACCELERATION_DEG = 300
+"""Highest turn acceleration of one real P3-AT (protocol.md 5.1) [degrees/s^2]."""
 
 
 class Firmware:
@@ -154,12 +163,6 @@ class Firmware:
         """Return the standard information packet for this moment."""
         return self._instruments.read(self.accessories.inputs(now))
 
-    @property
-    def _serial_number(self) -> str:
-        """The serial number in CONFIG: AriaCoda knows a simulator by it, as ARIA by its name."""
-        is_other = self._renamed and self.identity.name.lower() != NAME.lower()
-        return OWN_SERIAL_NUMBER if is_other else SERIAL_NUMBER
-
     def _map_changed(self, change: reports.MapChanged) -> None:
         self.on_map_changed(change)
 
@@ -212,107 +215,77 @@ class Firmware:
         if self.accessories.obey(command, now) or self.console.obey(command):
             self._answer(now)
         elif isinstance(command, commands.RequestConfig) and self.body.model.controller == "ARCOS":
-            self.device.send(
-                configuration(
-                    self.identity,
-                    self.body,
-                    self.accessories.equipment,
-                    serial_number=self._serial_number,
-                    cycle=CYCLE,
-                    sonar_cycle=self._world.realism.sonar.cycle or SONAR_CYCLE,
-                    watchdog=self._nominal_watchdog,
-                )
-            )
+            self.device.send(self._configuration())
 
+    def _configuration(self) -> Config:
+        """Return CONFIG.
 
-SERIAL_NUMBER = "SIM"
-"""By this AriaCoda knows a simulator (facts.md 13, row 12)."""
-OWN_SERIAL_NUMBER = "SIMULATED"
-"""Serial number of a robot with its own name; AriaCoda takes it for a real one."""
-LARGEST_WORD = 9999
-TOP_ACCELERATION_MM = 2000
-"""Highest acceleration of one real P3-AT (protocol.md 5.1) [mm/s^2]."""
-TOP_TURN_ACCELERATION_DEG = 300
-"""Highest turn acceleration of one real P3-AT (protocol.md 5.1) [degrees/s^2]."""
-
-
-def configuration(
-    identity: Identity,
-    body: Body,
-    equipment: Equipment,
-    *,
-    serial_number: str,
-    cycle: float,
-    sonar_cycle: float,
-    watchdog: float,
-) -> Config:
-    """Return CONFIG for `body`; SIPs come every `cycle` [s], the `watchdog` expires after that [s].
-
-    One sonar of each array fires every `sonar_cycle` [s].
-
-    The current limits are those in force, so that a host that set them reads them back. Fields that
-    mean nothing to a simulator are 0, as from a robot without that equipment.
-    """
-    model, linear, angular = body.model, body.drive.linear, body.drive.angular
-    return Config(
-        family=identity.family,
-        model=identity.model,
-        serial_number=serial_number,
-        four_motors=int(model.drive == "skid"),
-        rotation_top_deg_s=_whole(degrees(model.max_turn_rate)),
-        speed_top_mm_s=_whole(model.max_speed / MM),
-        rotation_accel_top_deg_s2=TOP_TURN_ACCELERATION_DEG,
-        accel_top_mm_s2=TOP_ACCELERATION_MM,
-        pwm_max_raw=500,
-        name=identity.name,
-        sip_cycle_ms=_whole(cycle / MS),
-        host_baud_code=0,
-        aux1_baud_code=0,
-        has_gripper=int(equipment.gripper),
-        has_front_sonar=int(bool(model.sonars)),
-        has_rear_sonar=int(len(model.sonars) > 8),
-        low_battery_decivolts=_whole(LOW / DECIVOLT),
-        rev_count_ticks=0,
-        watchdog_ms=_whole(watchdog / MS),
-        normal_motor_packets=0,
-        stall_pwm=0,
-        stall_count_ms=0,
-        joystick_speed_mm_s=0,
-        joystick_rotation_deg_s=0,
-        rotation_max_deg_s=_whole(degrees(angular.top)),
-        speed_max_mm_s=_whole(linear.top / MM),
-        rotation_accel_deg_s2=_whole(degrees(angular.acceleration)),
-        rotation_decel_deg_s2=_whole(degrees(angular.deceleration)),
-        rotation_kp_raw=40,
-        rotation_kv_raw=20,
-        rotation_ki_raw=0,
-        accel_mm_s2=_whole(linear.acceleration / MM),
-        decel_mm_s2=_whole(linear.deceleration / MM),
-        translation_kp_raw=40,
-        translation_kv_raw=30,
-        translation_ki_raw=0,
-        front_bumpers=model.front_bumpers,
-        rear_bumpers=model.rear_bumpers,
-        charger=0,
-        sonar_cycle_ms=_whole(sonar_cycle / MS),
-        autobaud=0,
-        gyro_type=equipment.gyro_type,
-        drift_factor_8192nds=0,
-        aux2_baud_code=0,
-        aux3_baud_code=0,
-        ticks_per_mm=0,
-        shutdown_decivolts=_whole(EMPTY / DECIVOLT),
-        firmware_version="S.0",
-        gyro_cw_raw=0,
-        gyro_ccw_raw=0,
-        kinematics_delay_ms=0,
-        lateral_speed_top_mm_s=0,
-        lateral_accel_top_mm_s2=0,
-        lateral_speed_max_mm_s=0,
-        lateral_accel_mm_s2=0,
-        lateral_decel_mm_s2=0,
-        charge_threshold_raw=0,
-    )
+        The current limits are those in force, so that a host that set them reads them back. Fields
+        that mean nothing to a simulator are 0, as from a robot without that equipment.
+        """
+        model, equipment = self.body.model, self.accessories.equipment
+        linear, angular = self.body.drive.linear, self.body.drive.angular
+        sonar_cycle = self._world.realism.sonar.cycle or SONAR_CYCLE
+        is_own = self._renamed and self.identity.name.lower() != NAME.lower()
+        return Config(
+            family=self.identity.family,
+            model=self.identity.model,
+            serial_number=OWN_SERIAL_NUMBER if is_own else SERIAL_NUMBER,
+            four_motors=int(model.drive == "skid"),
+            rotation_top_deg_s=_whole(degrees(model.max_turn_rate)),
+            speed_top_mm_s=_whole(model.max_speed / MM),
+            rotation_accel_top_deg_s2=TOP_TURN_ACCELERATION_DEG,
+            accel_top_mm_s2=TOP_ACCELERATION_MM,
+            pwm_max_raw=500,
+            name=self.identity.name,
+            sip_cycle_ms=_whole(CYCLE / MS),
+            host_baud_code=0,
+            aux1_baud_code=0,
+            has_gripper=int(equipment.gripper),
+            has_front_sonar=int(bool(model.sonars)),
+            has_rear_sonar=int(len(model.sonars) > 8),
+            low_battery_decivolts=_whole(LOW / DECIVOLT),
+            rev_count_ticks=0,
+            watchdog_ms=_whole(self._nominal_watchdog / MS),
+            normal_motor_packets=0,
+            stall_pwm=0,
+            stall_count_ms=0,
+            joystick_speed_mm_s=0,
+            joystick_rotation_deg_s=0,
+            rotation_max_deg_s=_whole(degrees(angular.top)),
+            speed_max_mm_s=_whole(linear.top / MM),
+            rotation_accel_deg_s2=_whole(degrees(angular.acceleration)),
+            rotation_decel_deg_s2=_whole(degrees(angular.deceleration)),
+            rotation_kp_raw=40,
+            rotation_kv_raw=20,
+            rotation_ki_raw=0,
+            accel_mm_s2=_whole(linear.acceleration / MM),
+            decel_mm_s2=_whole(linear.deceleration / MM),
+            translation_kp_raw=40,
+            translation_kv_raw=30,
+            translation_ki_raw=0,
+            front_bumpers=model.front_bumpers,
+            rear_bumpers=model.rear_bumpers,
+            charger=0,
+            sonar_cycle_ms=_whole(sonar_cycle / MS),
+            autobaud=0,
+            gyro_type=equipment.gyro_type,
+            drift_factor_8192nds=0,
+            aux2_baud_code=0,
+            aux3_baud_code=0,
+            ticks_per_mm=0,
+            shutdown_decivolts=_whole(EMPTY / DECIVOLT),
+            firmware_version="S.0",
+            gyro_cw_raw=0,
+            gyro_ccw_raw=0,
+            kinematics_delay_ms=0,
+            lateral_speed_top_mm_s=0,
+            lateral_accel_top_mm_s2=0,
+            lateral_speed_max_mm_s=0,
+            lateral_accel_mm_s2=0,
+            lateral_decel_mm_s2=0,
+            charge_threshold_raw=0,
+        )
 
 
 def _whole(value: float) -> int:
