@@ -24,12 +24,12 @@ MARGIN = 1.0
 class FreeGrid:
     """The cells of a map where a disc fits.
 
-    Args:
-        walls: Segments [m], shape (W, 4).
-        bounds: Of the grid [m].
-        radius: Of the disc [m]. Half a cell is subtracted, so that no gap is missed by rounding,
-            but so much remains that the disc does not pass through walls.
-        solids: Convex polygons that are not free: the sides of each [m], shape (S, 4).
+    Half a cell is subtracted from its radius [m], so that no gap is missed by rounding, but so much
+    remains that the disc does not pass through walls. `solids` are convex polygons that are not
+    free: the sides of each [m], shape (S, 4).
+
+    Attributes:
+        free: The cells where the disc fits, reachable or not, shape (H, W).
     """
 
     def __init__(
@@ -39,18 +39,17 @@ class FreeGrid:
         extent = np.array([bounds.x_max + MARGIN, bounds.y_max + MARGIN]) - self._low
         self.cell = max(CELL, sqrt(float(extent.prod()) / MOST_CELLS), float(extent.max()) / 1e5)
         self._shape = (ceil(extent[1] / self.cell) + 1, ceil(extent[0] / self.cell) + 1)
-        self._free = self._clear(walls, max(radius - self.cell / 2, 0.8 * self.cell))
+        self.free = self._clear(walls, max(radius - self.cell / 2, 0.8 * self.cell))
         for solid in solids:
             self._block(solid)
 
     def reached_from(self, starts: list[tuple[float, float]]) -> Bool:
         """Return the cells that can be reached from any of `starts` [m], shape (H, W)."""
         width = self._shape[1]
-        free = bytearray(np.pad(self._free, ((1, 1), (0, 1))).astype(np.uint8).tobytes())
+        free = bytearray(np.pad(self.free, ((1, 1), (0, 1))).astype(np.uint8).tobytes())
         # one blocked column at the right and a blocked row above and below: no cell wraps around
         stride = width + 1
         todo = [(row + 1) * stride + column for row, column in map(self.cell_of, starts)]
-        seen = np.zeros(len(free), dtype=np.bool_)
         found = bytearray(len(free))
         while todo:
             at = todo.pop()
@@ -58,13 +57,7 @@ class FreeGrid:
                 free[at] = 0
                 found[at] = 1
                 todo += (at - 1, at + 1, at - stride, at + stride)
-        seen[:] = np.frombuffer(found, dtype=np.uint8)
-        return seen.reshape(-1, stride)[1:-1, :-1]
-
-    @property
-    def free(self) -> Bool:
-        """The cells where the disc fits, reachable or not, shape (H, W)."""
-        return self._free
+        return np.frombuffer(found, dtype=np.bool_).reshape(-1, stride)[1:-1, :-1]
 
     def centres(self, cells: Bool) -> Float:
         """Return the middles of the marked `cells` [m], shape (N, 2)."""
@@ -74,13 +67,13 @@ class FreeGrid:
 
     def is_free(self, x: float, y: float) -> bool:
         """Whether the disc fits at (`x`, `y`) [m]."""
-        return bool(self._free[self.cell_of((x, y))])
+        return bool(self.free[self.cell_of((x, y))])
 
     def are_free(self, points: Float) -> Bool:
         """Return whether the disc fits at each of `points` [m], shape (N, 2)."""
         columns, rows = np.floor((points - self._low) / self.cell).astype(np.int64).T
         height, width = self._shape
-        free: Bool = self._free[rows.clip(0, height - 1), columns.clip(0, width - 1)]
+        free: Bool = self.free[rows.clip(0, height - 1), columns.clip(0, width - 1)]
         return free
 
     def cell_of(self, point: tuple[float, float]) -> tuple[int, int]:
@@ -93,17 +86,16 @@ class FreeGrid:
         x, y = solid[:, ::2], solid[:, 1::2]
         low = self.cell_of((float(x.min()), float(y.min())))
         high = self.cell_of((float(x.max()), float(y.max())))
-        there = np.zeros_like(self._free)
+        there = np.zeros_like(self.free)
         there[low[0] : high[0] + 1, low[1] : high[1] + 1] = True
         middles = self.centres(there)
-        self._free[there] &= ~which_inside(solid, middles[:, 0], middles[:, 1])
+        self.free[there] &= ~which_inside(solid, middles[:, 0], middles[:, 1])
 
     def _clear(self, walls: Float, radius: float) -> Bool:
         """Return the cells whose middle is further than `radius` [m] from all walls."""
         marked = np.zeros(self._shape, dtype=np.bool_)
-        columns, rows = (
-            np.floor((samples(walls, self.cell / 2) - self._low) / self.cell).astype(np.int64).T
-        )
+        points = samples(walls, self.cell / 2) - self._low
+        columns, rows = np.floor(points / self.cell).astype(np.int64).T
         inside = (columns >= 0) & (columns < self._shape[1]) & (rows >= 0) & (rows < self._shape[0])
         marked[rows[inside], columns[inside]] = True
         reach = floor(radius / self.cell)

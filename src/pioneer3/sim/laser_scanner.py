@@ -115,12 +115,10 @@ class LaserScanner:
         """
         middle = self._aside + self._per_step * np.arange(self._arc.count)
         ranges, codes = self._ranges[middle], self._codes[middle]
-        spread = np.zeros(len(ranges))
-        light = np.ones(len(ranges))
+        spread, light = np.zeros(len(ranges)), np.ones(len(ranges))
         if self._errors.spot:
             ranges, codes, spread, light = self._spots(middle)
-        remission = REMISSION[codes]
-        intensities = remission * np.where(MATT[codes], light, 1.0)
+        intensities = REMISSION[codes] * np.where(MATT[codes], light, 1.0)
         lost = (ranges >= self.model.far) | (ranges > self._reach(intensities))
         measured = self._with_errors(ranges, spread)
         measured[lost], intensities[lost] = inf, 0.0

@@ -47,11 +47,9 @@ class Severity(StrEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MapProblem:
-    """A problem of a map.
+    """A problem of a map, which cannot be used if it has an error.
 
-    Attributes:
-        level: A map with an error cannot be used.
-        line: In the file, from 1; `None` for problems of no single line.
+    The line is that in the file, from 1; `None` for problems of no single line.
     """
 
     level: Severity
@@ -75,11 +73,9 @@ def some(findings: Iterable[MapProblem], kind: str) -> Iterator[MapProblem]:
 def check_world(name_or_path: str | Path, model: RobotModel) -> tuple[MapProblem, ...]:
     """Return all problems of a map or world, errors first, then by line.
 
-    Args:
-        name_or_path: As for :func:`pioneer3.sim.worldfile.load_world`.
-        model: The robot that must fit at homes and goals.
+    The robot must fit at homes and goals.
     """
-    found = list(_findings(name_or_path, model))
+    found = _findings(name_or_path, model)
     return tuple(sorted(found, key=lambda r: (r.level is not Severity.ERROR, r.line or 0)))
 
 
@@ -121,8 +117,7 @@ def _unknown_keys(file: MapServerFile) -> Iterator[MapProblem]:
         if key not in KEYS:
             close = get_close_matches(key, KEYS, n=1)
             hint = f", did you mean {close[0]}?" if close else ""
-            name = printable(key)
-            yield warning(f"{name}: unknown key, skipped{hint}", field.line.number)
+            yield warning(f"{printable(key)}: unknown key, skipped{hint}", field.line.number)
 
 
 def _world(world: WorldFile, model: RobotModel) -> Iterator[MapProblem]:
@@ -316,8 +311,7 @@ def room(pose: Pose2, line_map: LineMap, model: RobotModel) -> str:
 
 def shown(item: MapObject) -> str:
     """Return a name of an object for messages."""
-    name = printable(item.name[:30])
-    kind = printable(item.kind[:30])
+    name, kind = printable(item.name[:30]), printable(item.kind[:30])
     return f'{kind} "{name}"' if name else f"{kind} at {item.pose.x:.2f} {item.pose.y:.2f}"
 
 
@@ -336,27 +330,13 @@ def _unreachable(
         return
     forbidden = [side for o in line_map.objects if o.kind in FORBIDDEN for side in o.sides]
     barriers = np.concatenate([line_map.walls, np.array(forbidden).reshape(-1, 4)])
-    floor = FreeGrid(barriers, _around(line_map, starts, goals), model.width / 2)
+    places = np.array([*starts, *((item.pose.x, item.pose.y) for item, _ in goals)])
+    low = np.minimum(line_map.bounds[:2], places.min(axis=0)).tolist()
+    high = np.maximum(line_map.bounds[2:], places.max(axis=0)).tolist()
+    floor = FreeGrid(barriers, Extent(*low, *high), model.width / 2)
     reached = floor.reached_from(starts)
     for item, line in goals:
         if not floor.is_free(item.pose.x, item.pose.y):
             yield warning(f"{shown(item)} is too near to a wall or forbidden line", line)
         elif not reached[floor.cell_of((item.pose.x, item.pose.y))]:
             yield warning(f"{shown(item)} cannot be reached from {origin}", line)
-
-
-def _around(
-    line_map: LineMap,
-    starts: list[tuple[float, float]],
-    goals: list[tuple[MapObject, int | None]],
-) -> Extent:
-    """Return a box around walls and places [m]."""
-    bounds = line_map.bounds
-    xs = [x for x, _ in starts] + [item.pose.x for item, _ in goals]
-    ys = [y for _, y in starts] + [item.pose.y for item, _ in goals]
-    return Extent(
-        min(bounds.x_min, *xs),
-        min(bounds.y_min, *ys),
-        max(bounds.x_max, *xs),
-        max(bounds.y_max, *ys),
-    )

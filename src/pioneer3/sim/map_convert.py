@@ -22,12 +22,9 @@ FORMATS = (".map", ".yaml", ".toml", ".svg", ".png")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MapInfo:
-    """A map or world, and its contents.
+    """A map or world, with the size of its walls along x and y, and all their lengths [m].
 
-    Attributes:
-        size: Along x and y [m], of the walls.
-        wall_length: All together [m].
-        counts: Number of objects of each kind, with robots, boxes and people.
+    `counts` are the numbers of objects of each kind, with robots, boxes and people.
     """
 
     name: str
@@ -69,8 +66,7 @@ def look(name_or_path: str) -> MapInfo:
 def _counts(world: WorldFile, line_map: LineMap) -> dict[str, int]:
     counts = Counter(item.kind for item in line_map.objects)
     found = {"robot": len(world.robots), "movable box": len(world.movable)}
-    found["person"] = len(world.people)
-    found |= Counter(solid.table for solid in world.solids)
+    found |= {"person": len(world.people), **Counter(solid.table for solid in world.solids)}
     return dict(counts) | {kind: count for kind, count in found.items() if count}
 
 

@@ -24,17 +24,11 @@ POLITE = 0.15
 
 
 class Obstacle:
-    """A box or a person in a world.
-
-    Attributes:
-        kind: What it was made from; a box of it can be moved.
-    """
+    """A box or a person in a world, as its `kind` says; a box of it can be moved."""
 
     def __init__(self, kind: Box | Person) -> None:
         self.kind = replace(kind, movable=True) if isinstance(kind, Box) else kind
-        self._clock, self._waited = 0.0, 0.0
-        self._onward = 1.0
-        self._shift = (0.0, 0.0)
+        self._clock, self._waited, self._onward, self._shift = 0.0, 0.0, 1.0, (0.0, 0.0)
         self.pose = kind.pose if isinstance(kind, Box) else kind.pose_at(0.0)
 
     @property
@@ -121,11 +115,9 @@ def at_laser_height(
 ) -> RobotArrays:
     """Return the outlines that a laser meets: of people their legs, of all others the same.
 
-    `outlines` are those of robots, then of `obstacles`, all placed.
-
-    Returns:
-        `outlines` itself where nobody is. Otherwise left legs take the places of people, right
-        legs come after all others, and robots keep their numbers.
+    `outlines` are those of robots, then of `obstacles`, all placed; they are returned where nobody
+    is. Otherwise left legs take the places of people, right legs come after all others, and robots
+    keep their numbers.
     """
     first = len(outlines) - len(obstacles)
     people = [(first + n, o) for n, o in enumerate(obstacles) if isinstance(o.kind, Person)]

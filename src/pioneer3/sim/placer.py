@@ -66,7 +66,6 @@ def place_all(
     """Return the start of each of `requests`, in their order.
 
     Given poses are served first and random ones last, so that no random start takes a given one.
-
     `obstacles` are the sides of the convex polygons that stand there [m], shape (S, 4) each.
 
     Raises:
@@ -84,9 +83,8 @@ def place_all(
 class Placer:
     """Finds a place for one robot after another.
 
-    Args:
-        obstacles: Sides of the convex polygons that stand there [m], shape (S, 4) each.
-        expected: Number of robots in the end; decides how far they spread on a map without walls.
+    `obstacles` are the sides of the convex polygons that stand there [m], shape (S, 4) each. The
+    number of robots expected in the end decides how far they spread on a map without walls.
     """
 
     def __init__(
@@ -96,10 +94,8 @@ class Placer:
         obstacles: Sequence[Float] = (),
         expected: int = 1,
     ) -> None:
-        self._map = line_map
-        self._rng = rng
+        self._map, self._rng, self._expected = line_map, rng, expected
         self._obstructions = Obstructions.of(line_map, obstacles)
-        self._expected = expected
         self._standing: list[_Standing] = []
         self._homes_used = 0
         self._places_for: dict[tuple[float, Pose2 | None], tuple[FreePlaces, int]] = {}
@@ -127,7 +123,9 @@ class Placer:
                 homes = self._map.starts or (ORIGIN,)
                 home = homes[self._homes_used % len(homes)]
                 self._homes_used += 1
-                free = self._fits(model, home) and self._keeps_clear(model, home)
+                at = np.array([[home.x, home.y]])
+                clear = self._clear_of_others(model, at, home.theta, 0.0).all()
+                free = clear and self._fits(model, home)
                 pose = home if free else self._near(model, home)
             case Pose2():
                 pose = start if self._misses_robots(model, start) else self._near(model, start)
@@ -223,10 +221,6 @@ class Placer:
         return self._is_clear(model, pose.x, pose.y) and not self._obstructions.blocks(
             replace(model, length_front=model.length_front + AHEAD), pose
         )
-
-    def _keeps_clear(self, model: RobotModel, pose: Pose2) -> bool:
-        """Whether neither `model` at `pose` nor a robot that stands is in the other's way."""
-        return bool(self._clear_of_others(model, np.array([[pose.x, pose.y]]), pose.theta, 0.0)[0])
 
     def _apart(
         self, model: RobotModel, places: Float, heading: float, apart: float

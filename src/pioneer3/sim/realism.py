@@ -178,14 +178,10 @@ class SonarErrors:
     def mistake(
         self, heard: Float, limit: float, rng: Generator, *, fire: Int, before: Int
     ) -> None:
-        """Let some echoes be missed or taken from another transducer.
+        """Let some echoes in `heard` (..., M), up to `limit` [m], be missed or mistaken.
 
-        Args:
-            heard: Without mistakes, and then with them [m], shape (..., M).
-            limit: The longest range [m].
-            rng: Where chances come from.
-            fire: The transducers that these ranges are new of, shape (F,).
-            before: Whose echo each of them may take for its own, shape (F,).
+        The ranges are new of the transducers `fire` (F,), each of which may take the echo of the
+        one in `before` (F,) for its own.
         """
         if not (self.cross_talk or self.drop_out):
             return
@@ -221,11 +217,7 @@ class RangeFinderErrors:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Realism:
-    """All errors of a robot.
-
-    Attributes:
-        laser_noise: Standard deviation of a range of the in-band laser [m].
-    """
+    """All errors of a robot; `laser_noise` is the standard deviation of the in-band laser [m]."""
 
     odometry: OdometryErrors = OdometryErrors()
     sonar: SonarErrors = SonarErrors()

@@ -36,7 +36,6 @@ class Surfaces:
 
     Attributes:
         walls: Segments [m], shape (S, 4).
-        codes: Their materials, shape (S,).
     """
 
     walls: Float
@@ -59,15 +58,10 @@ class Surfaces:
         return Surfaces(walls, np.concatenate([self.codes, others.codes]))
 
     def seen(self, origin: Float, angles: Float, ranges: Float) -> tuple[Float, Codes]:
-        """Return the range and the material that each ray ends at.
+        """Return range [m], glass included, and material at the end of each ray, both (B,).
 
-        Args:
-            origin: Of all rays [m], shape (2,).
-            angles: Of the rays [rad], shape (B,).
-            ranges: To the nearest wall or robot that is not of glass [m], shape (B,).
-
-        Returns:
-            Ranges [m], glass included, and codes of the materials, both of shape (B,).
+        Rays start at `origin` (2,) [m] at `angles` (B,) [rad]; `ranges` (B,) are those to the
+        nearest wall or robot that is not of glass [m].
         """
         codes = np.full(len(angles), PLAIN, dtype=np.uint8)
         if not len(self.walls):
@@ -90,15 +84,6 @@ class Surfaces:
         # the sine of the angle between ray and wall is the cosine of that to the normal
         near: Bool = abs(np.sin(angles[:, None] - along)) >= cos(GLASS_ANGLE)
         return near
-
-
-def opaque(walls: Float, codes: Codes) -> Float:
-    """Return those of `walls` (W, 4) with `codes` (W,) that are not of glass."""
-    kept: Float = walls[codes != GLASS]
-    return kept
-
-
-NO_SURFACES = Surfaces(np.empty((0, 4)), np.empty(0, dtype=np.uint8))
 
 
 People = Literal["legs", "bodies"]
@@ -125,7 +110,7 @@ class SensedWalls:
         """Return those of `walls` (W, 4) with the materials `codes` (W,), which `grid` is of."""
         surfaces, clear = Surfaces.among(walls, codes), grid
         if surfaces.has_glass:
-            clear = build_grid(opaque(walls, codes))
+            clear = build_grid(walls[codes != GLASS])
         return cls(grid=grid, opaque=clear, surfaces=surfaces, echoes=sonar.echoes(grid))
 
 
@@ -266,7 +251,5 @@ def _movable_surfaces(obstacles: Sequence[Obstacle]) -> Surfaces:
         for o in obstacles
         if isinstance(o.kind, Box) and o.kind.material is not Material.PLAIN
     ]
-    if not boxes:
-        return NO_SURFACES
     codes = codes_of(box.material for box in boxes for _ in box.corners)
-    return Surfaces(np.concatenate([box.outline for box in boxes]), codes)
+    return Surfaces(np.concatenate([np.empty((0, 4)), *(box.outline for box in boxes)]), codes)

@@ -43,11 +43,10 @@ GRAVITY = 9.81
 
 @dataclass(frozen=True, slots=True)
 class ImuReading:
-    """A reading of a gyro and an accelerometer at a robot's origin, about its own axes.
+    """A reading of a gyro [rad/s] and an accelerometer [m/s2] at a robot's origin.
 
-    Attributes:
-        rates: Turn rates about x (ahead), y (left) and z (up) [rad/s].
-        acceleration: Along the same [m/s2]. At rest on a level floor it is 9.81 upwards.
+    Both are about x (ahead), y (left) and z (up); at rest on a level floor the acceleration is 9.81
+    upwards.
     """
 
     rates: tuple[float, float, float]

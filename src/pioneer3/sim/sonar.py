@@ -132,12 +132,10 @@ class SimultaneousSonars:
 
 @dataclass(frozen=True, slots=True)
 class TypeFiring:
-    """The part of a firing group that robots of one type have.
+    """The part of a firing group that robots of one type have: all of them, or their numbers.
 
-    Attributes:
-        robots: The robots: all, or their numbers.
-        fire: Their transducers that fire, shape (F,).
-        before: The transducer of the same array that fired before each of these, shape (F,).
+    `fire` are their transducers that fire, `before` those of the same array that fired before each,
+    shape (F,).
     """
 
     robots: slice | Int
@@ -147,11 +145,7 @@ class TypeFiring:
 
 @dataclass(frozen=True, slots=True)
 class FiringGroup:
-    """All transducers that fire within a step.
-
-    Attributes:
-        parts: For each robot type of which any transducer fires.
-    """
+    """All transducers that fire within a step, with a part for each robot type that has any."""
 
     mounts: Mounts
     parts: tuple[TypeFiring, ...]
@@ -281,10 +275,8 @@ class SequentialSonars:
 
     def _measure_all(self) -> None:
         """Measure with all transducers of the robots that are new or were moved by hand."""
-        moved, mounts = (
-            np.flatnonzero(self._moved).astype(np.int32),
-            self._current_schedule().mounts,
-        )
+        moved = np.flatnonzero(self._moved).astype(np.int32)
+        mounts = self._current_schedule().mounts
         exact = self._cast(mounts, moved)
         heard = np.maximum(self._errors.spoil(exact, SONAR_RANGE, self._rng), SONAR_MIN)
         heard[mounts.absent[moved]] = SONAR_RANGE

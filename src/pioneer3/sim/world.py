@@ -78,7 +78,7 @@ class World:
         relief: Relief = FLAT,
     ) -> None:
         self.kernels = kernels or Kernels(compiled=False)
-        self._dynamics = dynamics or PlanarDynamics()
+        self.dynamics = dynamics or PlanarDynamics()
         self.realism = realism or Realism.ideal()
         self.time = 0.0
         self.robots: tuple[Body, ...] = ()
@@ -88,15 +88,10 @@ class World:
         self._noise = np.empty((0, 3, 0))
         self._noise_at = 0
         self._working: Future[None] | None = None
-        self._sensing = self._dynamics.new_sensing(self.realism.sonar)
+        self._sensing = self.dynamics.new_sensing(self.realism.sonar)
         self._sonars = self._new_sonars(self.realism)
         self.change_map(line_map or empty_map(), relief)
         self._rearrange((*robots,), ())
-
-    @property
-    def dynamics(self) -> Dynamics:
-        """How robots and boxes move."""
-        return self._dynamics
 
     def step(self, dt: float) -> None:
         """Let `dt` [s] pass; nothing happens if that is not above 0."""
@@ -110,13 +105,12 @@ class World:
     def start(self, dt: float) -> Future[None] | None:
         """Begin to let `dt` [s] pass on another thread; :meth:`finish` ends that.
 
-        Meanwhile robots and obstacles may be put elsewhere, come and go.
-
-        `dt` is at most :data:`~pioneer3.sim.kernels.drives.LONGEST`. Return `None` if it takes so
-        little time that :meth:`step` is better.
+        Meanwhile robots and obstacles may be put elsewhere, come and go. `dt` is at most
+        :data:`~pioneer3.sim.kernels.drives.LONGEST`. Return `None` if it takes so little time that
+        :meth:`step` is better.
         """
         self._place()
-        self._working = self._dynamics.start(self.kernels, dt)
+        self._working = self.dynamics.start(self.kernels, dt)
         return self._working
 
     def finish(self, dt: float) -> None:
@@ -143,11 +137,9 @@ class World:
         return self._sonars.all_ranges()
 
     def fresh_sonar(self, body: Body) -> tuple[Int, Float]:
-        """Return which of `body`'s transducers fired since the last call, and what they measured.
+        """Return number, ascending, and range of each transducer that fired since the last call.
 
-        Returns:
-            Their numbers, ascending, and ranges [m], both of shape (F,); where all fire at once,
-            those of all that do.
+        Both are of shape (F,) [m]; where all fire at once, those of all that do.
         """
         self._place()
         return self._sonars.new_ranges(body)
@@ -199,7 +191,7 @@ class World:
     def imu(self, body: Body) -> ImuReading:
         """Return the reading of an exact gyro and accelerometer on `body`."""
         self._place()
-        return self._dynamics.imu(body.number)
+        return self.dynamics.imu(body.number)
 
     def generator(self, body: Body) -> Generator:
         """Return a new random generator for a sensor of `body`; no other numbers change."""
@@ -254,7 +246,7 @@ class World:
         """
         self._settle()
         grid = build_grid(line_map.walls)
-        self._dynamics.change_map(line_map, grid, relief)
+        self.dynamics.change_map(line_map, grid, relief)
         self.map, self.relief, self._grid = line_map, relief, grid
         docks = [item.pose for item in line_map.objects if item.kind.startswith("Dock")]
         self._docks = np.array([(dock.x, dock.y, dock.theta) for dock in docks]).reshape(-1, 3)
@@ -269,7 +261,7 @@ class World:
         """Let at most `LONGEST` pass."""
         self._place()
         noise = self._next_noise() if self._noisy else None
-        self._dynamics.step(self.kernels, dt, noise)
+        self.dynamics.step(self.kernels, dt, noise)
         self._passed(dt)
 
     def _passed(self, dt: float) -> None:
@@ -327,13 +319,13 @@ class World:
         if self._working is not None:
             work, self._working = self._working, None
             work.result()
-            self._dynamics.finish(self.kernels)
+            self.dynamics.finish(self.kernels)
 
     def _place(self) -> None:
         self._settle()
         if self.outlines.stale:
             self._sonars.move(self.outlines.poses[:, : len(self.robots)])
-            self._dynamics.place()
+            self.dynamics.place()
             self.kernels.place(self.outlines)
             self.outlines.stale = False
             self._sensing.forget()
@@ -370,7 +362,7 @@ class World:
         for number, body in enumerate(robots):
             if body not in self._own:
                 self._own[body] = default_rng(self._seeds.spawn(1)[0])
-                if not self._dynamics.has_slip:
+                if not self.dynamics.has_slip:
                     column = self.realism.odometry.column(body.model, self._own[body])
                     drives.errors[:, number] = column
             body.bind(
@@ -378,13 +370,13 @@ class World:
                 self.outlines,
                 number,
                 bumpers=partial(self._bumpers, body),
-                speeds=partial(self._dynamics.speeds, number),
+                speeds=partial(self.dynamics.speeds, number),
             )
         self.robots = robots
         self._sonars.set_robots(robots, before)
         self._noisy, self._noise, self._noise_at = drives.noisy, np.empty((0, 3, 0)), 0
         self._everyone = self.outlines.everyone[: len(robots)]
-        self._dynamics.change_bodies(robots, self.obstacles, drives, self.outlines)
+        self.dynamics.change_bodies(robots, self.obstacles, drives, self.outlines)
         self._sensing.change_bodies(robots, self.obstacles, self.outlines)
 
 

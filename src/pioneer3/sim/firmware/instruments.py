@@ -153,7 +153,8 @@ class Instruments:
         v, w = body.speeds
         half = w * body.track / 2
         stalled = int(body.stalled or self._bumped)
-        celsius = self._celsius()
+        faked = self._fake_temperature
+        celsius = body.motor_temperature if faked is None else faked
         hot = celsius >= HOT or self._fake_heat
         volts, charge = body.battery.voltage, charge_percent(body.battery)
         decivolts = round(volts / DECIVOLT)
@@ -186,10 +187,6 @@ class Instruments:
             charge_percent=max(1, charge),
         )
         return _shortened(report) if model.controller in SHORT else report
-
-    def _celsius(self) -> float:
-        faked = self._fake_temperature
-        return self._body.motor_temperature if faked is None else faked
 
     def _flags(self, *, hot: bool) -> SipFlag:
         body = self._body

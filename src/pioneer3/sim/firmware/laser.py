@@ -38,12 +38,10 @@ POSE = 3
 def packets(
     pose: Sequence[int], ranges_mm: Sequence[int], *, extended: bool
 ) -> list[SimLaser] | list[SimLaserExtended]:
-    """Return the packets of one sweep.
+    """Return the packets of one sweep, `extended` 0x61 or else 0x60.
 
-    Args:
-        pose: The robot's x, y [mm] and heading [deg], each within 16 bits; 0x61 has none.
-        ranges_mm: Counter-clockwise, 0 to 0xFFFF.
-        extended: 0x61 rather than 0x60.
+    `pose` is the robot's x, y [mm] and heading [deg], each within 16 bits, which 0x61 has not; the
+    ranges are counter-clockwise, 0 to 0xFFFF.
     """
     total = len(ranges_mm)
     parts = [(at, tuple(ranges_mm[at : at + PER_PACKET])) for at in range(0, total, PER_PACKET)]
@@ -91,12 +89,7 @@ class SweepFrames:
         self._sums = self._buffer[self._checks].view(">u2").astype(np.uint16)
 
     def fill(self, pose: Sequence[int], ranges_mm: Words) -> bytes:
-        """Return the frames of one sweep, as :func:`packets` would have them.
-
-        Args:
-            pose: The robot's x, y [mm] and heading [deg], each as 16 bits without sign.
-            ranges_mm: Counter-clockwise, shape (total,).
-        """
+        """Return the frames of one sweep, as :func:`packets` has them; `pose` is without signs."""
         self._words[:POSE] = pose
         self._words[POSE:] = ranges_mm
         changed = self._words[self._source].view(np.uint8)

@@ -19,9 +19,7 @@ from pioneer3.maps import LineMap, empty_map
 from pioneer3.models.description.mjcf import CAMERA
 from pioneer3.sim.body import Body, Speeds
 from pioneer3.sim.kernels import DriveArrays, Grid, Kernels, RobotArrays
-from pioneer3.sim.kernels.drives import (
-    TOUCHED,
-)
+from pioneer3.sim.kernels.drives import TOUCHED
 from pioneer3.sim.obstacles import Obstacle
 from pioneer3.sim.physics.colors import TOUCHING
 from pioneer3.sim.physics.elements import turned
@@ -82,13 +80,10 @@ def _warn(text: str) -> None:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Instant:
-    """A scene at one instant, for pictures.
+    """A scene at one instant, for pictures by the camera of that name.
 
-    Attributes:
-        camera: Name of the asking robot's camera in it.
-        qpos: A copy of MuJoCo's, shape (Q,).
-        people: A copy of MuJoCo's `mocap_pos`, shape (P, 3).
-        hidden: Names of the other robots that are not to be seen.
+    `qpos` (Q,) and `people` (P, 3) are copies of MuJoCo's `qpos` and `mocap_pos`, and `hidden` the
+    names of the other robots that are not to be seen.
     """
 
     scene: Scene

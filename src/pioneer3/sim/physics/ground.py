@@ -52,14 +52,10 @@ class Ground:
         return ABOVE - float(away) if away >= 0 else 0.0
 
     def standing(self, pose: Pose2, feet: Float) -> tuple[float, list[float]]:
-        """Return how a thing stands that touches the ground with its feet.
+        """Return height of the origin [m] and quaternion w, x, y, z of a thing on the ground.
 
-        Args:
-            pose: On the plane [m, rad].
-            feet: In its own frame [m], shape (F, 2), not all on one line.
-
-        Returns:
-            The height of its origin [m], and its orientation as a quaternion w, x, y, z.
+        `pose` is that on the plane [m, rad]; its `feet` (F, 2), in its own frame [m], are not all
+        on one line.
         """
         c, s = cos(pose.theta), sin(pose.theta)
         x, y = feet[:, 0], feet[:, 1]

@@ -93,11 +93,8 @@ class MotorArrays:
 
     def _wanted(self) -> Float:
         """Return the speeds of the wheels that the ramps have now [rad/s], shape (2, N)."""
-        drives = self._drives
-        v, half = (
-            drives.axes[VELOCITY, LINEAR],
-            drives.axes[VELOCITY, ANGULAR] * drives.wheels[BASE] / 2,
-        )
+        v, w = self._drives.axes[VELOCITY, [LINEAR, ANGULAR]]
+        half = w * self._drives.wheels[BASE] / 2
         both: Float = np.stack([v - half, v + half]) / self._radius
         return both
 

@@ -22,10 +22,8 @@ MOST_SURFACES = 8
 class Hits(NamedTuple):
     """The first thing that each of R rays meets.
 
-    Attributes:
-        ranges: [m], infinite where there is nothing, shape (R,).
-        geoms: Their numbers, -1 for nothing, shape (R,).
-        facing: Cosine of the angle between the ray and the normal of the surface, shape (R,).
+    Shapes are (R,): `ranges` [m], infinite where there is nothing; the numbers of `geoms`, -1 for
+    nothing; `facing`, the cosine of the angle between the ray and the normal of the surface.
     """
 
     ranges: Float

@@ -52,11 +52,9 @@ class TakePicture(Struct, tag=True, kw_only=True):
         qpos: Of MuJoCo's data, 64-bit floats.
         people: Of MuJoCo's data `mocap_pos`, the same.
         hidden: Names of robots that are not to be seen.
-        pan: Of the camera to the left [rad].
+        pan: To the left [rad].
         tilt: Up [rad].
         view: Angle from the left edge to the right one [rad].
-        width: Of the picture [pixels].
-        height: [pixels].
         quality: Of the JPEG, 1 to 95.
     """
 
@@ -145,17 +143,12 @@ class SceneRenderer:
         """
         from PIL import Image
 
-        pixels = self.pixels(asked)
         file = BytesIO()
-        Image.fromarray(pixels).save(file, "JPEG", quality=asked.quality)
+        Image.fromarray(self.pixels(asked)).save(file, "JPEG", quality=asked.quality)
         return file.getvalue()
 
     def pixels(self, asked: TakePicture) -> NDArray[np.uint8]:
-        """Return a picture, shape (height, width, 3).
-
-        Raises:
-            ValueError: As for :meth:`picture`.
-        """
+        """Return a picture, shape (height, width, 3); errors are those of :meth:`picture`."""
         if self._world is None:
             raise ValueError("no world was loaded")
         if asked.width > self._size[0] or asked.height > self._size[1]:
@@ -210,10 +203,8 @@ class SceneRenderer:
         visual = model.vis
         visual.quality.offsamples = visual.quality.shadowsize = 0
         visual.global_.offwidth, visual.global_.offheight = self._size
-        visual.map.znear, visual.map.zfar = (
-            NEAREST / model.stat.extent,
-            FARTHEST / model.stat.extent,
-        )
+        visual.map.znear = NEAREST / model.stat.extent
+        visual.map.zfar = FARTHEST / model.stat.extent
         visual.headlight.ambient[:], visual.headlight.diffuse[:] = AMBIENT, DIFFUSE
         visual.headlight.specular[:] = 0.0
         scene = mujoco.MjvScene(model, maxgeom=model.ngeom + model.nlight + 100)

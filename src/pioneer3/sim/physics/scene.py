@@ -237,8 +237,7 @@ def _indexed(
     most = max((len(shape_of(body.model).axles) for _, body in robots), default=1)
     wheels = np.zeros((2, len(robots), most), dtype=np.int64)
     speeds, motors = np.zeros_like(wheels), np.zeros((2, len(robots)), dtype=np.int64)
-    hull = np.full(model.ngeom, -1)
-    robot = np.full(model.ngeom, -1)
+    hull, robot = np.full(model.ngeom, -1), np.full(model.ngeom, -1)
     numbers = {name: number for number, (name, _) in enumerate(robots)}
     tires = {tire for name, body in robots for tire in tires_of(body.model, name)}
     for number, (name, body) in enumerate(robots):
@@ -322,12 +321,10 @@ def _bumper_bits(model: Any, robots: Sequence[tuple[str, Body]]) -> Int:
 
 
 def set_contacts(model: Any, robots: Bool, hidden: Bool) -> None:
-    """Let the geoms of robots touch the floor, and those not hidden all that is solid.
+    """Let the geoms of `robots` touch the floor, and those not `hidden` all that is solid.
 
-    Args:
-        model: Changed, with what it knows of the contacts of bodies.
-        robots: Which geoms are of robots, shape (G,); those that are only seen are left out.
-        hidden: Which of them touch the floor alone, shape (G,).
+    `model` is changed, with what it knows of the contacts of bodies. Masks are (G,); geoms of
+    robots that are only seen are left out.
     """
     touching = robots & (model.geom_conaffinity != 0)
     model.geom_contype[touching] = np.where(hidden, 0, SOLID)[touching]

@@ -63,13 +63,7 @@ class UprightCylinder:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Hull:
-    """The convex hull of a mesh; compares by identity.
-
-    Attributes:
-        pose: The origin of the mesh [m, rad].
-        z: Height of this origin [m].
-        triangles: Of the mesh, in its own frame [m].
-    """
+    """The convex hull of a mesh, which has its origin at `pose` and `z`; compares by identity."""
 
     pose: Pose2
     z: float
@@ -105,11 +99,7 @@ Shape = Block | Wedge | UprightCylinder | Hull | Terrain
 
 @dataclass(frozen=True, slots=True)
 class SolidPart:
-    """One shape of a solid.
-
-    Attributes:
-        name: Of the part; empty where the solid has only one.
-    """
+    """One shape of a solid; its name is empty where the solid has only one."""
 
     name: str
     shape: Shape

@@ -113,12 +113,10 @@ class GroundSolid:
 
     @property
     def walls(self) -> Float:
-        """None."""
         return NONE
 
     @property
     def outline(self) -> Float:
-        """Four sides."""
         return rectangle(self.pose, self.size)
 
 
@@ -130,7 +128,6 @@ class Step(GroundSolid):
 
     @property
     def parts(self) -> tuple[SolidPart, ...]:
-        """One block."""
         return (SolidPart("", self.block),)
 
 
@@ -142,7 +139,6 @@ class Ramp(GroundSolid):
 
     @property
     def parts(self) -> tuple[SolidPart, ...]:
-        """One wedge."""
         return (SolidPart("", Wedge(pose=self.pose, z=self.z, size=(*self.size, self.height))),)
 
 
@@ -161,7 +157,6 @@ class Carpet(GroundSolid):
 
     @property
     def parts(self) -> tuple[SolidPart, ...]:
-        """One block."""
         return (SolidPart("", self.block),)
 
 
@@ -178,7 +173,6 @@ class Cylinder:
 
     @property
     def parts(self) -> tuple[SolidPart, ...]:
-        """One column."""
         column = UprightCylinder(pose=self.pose, z=self.z, radius=self.radius, height=self.height)
         return (SolidPart("", column),)
 
@@ -189,7 +183,6 @@ class Cylinder:
 
     @property
     def outline(self) -> Float:
-        """A regular polygon."""
         angles = 2 * pi / ROUND * np.arange(ROUND)
         around = np.column_stack([np.cos(angles), np.sin(angles)])
         return ring(self.radius * around + (self.pose.x, self.pose.y))
@@ -251,7 +244,6 @@ class Table:
 
     @property
     def outline(self) -> Float:
-        """Four sides of the top."""
         return rectangle(self.pose, self.size)
 
 
@@ -329,30 +321,17 @@ class Mesh:
 
     @property
     def parts(self) -> tuple[SolidPart, ...]:
-        """One hull.
-
-        Raises:
-            ConfigError: As for :attr:`hull`.
-        """
         return (SolidPart("", self.hull),)
 
     @property
     def walls(self) -> Float:
-        """Its outline, if it is in the way of sensors.
-
-        Raises:
-            ConfigError: As for :attr:`hull`.
-        """
+        """Its outline, if it is in the way of sensors; errors are those of :attr:`hull`."""
         z = self.hull.points[:, 2]
         return self.outline if z.min() <= SENSOR_HEIGHT <= z.max() else NONE
 
     @property
     def outline(self) -> Float:
-        """The hull as seen from above.
-
-        Raises:
-            ConfigError: As for :attr:`hull`.
-        """
+        """The hull as seen from above; errors are those of :attr:`hull`."""
         return ring(outer(self.hull.points[:, :2]))
 
 
