@@ -5,14 +5,13 @@ from math import tau
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from pioneer3.arrays import Float
+from pioneer3.arrays import Float, UInt8
 from pioneer3.errors import ConfigError
 from pioneer3.gym.simulation import GoalSimulation
 from pioneer3.maps.grid import shape_of, touched
 
-Image = NDArray[np.uint8]
+Image = UInt8
 
 METADATA: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 10}
 """Metadata of environments at 10 steps a second."""

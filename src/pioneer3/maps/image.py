@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pioneer3.arrays import Bytes
+from pioneer3.arrays import UInt8
 from pioneer3.errors import ConfigError
 from pioneer3.maps.grid import MOST_CELLS
 from pioneer3.text import one_line, read_bytes, wrong
@@ -42,8 +42,8 @@ class ShadeImage:
         alpha: 0 transparent to 255 opaque, same shape; `None` where all are opaque.
     """
 
-    shades: Bytes
-    alpha: Bytes | None = None
+    shades: UInt8
+    alpha: UInt8 | None = None
 
 
 def read_image(path: Path) -> ShadeImage:
@@ -123,17 +123,17 @@ def _gray(picture: "ImageFile") -> ShadeImage:
     return ShadeImage(((total + 1) // 3).astype(np.uint8), alpha)
 
 
-def to_png(pixels: Bytes) -> bytes:
+def to_png(pixels: UInt8) -> bytes:
     """Return 8-bit `pixels`, row 0 the top, as a PNG file: RGB (H, W, 3), or grey (H, W)."""
     return _written(pixels, "PNG")
 
 
-def to_pgm(shades: Bytes) -> bytes:
+def to_pgm(shades: UInt8) -> bytes:
     """Return 8-bit `shades` (H, W), row 0 the top, as a binary PGM file."""
     return _written(shades, "PPM")
 
 
-def _written(pixels: Bytes, kind: str) -> bytes:
+def _written(pixels: UInt8, kind: str) -> bytes:
     from PIL.Image import fromarray
 
     file = BytesIO()

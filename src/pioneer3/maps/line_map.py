@@ -6,13 +6,12 @@ from dataclasses import dataclass, field
 from typing import Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from pioneer3.arrays import Float
+from pioneer3.arrays import Float, UInt8
 from pioneer3.geometry import Pose2
 from pioneer3.maps.materials import Codes
 
-States = NDArray[np.uint8]
+States = UInt8
 Role = Literal["goal", "dock", "home", "place", "line", "area"]
 
 _SPEED = re.compile(r"\d+(\.\d*)?|\.\d+")

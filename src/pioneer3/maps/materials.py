@@ -9,11 +9,10 @@ from enum import StrEnum
 from math import radians
 
 import numpy as np
-from numpy.typing import NDArray
 
-from pioneer3.arrays import Float
+from pioneer3.arrays import Float, UInt8
 
-Codes = NDArray[np.uint8]
+Codes = UInt8
 
 
 class Material(StrEnum):

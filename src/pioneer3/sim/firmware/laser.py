@@ -19,13 +19,14 @@ from pioneer3.arcos import commands
 from pioneer3.arcos.commands import Command, RequestMode, SimLaserMode
 from pioneer3.arcos.packet import encode
 from pioneer3.arcos.reports import LaserReading, SimLaser, SimLaserExtended, to_payload
+from pioneer3.arrays import UInt16
 from pioneer3.geometry import ORIGIN, Pose2
 from pioneer3.sim.body import Body
 from pioneer3.sim.sensors import LASER_RANGE
 from pioneer3.sim.world import World
 from pioneer3.units import MM, degrees
 
-Words = NDArray[np.uint16]
+Words = UInt16
 
 PER_PACKET = 32
 """Readings in a packet; so 181 make six, as from AMRISim."""

@@ -4,11 +4,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from pioneer3.arrays import Float, Int
+from pioneer3.arrays import Float, Int, UInt8
 
-Flags = NDArray[np.uint8]
+Flags = UInt8
 
 LONGEST = 0.1
 """The longest step [s]: no robot goes so far in it that it could pass a wall unnoticed."""

@@ -10,9 +10,8 @@ root of 2: it is made smaller along both axes, across the corner. So a robot tha
 from math import ceil, copysign, cos, isnan, pi, sin, sqrt, tau
 
 import numpy as np
-from numpy.typing import NDArray
 
-from pioneer3.arrays import Bool, Float, Int32
+from pioneer3.arrays import Bool, Float, Int32, UInt8
 from pioneer3.jit import inlined, kernel
 from pioneer3.sim.collision import TOUCH
 from pioneer3.sim.kernels.drives import (
@@ -65,7 +64,7 @@ BETWEEN = TOUCH / 2
 """How deep robots must reach into each other for one that moves to stop [m]; less than `TOUCH` by
 the square root of 2 and room for rounding."""
 
-Flags = NDArray[np.uint8]
+Flags = UInt8
 Wheels = tuple[Float, Flags, Float, Float]
 """Arrays of drives: axes, flags, wheels, errors."""
 
