@@ -8,6 +8,7 @@ Keys that map_server does not know are skipped, as it skips them; `pioneer3 map 
 
 import re
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from math import cos, sin
 from pathlib import Path
@@ -257,11 +258,8 @@ def _mode(field: YamlField | None) -> str:
 
 
 def _image_path(path: Path, field: YamlField) -> Path:
-    try:
-        image = path.parent / field.string()
+    image = path.parent / field.string()
+    with suppress(OSError, ValueError):
         if image.is_file():
             return image
-    except (OSError, ValueError) as error:
-        if isinstance(error, ConfigError):
-            raise
     raise field.wrong(f"no such file: {shown(field.text)}, seen from the YAML file")

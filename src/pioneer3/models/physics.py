@@ -1,7 +1,7 @@
 """Masses, motors and tires of a robot's body, for simulators in three dimensions."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Final, NamedTuple
 
@@ -200,16 +200,13 @@ AMIGO: Final = BodyPhysics(
         }
     ),
 )
-PEOPLEBOT: Final = BodyPhysics(
+PEOPLEBOT: Final = replace(
+    P3DX,
     body_mass=17.8,
-    wheel_mass=0.6,
-    caster_mass=0.15,
-    center_x=-60 * MM,
     center_z=300 * MM,
     box=(380 * MM, 316 * MM, 800 * MM),
     side_torque=2.5,
     rolling_radius=95 * MM,
-    turning_track=330 * MM,
     sources=MappingProxyType(
         {
             **_COMMON,

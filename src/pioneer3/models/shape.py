@@ -129,16 +129,11 @@ AMIGO: Final = BodyShape(
         }
     ),
 )
-PEOPLEBOT: Final = BodyShape(
+PEOPLEBOT: Final = replace(
+    P3DX,
     height=1240 * MM,
     clearance=35 * MM,
-    sonar_height=190 * MM,
-    laser_height=353 * MM,
     wheel_radius=95 * MM,
-    wheel_width=48 * MM,
-    track=330 * MM,
-    axles=(0.0,),
-    caster=-185 * MM,
     sources=MappingProxyType(
         {
             **dict.fromkeys((*_COMMON, *_CASTER), "assumption: as of a P3-DX"),

@@ -3,12 +3,12 @@
 from typing import Final
 from xml.etree import ElementTree as ET
 
-from pioneer3.models import BodyShape, LaserMount, RobotModel, physics_of, shape_of
+from pioneer3.models import BodyShape, RobotModel, physics_of, shape_of
 from pioneer3.models.description import gazebo
 from pioneer3.models.description.solids import COLORS, LinkSolid, solids_of
 from pioneer3.models.description.tree import Frames, FrameTree, Joint, body_tree
 from pioneer3.models.description.xml import AXES, MAKER, Inertial, document, inertials_of, row
-from pioneer3.models.lasers import LASERS, LaserModel
+from pioneer3.models.lasers import LASERS
 
 VERSION: Final = "1.9"
 """The one of Gazebo Fortress; later ones read it."""
@@ -145,7 +145,8 @@ def _solid(link: ET.Element, kind: str, name: str, solid: LinkSolid, on: str) ->
 def _sensors(base: ET.Element, model: RobotModel, frames: Frames, *, laser: bool) -> None:
     _sensor(base, "imu", frames.imu, gazebo.TURN_RATE, IMU_RATE)
     if laser and model.laser is not None:
-        kind = _laser_of(model.laser)
+        name = model.laser.kind.lower()
+        kind = next((laser for laser in LASERS.values() if name in laser.kinds), USUAL_LASER)
         sensor = _sensor(base, "gpu_lidar", frames.laser, gazebo.SCAN, 1 / kind.turn)
         rays = _rays(sensor, (max(kind.near, OUTSIDE), kind.far))
         _across(rays, "horizontal", kind.count, kind.first, kind.last)
@@ -155,11 +156,6 @@ def _sensors(base: ET.Element, model: RobotModel, frames: Frames, *, laser: bool
         rays = _rays(sensor, (SONAR_NEAR, SONAR_FAR))
         for direction in ("horizontal", "vertical"):
             _across(rays, direction, SONAR_RAYS, -SONAR_CONE / 2, SONAR_CONE / 2)
-
-
-def _laser_of(mount: LaserMount) -> LaserModel:
-    kind = mount.kind.lower()
-    return next((laser for laser in LASERS.values() if kind in laser.kinds), USUAL_LASER)
 
 
 def _sensor(

@@ -37,9 +37,7 @@ LONGEST = 16
 class SonarArrays:
     """The sonar arrays of a robot with `count` transducers, in the default order and off at first.
 
-    Attributes:
-        firing: The transducers that fire, in order.
-        flags: The arrays that are on.
+    `firing` are the transducers that fire, in order, and `flags` the arrays that are on.
     """
 
     def __init__(self, count: int) -> None:

@@ -105,12 +105,10 @@ class Kernels:
     ) -> Float:
         """Return the range per robot and transducer [m], shape (F, mounts.most).
 
-        The nearest echo counts, of a transducer's rays or of an edge between them. No robot hears
-        itself. Columns that a robot's type does not have read `limit`.
-
-        `mounts` are the transducers of the first robots. What a ray meets first hides what is
-        behind, echo or not. `owners` are the F robots that listen; `None` means all that `mounts`
-        has.
+        The nearest echo counts, of a transducer's rays or of an edge between them; what a ray meets
+        first hides what is behind, echo or not. No robot hears itself. Columns that a robot's type
+        does not have read `limit`. `mounts` are the transducers of the first robots, and `owners`
+        the F robots that listen; `None` means all that `mounts` has.
         """
         poses, layout = robots.poses, mounts.arrays
         if owners is None:
@@ -164,7 +162,6 @@ class Kernels:
         """Return whether each robot would stand on something, shape (N,).
 
         `poses` are the proposed ones, rows x, y [m], theta [rad], shape (3, N), C-contiguous.
-
         Touching is free, as in :func:`pioneer3.sim.collision.footprint_hits`. The other robots
         count where they were placed, not where they propose to go.
         """

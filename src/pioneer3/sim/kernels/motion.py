@@ -73,10 +73,9 @@ Wheels = tuple[Float, Flags, Float, Float]
 def _ramp(
     v: float, goal: float, acceleration: float, brake: float, dt: float
 ) -> tuple[float, float]:
-    """Approach `goal`, towards zero with `brake`, away from it with `acceleration`.
+    """Return the velocity after `dt` on the way to `goal`, and the way.
 
-    Returns:
-        The velocity after `dt`, and the way.
+    Towards zero it brakes, else it accelerates.
     """
     way = 0.0
     if v * goal < 0.0 or abs(goal) < abs(v):

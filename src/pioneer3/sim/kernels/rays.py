@@ -65,11 +65,9 @@ def _entry(px: float, py: float, dx: float, dy: float, columns: int, rows: int) 
 def walk(
     ox: float, oy: float, dx: float, dy: float, limit: float, steep: float, walls: Walls
 ) -> tuple[float, float]:
-    """Walk along a ray, cell by cell, no further than the nearest wall.
+    """Return range to the nearest wall along a ray, and to the nearest that sends an echo back.
 
-    Returns:
-        Range to the nearest wall, and to the nearest that sends an echo back: one that the ray
-        meets at an angle whose sine is at least `steep`.
+    That is one that the ray meets at an angle whose sine is at least `steep`.
     """
     frame, starts, pieces = walls
     columns, rows, per_metre = int(frame[4]), int(frame[5]), frame[3]

@@ -44,16 +44,10 @@ class RobotArrays:
     A table says which robots are in which square cell. It repeats without end in both directions,
     so it needs no borders and robots may be anywhere; two far apart may share a place in it.
 
-    Args:
-        front: From the pose to the front edge [m], shape (N,).
-        rear: From the pose to the rear edge [m], positive, shape (N,).
-        half_width: From the pose to either side [m], shape (N,).
-        cut: How much of each side a cut corner takes [m], shape (N,); without it 0.
-
     Attributes:
-        state: Rows x, y [m], theta [rad], front, rear, half width, cut [m], and whether it is
-            hidden (1: neither seen nor touched), shape (8, N); the attributes of these names are
-            views of it.
+        state: Rows x, y [m], theta [rad], from the pose to the front edge, to the rear one, to
+            either side, how much of each side a cut corner takes [m], and whether it is hidden (1:
+            neither seen nor touched), shape (8, N); the attributes of these names are views of it.
         shapes: Middle x, y and radius of the circle around the outline, then its corners
             x, y counter-clockwise from the front left [m], shape (N, 11), or (N, 19) where any
             is cut.
@@ -234,11 +228,9 @@ def sonar_mounts(
 ) -> Mounts:
     """Lay out transducers for a kernel.
 
-    Args:
-        types: Of each robot type x, y [m], theta [rad] of its transducers, shape (M, 3).
-        kinds: Index into `types` of each robot.
-        rays: Of each transducer, spread evenly from edge to edge of its beam; the nearest counts.
-        width: Full angle of the beam [rad].
+    `types` are of each robot type x, y [m], theta [rad] of its transducers, shape (M, 3), and
+    `kinds` each robot's index into them. The rays of a transducer are spread evenly from edge to
+    edge of its beam, whose full angle is `width` [rad]; the nearest counts.
 
     Raises:
         ConfigError: Fewer than one ray, or a robot of a type that is not there.

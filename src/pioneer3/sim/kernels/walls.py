@@ -87,9 +87,7 @@ class Grid:
     def near(self, points: Float, reach: float) -> tuple[Int, Int]:
         """Return the walls within `reach` [m] of each point (N, 2), and some that are further off.
 
-        Returns:
-            Index of the point and of the wall, both of shape (P,), points ascending. A pair may
-            come more than once.
+        They are indices of point and wall, (P,) each, points ascending; a pair may come twice.
         """
         last, places = np.array(self.shape) - 1, (points - self.corner) / self.cell
         reach /= self.cell

@@ -11,7 +11,7 @@ import numpy as np
 from pioneer3.arrays import Bool, Int
 from pioneer3.maps import LineMap
 from pioneer3.maps.materials import GLASS, PLAIN, Codes, codes_of
-from pioneer3.models import RobotModel, shape_of
+from pioneer3.models import shape_of
 from pioneer3.models.description.mjcf import SIDES, bumper_geoms, mjcf_of
 from pioneer3.models.description.tree import wheel_joint_names
 from pioneer3.sim.body import Body
@@ -34,6 +34,7 @@ TALL = 0.8
 """From this height on a wall is one for all sensors, as on the plane [m]."""
 SMALL = 0.05
 """Parts of robots whose ball around them is smaller are not seen by sensors [m]."""
+_mjcf = lru_cache(maxsize=16)(mjcf_of)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -129,11 +130,6 @@ def build(
     model = elements.compiled()
     materials = _materials(line_map, relief, obstacles)
     return _indexed(model, mujoco.MjData(model), materials, robots, obstacles)
-
-
-@lru_cache(maxsize=16)
-def _mjcf(model: RobotModel) -> str:
-    return mjcf_of(model)
 
 
 def _ground(spec: Any, line_map: LineMap, relief: Relief) -> None:

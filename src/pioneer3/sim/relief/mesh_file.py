@@ -42,10 +42,6 @@ class Triangles:
     points: Float
     corners: Int
 
-    def scaled(self, scale: float) -> "Triangles":
-        """Return it `scale` times as large; the same one for the same scale."""
-        return _scaled(self, scale)
-
     @property
     def volume(self) -> float:
         """The volume inside of a closed surface, in cubes of the unit of its points."""
@@ -80,7 +76,8 @@ def read_mesh(path: Path) -> Triangles:
 
 
 @lru_cache(maxsize=64)
-def _scaled(mesh: Triangles, scale: float) -> Triangles:
+def scaled(mesh: Triangles, scale: float) -> Triangles:
+    """Return a mesh `scale` times as large; the same one for the same scale."""
     return Triangles(mesh.points * scale, mesh.corners)
 
 

@@ -17,7 +17,7 @@ from msgspec import Meta
 from pioneer3.arrays import Float
 from pioneer3.geometry import Pose2
 from pioneer3.maps.image import read_image
-from pioneer3.sim.relief.mesh_file import read_mesh
+from pioneer3.sim.relief.mesh_file import read_mesh, scaled
 from pioneer3.sim.relief.shapes import (
     CENTER,
     FARTHEST,
@@ -310,7 +310,7 @@ class Mesh:
         if mesh.reach * self.scale > FARTHEST:
             far = f"reaches farther than {FARTHEST / 1000:g} km from its origin"
             raise wrong(self.file, f" {far}: see key scale")
-        triangles = mesh.scaled(self.scale)
+        triangles = scaled(mesh, self.scale)
         if abs(triangles.volume) < LEAST_VOLUME:
             raise wrong(self.file, " has no volume: close its surface, and see key scale")
         least = max(LEAST_THICKNESS, LEAST_SHARE * triangles.reach)
