@@ -17,7 +17,6 @@ from pioneer3.tables import FieldForm, in_degrees
 Camera = Literal["vcc4", "sony"]
 TableWiring = Literal["old", "new"]
 PORTS = (1, 2, 3)
-GYRO_TYPES = (0, 1, 2)
 LAST_PORT = 65535
 PICTURE_RANGES: Mapping[str, tuple[float, float]] = MappingProxyType(
     {
@@ -51,8 +50,6 @@ class Equipment:
         camera_port: The AUX port that the camera is connected to.
         picture_port: TCP port of the camera's pictures, which worlds with physics have; `None` for
             the usual one, or the next that is free.
-        picture_width: Of a picture [pixels].
-        picture_height: [pixels].
         picture_rate: Pictures a second of simulated time [Hz].
         laser: Name of a laser range finder with a port of its own; `None` without.
         laser_port: TCP port of that; `None` for the usual one, or the next that is free.
@@ -85,7 +82,7 @@ class Equipment:
 
     def __post_init__(self) -> None:
         """Refuse impossible values, by the name of the field."""
-        _one_of("gyro_type", self.gyro_type, GYRO_TYPES)
+        _one_of("gyro_type", self.gyro_type, (0, 1, 2))
         _one_of("camera_port", self.camera_port, PORTS)
         _one_of("camera", self.camera, (None, "vcc4", "sony"))
         _one_of("table_ir", self.table_ir, (None, "old", "new"))

@@ -23,7 +23,6 @@ log = logging.getLogger(__name__)
 
 APPLICATION = "pioneer3"
 NO_GEO_REFERENCE = -1
-MOST_MESSAGES = 100
 CODE_BYTES = 3
 """Before the text of an old MESSAGE (protocol.md 3.3)."""
 E7 = 10_000_000
@@ -56,7 +55,7 @@ class Console:
     client_maps: ClientMaps
     tell: Callable[[MapChanged], None]
     step_times: StepTimes = StepTimes(simulated=0.1, wanted=0.1, measured=0.1)
-    messages: deque[str] = field(default_factory=lambda: deque(maxlen=MOST_MESSAGES))
+    messages: deque[str] = field(default_factory=lambda: deque(maxlen=100))
     _stat_request: HostRequest = field(default_factory=HostRequest)
     _wants_info: bool = False
 

@@ -25,8 +25,6 @@ CARPET_PRIORITY = 2
 """Above that of boxes and tires: the friction of a carpet holds for all that touches it."""
 BOX = "box"
 """Table of the solids whose sides are walls of the map, too."""
-CASTER = "caster"
-"""Name of the tire of a caster."""
 TERRAIN_BASE = 0.1
 """Thickness of a terrain below its lowest point [m], so that nothing falls through."""
 MOST_HULL = 1.3
@@ -165,7 +163,7 @@ class Elements:
 def tires_of(model: RobotModel, robot: str) -> Sequence[str]:
     """Return the names of the geoms that a robot stands on, which need not all be there."""
     links = [joint.removesuffix("_joint") for joint in wheel_joint_names(model)]
-    return [f"{robot}/{link}" for link in (*links, CASTER)]
+    return [f"{robot}/{link}" for link in (*links, "caster")]
 
 
 def shown_name(name: str) -> str:

@@ -43,14 +43,6 @@ from pioneer3.text import wrong
 
 SENSOR_HEIGHT = 0.2
 """Where the plane cuts solids [m]: between the sonars of a P3-DX and of a P3-AT, below lasers."""
-CARPET_FRICTION = 0.8
-"""Friction of rubber on a short pile; an assumption."""
-CARPET_HEIGHT = 0.008
-"""[m]; more than 4 mm, as deep as a P3-AT's tire sinks, else it would stand on the floor below."""
-TOP_THICKNESS = 0.03
-"""Thickness of a table's top [m]."""
-LEG_WIDTH = 0.05
-"""Width of a table's leg [m]."""
 ROUND = 16
 """Sides of the polygon that a cylinder is on a plane."""
 MOST_ROWS = 500
@@ -147,13 +139,14 @@ class Carpet(GroundSolid):
     """A part of the floor with a friction of its own, which holds for all that touches it.
 
     Attributes:
-        friction: Coulomb's coefficient.
-        height: Its thickness [m].
+        friction: Coulomb's coefficient, of rubber on a short pile; an assumption.
+        height: More than 4 mm, as deep as a P3-AT's tire sinks, else it would stand on the floor
+            below [m].
     """
 
     table: ClassVar[str] = "carpet"
-    friction: Friction = CARPET_FRICTION
-    height: Annotated[float, Meta(ge=0.006, le=0.05)] = CARPET_HEIGHT
+    friction: Friction = 0.8
+    height: Annotated[float, Meta(ge=0.006, le=0.05)] = 0.008
 
     @property
     def parts(self) -> tuple[SolidPart, ...]:
@@ -193,7 +186,6 @@ class Table:
     """A top on four legs; with a back it is a chair, which faces along its own x axis.
 
     Attributes:
-        size: Of the top, along its x and y axes [m].
         height: Of the upper side of the top [m].
         thickness: Of the top [m].
         leg_width: Of the legs, which are square, and of the back [m].
@@ -205,8 +197,8 @@ class Table:
     pose: Annotated[Pose2, PLACED]
     size: Size
     height: Height
-    thickness: Annotated[float, Meta(ge=0.002, le=1)] = TOP_THICKNESS
-    leg_width: Annotated[float, Meta(ge=0.005, le=1)] = LEG_WIDTH
+    thickness: Annotated[float, Meta(ge=0.002, le=1)] = 0.03
+    leg_width: Annotated[float, Meta(ge=0.005, le=1)] = 0.05
     back: Annotated[float, Meta(ge=0, le=10)] = 0.0
     z: Elevation = 0.0
 
@@ -287,8 +279,7 @@ class Mesh:
 
     Attributes:
         file: STL or OBJ, z upwards.
-        pose: The origin of the mesh [m, rad].
-        z: Height of this origin [m].
+        z: Height of the origin of the mesh, which is at `pose` [m].
         scale: Of the file's unit [m]: 0.001 for millimetres.
     """
 
