@@ -6,10 +6,9 @@ from typing import Literal
 
 import numpy as np
 
-from pioneer3.arrays import Float
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
-from pioneer3.maps.grid import raster_outline
+from pioneer3.maps.grid import walls_of
 from pioneer3.maps.line_map import (
     FREE,
     OCCUPIED,
@@ -50,7 +49,7 @@ def erased(line_map: LineMap, box: Extent) -> LineMap:
         inside = f"x {box.x_min:g} to {box.x_max:g} m, y {box.y_min:g} to {box.y_max:g} m"
         raise ConfigError(f"{line_map.name}: no wall is inside of {inside}")
     kept = np.array(lines, dtype=np.float64).reshape(-1, 4)
-    walls = np.concatenate([kept, *map(_outline, grids)])
+    walls = np.concatenate([kept, *map(walls_of, grids)])
     materials = dict(zip(map(tuple, line_map.walls.tolist()), line_map.materials, strict=True))
     return replace(
         line_map,
@@ -195,12 +194,6 @@ def _without(grid: OccupancyGrid, box: Extent) -> OccupancyGrid:
     states = grid.states.copy()
     states[inside] = FREE
     return replace(grid, states=states)
-
-
-def _outline(grid: OccupancyGrid) -> Float:
-    corner = np.array([grid.origin.x, grid.origin.y] * 2)
-    edges: Float = raster_outline(grid.states == OCCUPIED) * grid.resolution + corner
-    return edges
 
 
 def _holds(box: Extent, x: float, y: float) -> bool:

@@ -1,6 +1,6 @@
 """Occupancy grids and walls: outlines of occupied cells, and the cells that walls pass."""
 
-from math import ceil
+from math import ceil, cos, sin
 
 import numpy as np
 
@@ -99,6 +99,20 @@ def raster_outline(occupied: Bool) -> Float:
     line, start, end = _row_runs((framed[1:-1, 1:] != framed[1:-1, :-1]).T)
     vertical = np.stack([line, start, line, end], axis=1)
     return np.concatenate([horizontal, vertical]).astype(np.float64)
+
+
+def walls_of(grid: OccupancyGrid) -> Float:
+    """Return the outline of the occupied cells of a grid, as walls of its map [m], shape (W, 4).
+
+    Raises:
+        OverflowError: As for :func:`raster_outline`.
+    """
+    edges, origin = raster_outline(grid.states == OCCUPIED) * grid.resolution, grid.origin
+    c, s = cos(origin.theta), sin(origin.theta)
+    x, y = edges[:, ::2], edges[:, 1::2]
+    walls = np.empty_like(edges)
+    walls[:, ::2], walls[:, 1::2] = origin.x + c * x - s * y, origin.y + s * x + c * y
+    return walls
 
 
 def _row_runs(edges: Bool) -> tuple[Int, Int, Int]:

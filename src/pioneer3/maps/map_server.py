@@ -10,7 +10,6 @@ import re
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass
-from math import cos, sin
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING
@@ -20,7 +19,7 @@ import numpy as np
 from pioneer3.arrays import Float
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2, wrap
-from pioneer3.maps.grid import MOST_WALLS, raster_outline
+from pioneer3.maps.grid import MOST_WALLS, walls_of
 from pioneer3.maps.image import ShadeImage, read_image
 from pioneer3.maps.line_map import (
     FREE,
@@ -129,18 +128,13 @@ class MapServerFile:
             ConfigError: The picture cannot be read.
         """
         states = self._states(read_image(self.image))[::-1]
+        grid = OccupancyGrid(states=states, resolution=self.resolution, origin=self.origin)
         try:
-            edges = raster_outline(states == OCCUPIED)
+            walls = walls_of(grid)
         except OverflowError:
             most = f"{MOST_WALLS / 1e6:.0f} million"
             raise wrong(self.image, f" pixels: more than {most} edges; not a map") from None
-        grid = OccupancyGrid(states=states, resolution=self.resolution, origin=self.origin)
-        return LineMap(
-            name=self.path.stem,
-            walls=placed(edges * self.resolution, self.origin),
-            grids=(grid,),
-            lines=np.empty((0, 4)),
-        )
+        return LineMap(name=self.path.stem, walls=walls, grids=(grid,), lines=np.empty((0, 4)))
 
     def _states(self, image: ShadeImage) -> States:
         """Return the cells as in :class:`OccupancyGrid`; row 0 is the top."""
@@ -233,15 +227,6 @@ def _field(path: Path, key: "Node", value: "Node") -> YamlField:
         return YamlField(line, name, text=value.value)
     items = [item.value for item in value.value] if isinstance(value, SequenceNode) else []
     return YamlField(line, name, items=tuple(i if isinstance(i, str) else "" for i in items))
-
-
-def placed(walls: Float, origin: Pose2) -> Float:
-    """Return `walls` (W, 4) of a frame that lies at `origin`."""
-    c, s = cos(origin.theta), sin(origin.theta)
-    x, y = walls[:, ::2], walls[:, 1::2]
-    turned = np.empty_like(walls)
-    turned[:, ::2], turned[:, 1::2] = origin.x + c * x - s * y, origin.y + s * x + c * y
-    return turned
 
 
 def _threshold(fields: Mapping[str, YamlField], key: str, default: float) -> float:

@@ -233,11 +233,10 @@ def _pose(
     turned: tuple[float, float, float] = (0.0, 0.0, 0.0),
     *,
     relative_to: str = "",
-) -> ET.Element:
+) -> None:
     """Add a pose [m, rad] in the coordinates of a frame; of the parent if that is empty."""
     pose = ET.SubElement(element, "pose", {"relative_to": relative_to} if relative_to else {})
     pose.text = row(*at, *turned)
-    return pose
 
 
 def _text(element: ET.Element, name: str, content: float | str) -> None:
