@@ -74,13 +74,10 @@ class Distance(NamedTuple):
 
 
 class FreeSpace:
-    """Positions in a map where a robot can turn, and each of which can be reached from each other.
+    """Points (K, 2) in a map where a robot can turn, each of which can be reached from each other.
 
     The homes of `line_map` say which side of its walls is inside; `walls` are those of the map and
     the fence [m], shape (W, 4). The robot needs a circle of this `radius` to turn in [m].
-
-    Attributes:
-        points: [m], shape (K, 2).
 
     Raises:
         ConfigError: There are none.

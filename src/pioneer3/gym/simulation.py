@@ -50,9 +50,7 @@ class StepResult(NamedTuple):
 class Observations:
     """Observations of all robots of a task, and the spaces of these and of actions.
 
-    Attributes:
-        sonars: Number of each robot's sonars; 0 if they are not observed.
-        beams: Number of laser beams; 0 if the laser is not observed.
+    The numbers of each robot's `sonars` and `beams` of its laser are 0 if these are not observed.
 
     Raises:
         ConfigError: The model does not have a sensor that the task asks for.

@@ -44,10 +44,8 @@ square of the range, and 90 % of remission give the longest."""
 class Arc:
     """The readings that a turn of the mirror takes.
 
-    Attributes:
-        first: Direction of the first one, from straight ahead of the laser [rad].
-        step: From one to the next, counter-clockwise [rad].
-        beam_time: From one to the next [s].
+    The direction of the first one is from straight ahead of the laser, the step counter-clockwise
+    [rad]; from one to the next it takes `beam_time` [s].
     """
 
     first: float
@@ -109,9 +107,8 @@ class LaserScanner:
     def readings(self) -> tuple[Float, Float]:
         """Return the readings of a turn of which all are taken, with the errors of the laser.
 
-        Returns:
-            Ranges [m], `inf` where nothing came back, and intensities: the share of the light of a
-            perfect matt white wall, 0 for nothing; both of shape (count,).
+        They are ranges [m], `inf` where nothing came back, and intensities: the share of the light
+        of a perfect matt white wall, 0 for nothing; both of shape (count,).
         """
         middle = self._aside + self._per_step * np.arange(self._arc.count)
         ranges, codes = self._ranges[middle], self._codes[middle]

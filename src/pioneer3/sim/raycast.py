@@ -14,17 +14,11 @@ TOUCH = 1e-9
 
 
 def cast_reference(origin: Float, angles: Float, walls: Float, limit: float) -> Float:
-    """Plain numpy; slow but obvious. The oracle of the kernels.
+    """Return the ranges of rays at `angles` (B,), in plain numpy: the oracle of the kernels.
 
-    Args:
-        origin: Where all rays start [m], shape (2,).
-        angles: Ray directions [rad], shape (B,).
-        walls: Segments `x0, y0, x1, y1` [m], shape (W, 4).
-        limit: Longest range [m]; a ray that hits nothing returns this.
-
-    Returns:
-        Ranges [m], shape (B,), each in [0, limit]. A wall along a ray is hit at its nearer end, a
-        wall that the origin lies on at 0.
+    Rays start at `origin` (2,); walls are segments x0, y0, x1, y1 (W, 4) [m]. A ray that hits
+    nothing reads `limit`; a wall along a ray is hit at its nearer end, one that the origin lies on
+    at 0.
     """
     shortest: Float = ranges_reference(origin, angles, walls, limit).min(axis=1, initial=limit)
     return shortest

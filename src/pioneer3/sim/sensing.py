@@ -28,14 +28,11 @@ SAME = 1e-5
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Surfaces:
-    """Walls that are not plain: of other materials, or of glass.
+    """Walls that are not plain, (S, 4) [m]: of other materials, or of glass.
 
     There are few of them, so each ray is compared with each: kernels know of no materials. They
     cast rays among all that is not glass; then the glass that a ray meets nearly at a right angle
     is put in front, and rays that end on a black wall or a reflector are found by their range.
-
-    Attributes:
-        walls: Segments [m], shape (S, 4).
     """
 
     walls: Float
@@ -92,13 +89,7 @@ People = Literal["legs", "bodies"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SensedWalls:
-    """Walls as the kernels sense them.
-
-    Attributes:
-        opaque: Those that are not of glass.
-        surfaces: Those that are not plain.
-        echoes: Those that send sound back, and the edges that always do.
-    """
+    """Walls as the kernels sense them: all, those not of glass, those not plain, and echoes."""
 
     grid: Grid
     opaque: Grid

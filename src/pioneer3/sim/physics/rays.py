@@ -35,13 +35,9 @@ class Hits(NamedTuple):
 class ScenePoses:
     """Where the N robots and T things of a scene are at one instant.
 
-    Attributes:
-        at: Origins of the robots [m], shape (N, 3).
-        turned: Their rotations, shape (N, 3, 3).
-        level: Which of them stand level, shape (N,).
-        middles: Of circles around all robots, things and people from above [m], shape (T, 2); the
-            robots come first.
-        radii: Of these circles [m], shape (T,).
+    `at` are the origins of the robots (N, 3) [m], `turned` their rotations (N, 3, 3), and `level`
+    says which of them stand level (N,). Circles around all robots, things and people, the robots
+    first, have `middles` (T, 2) and `radii` (T,) [m].
     """
 
     at: Float

@@ -32,11 +32,9 @@ class _TooManyError(Exception):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Triangles:
-    """A surface; compares by identity.
+    """A surface of points (P, 3) in the frame of the mesh; compares by identity.
 
-    Attributes:
-        points: In the frame of the mesh, shape (P, 3).
-        corners: Three numbers of points for each triangle, counter-clockwise from outside, (T, 3).
+    `corners` are three numbers of points for each triangle, counter-clockwise from outside, (T, 3).
     """
 
     points: Float
