@@ -14,9 +14,9 @@ TOUCH = 1e-9
 
 
 def cast_reference(origin: Float, angles: Float, walls: Float, limit: float) -> Float:
-    """Return the ranges of rays at `angles` (B,), in plain numpy: the oracle of the kernels.
+    """Return ranges of rays at `angles` (B,) [rad], in plain numpy: the oracle of the kernels.
 
-    Rays start at `origin` (2,); walls are segments x0, y0, x1, y1 (W, 4) [m]. A ray that hits
+    Rays start at `origin` (2,), walls are segments x0, y0, x1, y1 (W, 4) [m]. A ray that hits
     nothing reads `limit`; a wall along a ray is hit at its nearer end, one that the origin lies on
     at 0.
     """
