@@ -149,7 +149,7 @@ DIRECTIONS: Final[Mapping[GripperAction, tuple[int | None, int | None]]] = Mappi
         GripperAction.HALT: (0, 0),
     }
 )
-"""Of the paddles and of the lift, `None` for one that goes on as it does."""
+"""Directions of the paddles and of the lift, `None` for one that goes on as it does."""
 
 
 class SimulatedGripper(ReportingAccessory):

@@ -62,7 +62,7 @@ def run(world: World, seconds: float) -> None:
 
 
 def dynamics_of(world: World) -> MujocoDynamics:
-    dynamics = world._dynamics
+    dynamics = world.dynamics
     assert isinstance(dynamics, MujocoDynamics)
     return dynamics
 
