@@ -46,13 +46,14 @@ PACKED: dict[bytes, Callable[[BinaryIO], BufferedIOBase]] = {
 }
 """First bytes of packed files, and how they are unpacked."""
 BAGS = {
-    b"#ROSBAG V2.0": ROS_1,
-    b"\x89MCAP0\r\n": MCAP,
-    b"SQLite format 3\0": SQLITE,
+    rb"#ROSBAG V2\.0": ROS_1,
+    rb"\x89MCAP0\r\n\x01.{8}\x04\x00{3}ros2": MCAP,
+    rb"SQLite format 3\0": SQLITE,
 }
-"""First bytes of rosbags."""
+"""Begins of rosbags."""
 OTHERS: tuple[tuple[bytes, str], ...] = (
     (rb"#ROS(BAG|RECORD) V", "a rosbag of a format before 2.0: `rosbag fix` makes a newer one"),
+    (rb"\x89MCAP", "an MCAP file that is not of ROS 2"),
     (rb"\x28\xb5\x2f\xfd", "packed by zstd: unpack it, or name the folder with its metadata.yaml"),
     (rb"(PK\x03\x04|7z\xbc\xaf|Rar!|.{257}ustar)", "an archive: unpack it first"),
     (rb"version https://git-lfs", "a pointer of Git LFS, not the file: run `git lfs pull`"),
@@ -74,9 +75,9 @@ OTHERS: tuple[tuple[bytes, str], ...] = (
     (rb"\s*<(\?xml|sdf|launch|robot|world)", "XML, such as a world or a launch file"),
     (rb"## Player version", "a log of Player"),
     (rb"rosbag2_bagfile_information:", "the list of a rosbag: name its folder"),
-    (rb"(?s).{0,1500}\bimage:\s*\S+\.(pgm|png|bmp|jpg)", "the YAML of a map with its picture"),
-    (rb"(?s).{0,1500}\b(floorplan|position)\b[^\n]*\n?\s*\(", "a world of Stage"),
-    (rb"(?s).{0,4000}\bC(Action|Observation|SensoryFrame)", "a rawlog of MRPT"),
+    (rb".{0,1500}\bimage:\s*\S+\.(pgm|png|bmp|jpg)", "the YAML of a map with its picture"),
+    (rb".{0,1500}\b(floorplan|position)\b[^\n]*\n?\s*\(", "a world of Stage"),
+    (rb".{0,4000}\bC(Action|Observation|SensoryFrame)", "a rawlog of MRPT"),
     (rb"\s*[\[{]\s*[\"{\[]", "JSON"),
 )
 """Begins of other files, and their names for people."""
@@ -308,7 +309,7 @@ def _files(folder: Path) -> list[Path]:
 
 def _bag_format(path: Path) -> BagFormat | None:
     begin = _begin(path)
-    return next((form for magic, form in BAGS.items() if begin.startswith(magic)), None)
+    return next((form for each, form in BAGS.items() if re.match(each, begin, re.DOTALL)), None)
 
 
 def _text_format(head: list[str]) -> _TextFormat | None:
@@ -327,10 +328,10 @@ def _kind(path: Path) -> str:
     begin = _unpacked(path)
     if not begin:
         return "empty"
-    if any(begin.startswith(magic) for magic in BAGS):
+    if any(re.match(each, begin, re.DOTALL) for each in BAGS):
         return "a rosbag that is packed: unpack it first"
     for pattern, name in OTHERS:
-        if re.match(pattern, begin, re.DOTALL if pattern.startswith(b".") else 0):
+        if re.match(pattern, begin, re.DOTALL):
             return name
     if b"\0" in begin:
         return "of a format that is not known"
