@@ -7,7 +7,7 @@ poses, and :meth:`Mapper.apply` takes the result, whatever has been added meanwh
 
 from collections.abc import Mapping
 from dataclasses import replace
-from math import cos, hypot, sin
+from math import cos, hypot, pi, sin
 from typing import Any, Self
 
 import numpy as np
@@ -34,6 +34,9 @@ STILL_TURN_ERROR = 0.01
 """Error of the heading of a stretch without a way [rad]."""
 SEARCHED_SIGMAS = 2.5
 """Standard deviations of odometry within which the pose is searched for."""
+SEARCHED_WAY = 3.0
+"""Distance within which the pose is searched for at most [m]: a log may miss much, and a search
+takes time with its area."""
 WIDE_WAY = 0.12
 """Distance of a scan above which matching needs a search before it [m]."""
 WIDE_TURN = 0.1
@@ -240,7 +243,8 @@ class Mapper:
             # nothing that walks along with the robot is to take it with it in small steps
             prior = prior.joined(_expected(self._here, odometry, sigma, sigma_theta))
         aside = hypot(odometry.x, odometry.y) * sigma_theta
-        way, turn = SEARCHED_SIGMAS * (sigma + aside / 2), SEARCHED_SIGMAS * sigma_theta
+        way = min(SEARCHED_WAY, SEARCHED_SIGMAS * (sigma + aside / 2))
+        turn = min(pi, SEARCHED_SIGMAS * sigma_theta)
         if way > WIDE_WAY or turn > WIDE_TURN:
             guess, _ = self._submap.search(cloud.points, guess, way, turn)
         match = self._match = self._submap.match(cloud, guess, prior)

@@ -26,7 +26,7 @@ Tell = Callable[[float], None]
 
 IMPROVE = 10
 """Loops are looked for after so many scans."""
-LEAP = 20.0
+LEAP = 5.0
 """Way between two readings of odometry above which it has begun anew, or is damaged [m]."""
 
 
