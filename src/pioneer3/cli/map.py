@@ -46,6 +46,26 @@ def show(file: str) -> int:
     return 0
 
 
+@map_app.command(name="list")
+def list_maps(folder: Path = Path()) -> int:
+    """List the maps and worlds that ship, and those in a folder.
+
+    Example: pioneer3 map list ~/maps
+
+    Args:
+        folder: Looked into, without the folders below.
+    """
+    from pioneer3.cli.process import write_line
+    from pioneer3.maps import shipped_maps
+    from pioneer3.sim.worldfile import maps_in, shipped_worlds
+
+    write_line(f"maps that ship: {', '.join(shipped_maps())}")
+    write_line(f"worlds that ship: {', '.join(shipped_worlds())}")
+    for path in maps_in(folder):
+        write_line(str(path))
+    return 0
+
+
 @map_app.command
 def check(
     file: str,

@@ -1,4 +1,4 @@
-"""Reads ARIA `.map` files (facts.md 10): headers 2D-Map, 2D-Map-Ex and 2D-Map-Ex2."""
+"""Reads ARIA `.map` files (facts.md 10)."""
 
 import re
 from array import array
@@ -19,7 +19,8 @@ from pioneer3.units import MM
 
 Refuse = Callable[[ConfigError], None]
 
-HEADERS = ("2D-Map", "2D-Map-Ex", "2D-Map-Ex2")
+HEADER = re.compile(r"2D-Map(-Ex\d*)?")
+"""First line: each edition of the format adds entries that do not concern us."""
 DEFAULT_RESOLUTION_MM = 20.0
 RESOLUTIONS_MM = (1.0, 10_000.0)
 """Smallest and largest side of a cell that is accepted [mm]."""
@@ -137,6 +138,8 @@ class AriaFile:
         grids: list[OccupancyGrid] = []
         for section in self.sections:
             rows, grid = section.rows * MM, None
+            if not len(rows):
+                continue
             if section.kind == "DATA":
                 side = self._resolution(section.source)
                 grid, rows = grid_of(rows, side), outline(rows, side)
@@ -156,11 +159,14 @@ class AriaFile:
         )
 
     def _resolution(self, source: str) -> float:
-        """Return the side of a cell [m] for a sensor: its own, else the map's, else ARIA's."""
+        """Return the side of a cell [m] for a sensor: its own, else the map's, else ARIA's.
+
+        0 and -1 stand for none, as in maps that were drawn.
+        """
         for key in (f"{source}Resolution", "Resolution"):
             for entry in self.entries:
-                if entry.key == key:
-                    return MM * _resolution_mm(entry)
+                if entry.key == key and (value_mm := resolution_mm(entry)):
+                    return MM * value_mm
         return MM * DEFAULT_RESOLUTION_MM
 
 
@@ -188,9 +194,8 @@ def parse_aria(path: Path, text: str, refuse: Refuse = _raise) -> AriaFile:
     header = next(lines_of(path, text), None)
     if header is None:
         raise wrong(path, "1: header: the file is empty; a map starts with 2D-Map")
-    if header.text not in HEADERS:
-        names = ", ".join(HEADERS)
-        raise header.wrong("header", f"expected one of {names}, not {shown(header.text)}")
+    if not HEADER.fullmatch(header.text):
+        raise header.wrong("header", f"expected 2D-Map or 2D-Map-Ex, not {shown(header.text)}")
     entries, sections = _parse(path, text, header.number, refuse)
     types = object_types(entry.value for entry in entries if entry.key == "MapInfo")
     places: list[AriaPlace] = []
@@ -261,12 +266,19 @@ def _read(
         refuse(error)
 
 
-def _resolution_mm(entry: AriaEntry) -> float:
+def resolution_mm(entry: AriaEntry) -> float | None:
+    """Return the side of a cell that an entry tells [mm]; `None` for 0 or less.
+
+    Raises:
+        ConfigError: It is no such number.
+    """
     words = entry.value.split()
     if len(words) != 1:
         raise entry.line.wrong(entry.key, f"expected one number, not {shown(entry.value)}")
     (value_mm,) = entry.line.numbers(entry.key, words)
     smallest, largest = RESOLUTIONS_MM
+    if value_mm <= 0:
+        return None
     if not smallest <= value_mm <= largest:
         problem = f"{value_mm:g} mm is not in {smallest:g} to {largest:g} mm"
         raise entry.line.wrong(entry.key, problem)

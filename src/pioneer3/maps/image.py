@@ -1,10 +1,13 @@
-"""Pictures of maps: reads PGM and PNG, writes both, with Pillow."""
+"""Pictures of maps: reads the formats of map_server, writes PGM and PNG, with Pillow."""
 
 import struct
 import warnings
+from collections.abc import Mapping
 from dataclasses import dataclass
+from importlib import import_module
 from io import BytesIO
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,7 +22,18 @@ if TYPE_CHECKING:
 
 PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
 PGM_SIGNATURES = (b"P2", b"P5")
-SIGNATURES = (PNG_SIGNATURE, *PGM_SIGNATURES)
+SIGNATURES: Mapping[bytes, str] = MappingProxyType(
+    {
+        PNG_SIGNATURE: "Png",
+        **dict.fromkeys((*PGM_SIGNATURES, b"P1", b"P3", b"P4", b"P6"), "Ppm"),
+        b"BM": "Bmp",
+        b"\xff\xd8\xff": "Jpeg",
+        b"II*\0": "Tiff",
+        b"MM\0*": "Tiff",
+        b"GIF8": "Gif",
+    }
+)
+"""Pillow's names of the formats that map_server reads, by the first bytes of a file; PGM is Ppm."""
 LARGEST_IMAGE = 128 << 20
 """Larger picture files are not read [bytes]."""
 LARGEST_UNPACKED = 64 << 20
@@ -47,10 +61,10 @@ class ShadeImage:
 
 
 def read_image(path: Path) -> ShadeImage:
-    """Read a PGM picture (P2, P5) or a PNG picture; shades of any depth are scaled to 0 to 255.
+    """Read a picture of a format that map_server reads; shades are scaled to 0 to 255.
 
     Raises:
-        ConfigError: The file is neither, is damaged, or is too large.
+        ConfigError: The file is no such picture, is damaged, or is too large.
     """
     return parse_image(path, read_bytes(path, LARGEST_IMAGE))
 
@@ -61,19 +75,18 @@ def parse_image(path: Path, raw: bytes) -> ShadeImage:
     Raises:
         ConfigError: As for :func:`read_image`.
     """
-    from PIL.PngImagePlugin import PngImageFile
-    from PIL.PpmImagePlugin import PpmImageFile
-
+    kind = next((name for start, name in SIGNATURES.items() if raw.startswith(start)), None)
+    if kind is None:
+        names = ", ".join(dict.fromkeys(SIGNATURES.values())).upper()
+        raise wrong(path, f" header: no picture; PGM, {names} are read")
+    # Pillow's own way to open a file refuses large ones in words of its own
+    opened = getattr(import_module(f"PIL.{kind}ImagePlugin"), f"{kind}ImageFile")
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # a picture with oddities is read or refused
-            if raw.startswith(PNG_SIGNATURE):
-                PngImageFile(BytesIO(raw)).verify()  # reading alone ignores checksums
-                picture: ImageFile = PngImageFile(BytesIO(raw))
-            elif raw.startswith(PGM_SIGNATURES):
-                picture = PpmImageFile(BytesIO(_without_comments(raw)))
-            else:
-                raise wrong(path, " header: neither a PGM (P2, P5) nor a PNG picture")
+            if kind == "Png":
+                opened(BytesIO(raw)).verify()  # reading alone ignores checksums
+            picture: ImageFile = opened(BytesIO(_without_comments(raw)))
             _check_size(path, picture)
             picture.load()
             return _gray(picture)
@@ -108,7 +121,7 @@ def _check_size(path: Path, picture: "ImageFile") -> None:
 
 
 def _gray(picture: "ImageFile") -> ShadeImage:
-    if picture.mode in ("1", "P", "PA"):
+    if picture.mode in ("1", "P", "PA", "CMYK", "YCbCr", "LAB"):
         pixels = np.asarray(picture.convert("L" if picture.mode == "1" else "RGB"))
     else:
         pixels = np.asarray(picture)

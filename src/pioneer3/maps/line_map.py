@@ -79,6 +79,16 @@ class MapObject:
         return bool(self.outline) and self.kind.startswith("Forbidden")
 
     @property
+    def one_way(self) -> bool:
+        """Whether planned ways lead over it only towards the heading of its pose."""
+        return self.role == "area" and self.kind == "OneWaySector"
+
+    @property
+    def restrictive(self) -> bool:
+        """Whether planned ways lead over it only to a goal, or from a start, within it."""
+        return self.role == "area" and self.kind == "RestrictiveSector"
+
+    @property
     def speed(self) -> float | None:
         """The highest speed that is wanted within it [m/s]: the name of a `SpeedArea` tells it."""
         if self.kind != "SpeedArea" or len(self.outline) < 3:

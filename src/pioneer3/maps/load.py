@@ -11,10 +11,11 @@ from pioneer3.maps.line_map import LineMap
 from pioneer3.maps.map_server import LARGEST_YAML, MapServerFile, parse_map_server
 from pioneer3.text import decoded, read_bytes, wrong
 
-PICTURES = (".pgm", ".png")
+PICTURES = (".pgm", ".png", ".ppm", ".pbm", ".bmp", ".jpg", ".jpeg", ".tif", ".tiff", ".gif")
 YAMLS = (".yaml", ".yml")
 _IMAGE_KEY = re.compile(r"^image\s*:", re.MULTILINE)
 _WORLD = re.compile(r"^\s*\[world\]", re.MULTILINE)
+_ARIA = re.compile(r"\A\s*2D-Map")
 _SUFFIX = ".map"
 
 
@@ -34,11 +35,11 @@ def read_map_file(path: Path) -> AriaFile | MapServerFile:
     """Read a map file with its line numbers; errors are those of :func:`read_map`."""
     raw = read_bytes(path)
     ending = path.suffix.lower()
-    if ending in PICTURES and raw.startswith(SIGNATURES):
+    if ending in PICTURES and raw.startswith(tuple(SIGNATURES)):
         raise wrong(path, " is a picture; give the YAML file that says its resolution")
     text = decoded(raw)
     start = text[:LARGEST_YAML]
-    is_aria = start.lstrip().startswith("2D-Map")
+    is_aria = bool(_ARIA.match(start))
     if not is_aria and (ending in YAMLS or (ending != ".map" and _IMAGE_KEY.search(start))):
         if len(raw) > LARGEST_YAML:
             raise wrong(path, " is larger than 64 KB, so not a map_server file")
@@ -46,6 +47,19 @@ def read_map_file(path: Path) -> AriaFile | MapServerFile:
     if not is_aria and _WORLD.search(start):
         raise wrong(path, " is a world; its name must end in .toml")
     return parse_aria(path, text)
+
+
+def looks_like_map(path: Path) -> bool:
+    """Whether a file begins as a map or a world does, and its name says so."""
+    begins = {".map": _ARIA, **dict.fromkeys(YAMLS, _IMAGE_KEY), ".toml": _WORLD}
+    sign = begins.get(path.suffix.lower())
+    if sign is None:
+        return False
+    try:
+        with path.open("rb") as file:
+            return bool(sign.search(decoded(file.read(LARGEST_YAML))))
+    except (OSError, ConfigError):
+        return False
 
 
 def shipped_maps() -> tuple[str, ...]:

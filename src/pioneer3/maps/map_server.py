@@ -6,11 +6,12 @@ occupancy in percent, above 100 unknown. In trinary mode the average includes al
 Keys that map_server does not know are skipped, as it skips them; `pioneer3 map check` lists them.
 """
 
+import logging
 import re
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass
-from pathlib import Path
+from pathlib import Path, PureWindowsPath
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
@@ -33,6 +34,8 @@ from pioneer3.text import TextLine, one_line, shown, wrong
 
 if TYPE_CHECKING:
     from yaml import Node
+
+log = logging.getLogger(__name__)
 
 MODES = ("trinary", "scale", "raw")
 KEYS = ("image", "resolution", "origin", "negate", "occupied_thresh", "free_thresh", "mode")
@@ -243,8 +246,15 @@ def _mode(field: YamlField | None) -> str:
 
 
 def _image_path(path: Path, field: YamlField) -> Path:
-    image = path.parent / field.string()
-    with suppress(OSError, ValueError):
-        if image.is_file():
+    """Return the picture that a field names; that beside the file for one of another computer."""
+    named = field.string()
+    for name in (named, PureWindowsPath(named).name):
+        image = path.parent / name
+        with suppress(OSError, ValueError):
+            if not image.is_file():
+                continue
+            if name != named:
+                told = "is not there, %s beside the file is taken"
+                log.warning(f"%s: image: %s {told}", path, shown(named), image.name)
             return image
     raise field.wrong(f"no such file: {shown(field.text)}, seen from the YAML file")

@@ -1,7 +1,7 @@
 """The cost of driving over each place of a map, for one robot."""
 
 from dataclasses import dataclass, replace
-from math import inf
+from math import cos, inf, sin
 from typing import Self
 
 import numpy as np
@@ -31,6 +31,8 @@ PEOPLE_FADE = 0.15
 """Distance over which this cost falls to nothing, from where they pass beside the robot on [m]."""
 PASSING_DISTANCE = 0.25 + 0.15
 """Distance from the middle of somebody who passes to the robot's side [m]."""
+BARRIER = 2.0
+"""Thickness of the edge of a one-way sector that is closed [cells]."""
 LEAST_CLEARANCE = 0.08
 """Clearance below which no place is worth leaving from [m]."""
 
@@ -46,6 +48,7 @@ class CostMap:
         closed: Where the robot must not be, whatever its clearance: in forbidden areas, outside of
             all that is known, shape (H, W).
         forbidden: Areas of the map that robots must not enter.
+        sectors: Areas that they may cross one way, or may enter for a goal in them alone.
         busy: Share of `PEOPLE_COST` that each place costs, as people come there, shape (H, W), or
             `None`.
         speeds: Highest speed that is wanted [m/s], `inf` where any is, shape (H, W).
@@ -59,6 +62,7 @@ class CostMap:
     clearance: Float32
     closed: Bool
     forbidden: tuple[MapObject, ...]
+    sectors: tuple[MapObject, ...]
     speeds: Float32
     needed: float
     turning: float
@@ -99,12 +103,28 @@ class CostMap:
             clearance=clearance,
             closed=closed,
             forbidden=tuple(o for o in line_map.objects if o.forbidden and len(o.outline) > 2),
+            sectors=tuple(o for o in line_map.objects if o.one_way or o.restrictive),
             speeds=speeds,
             needed=needed,
             turning=model.corner + settings.turning_margin,
             top_speed=model.max_speed,
             settings=settings,
         )
+
+    def with_barrier(self, area: MapObject, *, at_entry: bool) -> Self:
+        """Return the costs with a one-way sector that nobody enters, or leaves, the wrong way."""
+        within = inside(area, self.raster)
+        rows, columns = np.nonzero(within)
+        ahead = columns * cos(area.pose.theta) + rows * sin(area.pose.theta)
+        edge = ahead <= ahead.min() + BARRIER if at_entry else ahead >= ahead.max() - BARRIER
+        closed = self.closed.copy()
+        closed[rows[edge], columns[edge]] = True
+        return replace(self, closed=closed)
+
+    def without(self, area: MapObject) -> Self:
+        """Return the costs with a sector that is closed."""
+        sectors = tuple(each for each in self.sectors if each is not area)
+        return replace(self, closed=self.closed | inside(area, self.raster), sectors=sectors)
 
     def with_obstacles(self, points: Float) -> Self:
         """Return the costs with obstacles that are not on the map, at `points` (N, 2) [m]."""

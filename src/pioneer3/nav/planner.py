@@ -1,13 +1,14 @@
 """Ways to a goal: the cheapest one from everywhere, and the one from a place as points."""
 
 from dataclasses import dataclass
-from math import inf, isfinite
+from math import cos, inf, isfinite, sin
 from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pioneer3.jit import fast
+from pioneer3.maps.line_map import MapObject
 from pioneer3.nav.costs import CostMap, inside
 from pioneer3.nav.kernels import CACHE
 from pioneer3.nav.kernels.fields import NOT_WAITING, march
@@ -19,6 +20,8 @@ Float32 = NDArray[np.float32]
 
 GET_OUT_WAY = 0.8
 """Way from its start through places where the robot does not fit at most [m]."""
+BACKWARDS = 0.2
+"""Way against a one-way sector that does not count [m]."""
 MOST_WAY_POINTS = 5000
 """Points of a way at most."""
 MOST_BUCKETS = 10_000
@@ -112,17 +115,63 @@ def plan(costs: CostMap, start: tuple[float, float], goal: tuple[float, float]) 
         return NoWay("the robot is outside of the map")
     if not costs.can_turn(*goal):
         return NoWay(_why_not(costs, goal), goal)
-    cost_to_go = CostToGo.of(costs.costs(), raster, *goal)
-    assert cost_to_go is not None
-    way = way_from(cost_to_go, start) if isfinite(cost_to_go.at(*start)) else None
+    way, shut = _heeding_sectors(costs, start, goal)
     if way is None:
-        return NoWay("no way leads to the goal")
+        name = f", {shut.name}" if shut and shut.name else ""
+        return NoWay(f"no way leads to the goal but {_TOLD[shut.kind]}{name}" if shut else _NONE)
     beyond = way.length - way.to_go > GET_OUT_WAY
     tight = beyond & ~_fits(costs, way.points)
     if tight.any():
         x, y = way.points[int(tight.argmax())]
         return NoWay("the way is too narrow for this robot", (float(x), float(y)))
     return way
+
+
+_NONE = "no way leads to the goal"
+_TOLD = {
+    "OneWaySector": "against a one-way sector",
+    "RestrictiveSector": "through a restrictive sector",
+}
+
+
+def _heeding_sectors(
+    costs: CostMap, start: tuple[float, float], goal: tuple[float, float]
+) -> tuple[Way | None, MapObject | None]:
+    """Return the cheapest way that crosses no sector as it must not, and the last one closed."""
+    barred: list[MapObject] = []
+    while True:
+        way = _cheapest_way(costs, start, goal)
+        against = next((area for area in costs.sectors if _goes_against(area, way, costs)), None)
+        if against is None:
+            return way, barred[-1] if barred else None
+        if against.one_way and against not in barred:
+            begins_in = bool(inside(against, costs.raster)[costs.raster.cell_of(*start)])
+            costs = costs.with_barrier(against, at_entry=begins_in)
+        else:
+            costs = costs.without(against)
+        barred.append(against)
+
+
+def _cheapest_way(
+    costs: CostMap, start: tuple[float, float], goal: tuple[float, float]
+) -> Way | None:
+    """Return the cheapest way, if there is one."""
+    cost_to_go = CostToGo.of(costs.costs(), costs.raster, *goal)
+    assert cost_to_go is not None
+    return way_from(cost_to_go, start) if isfinite(cost_to_go.at(*start)) else None
+
+
+def _goes_against(area: MapObject, way: Way | None, costs: CostMap) -> bool:
+    """Whether a way crosses a sector as it must not."""
+    if way is None:
+        return False
+    columns, rows = np.floor(costs.raster.in_cells(way.points)).astype(int).T
+    within = inside(area, costs.raster)[rows, columns]
+    if area.restrictive:
+        return bool(within.any() and not (within[0] or within[-1]))
+    both = within[1:] & within[:-1]
+    ahead = np.diff(way.points, axis=0) @ (cos(area.pose.theta), sin(area.pose.theta))
+    return bool(ahead[both].clip(max=0.0).sum() < -BACKWARDS)
 
 
 def way_from(cost_to_go: CostToGo, start: tuple[float, float]) -> Way | None:

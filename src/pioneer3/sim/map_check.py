@@ -12,7 +12,14 @@ from numpy.random import default_rng
 
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
-from pioneer3.maps.aria import AriaFile, Section, parse_aria
+from pioneer3.maps.aria import (
+    DEFAULT_RESOLUTION_MM,
+    AriaEntry,
+    AriaFile,
+    Section,
+    parse_aria,
+    resolution_mm,
+)
 from pioneer3.maps.line_map import Extent, LineMap, MapObject, distances
 from pioneer3.maps.load import read_map_file
 from pioneer3.maps.map_server import KEYS, MapServerFile
@@ -35,6 +42,8 @@ STEEPEST_DEG = 14.0
 """Steepest ramp that a P3-DX climbs with physics; a PeopleBot climbs 12, a P3-AT 20."""
 MOST_ERRORS = 1000
 GOALS = ("Goal", "GoalWithHeading")
+ROUTES = ("RouteInfo", "TaskInfo", "SchedTaskInfo", "SchedInfo")
+"""Entries that tell routes and what robots do on them."""
 FORBIDDEN = ("ForbiddenLine", "ForbiddenArea")
 
 
@@ -218,8 +227,13 @@ def as_finding(path: Path, error: ConfigError) -> MapProblem:
 
 
 def _header(file: AriaFile) -> Iterator[MapProblem]:
-    """Yield the counts and boxes of the header that disagree with the rest of the file."""
+    """Yield the entries of the header that disagree with the rest, or count for nothing here."""
+    routes = next((entry for entry in file.entries if entry.key in ROUTES), None)
+    if routes:
+        yield warning("routes and tasks are kept, and not driven: see patrol", routes.line.number)
     for entry in file.entries:
+        if entry.key.endswith("Resolution"):
+            yield from _no_resolution(file, entry)
         for section in file.sections:
             if entry.key == section.source + _COUNTS[section.kind]:
                 there = len(section.rows)
@@ -232,6 +246,20 @@ def _header(file: AriaFile) -> Iterator[MapProblem]:
                     x, y = corner
                     said = f"{entry.key} says {entry.value[:30]!a}, it is {x:g} {y:g}"
                     yield warning(said, entry.line.number)
+
+
+def _no_resolution(file: AriaFile, entry: AriaEntry) -> Iterator[MapProblem]:
+    """Yield a resolution of 0 or less, if there are cells that it is for."""
+    try:
+        told = resolution_mm(entry)
+    except ConfigError as error:
+        yield as_finding(file.path, error)
+        return
+    if told is None and any(
+        section.kind == "DATA" and len(section.rows) for section in file.sections
+    ):
+        usual = f"{DEFAULT_RESOLUTION_MM:g} mm count"
+        yield warning(f"{entry.key} says {entry.value[:20]!a}: {usual}", entry.line.number)
 
 
 def _corner(section: Section, *, is_low: bool) -> tuple[float, float] | None:
@@ -292,8 +320,39 @@ def check_places(
         problem = room(item.pose, line_map, model)
         if problem:
             yield warning(f"{shown(item)} {problem}", line)
+    yield from some(_doubled(placed), "names")
+    yield from some(_unheeded(placed), "areas and lines")
     goals = [(item, line) for item, line in placed if item.kind in GOALS]
     yield from some(_unreachable(line_map, model, goals), "goals")
+
+
+Placed = Sequence[tuple[MapObject, int | None]]
+"""Objects, and their lines of the file as far as known."""
+
+
+def _doubled(placed: Placed) -> Iterator[MapProblem]:
+    """Yield the places that have the name of another one: `goto` refuses it."""
+    seen: dict[str, tuple[MapObject, int | None]] = {}
+    for item, line in placed:
+        key = item.name.strip().casefold()
+        if not key or item.outline:
+            continue
+        first, at = seen.setdefault(key, (item, line))
+        if first is not item:
+            where = f" on line {at}" if at else f" at {first.pose.x:.2f} {first.pose.y:.2f}"
+            yield warning(f"{shown(item)} has the name of {shown(first)}{where}: rename one", line)
+
+
+def _unheeded(placed: Placed) -> Iterator[MapProblem]:
+    """Yield the areas and lines that are drawn and no more, or count on planned ways alone."""
+    for item, line in placed:
+        if item.one_way or item.restrictive:
+            told = "planned ways heed it, keys and straight drives do not"
+        elif item.outline and not (item.solid or item.forbidden or item.speed is not None):
+            told = "it is drawn, and robots do not heed it; they heed ForbiddenArea and SpeedArea"
+        else:
+            continue
+        yield warning(f"{shown(item)}: {told}", line)
 
 
 def room(pose: Pose2, line_map: LineMap, model: RobotModel) -> str:

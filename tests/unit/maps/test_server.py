@@ -1,10 +1,12 @@
 """Maps of ROS's map_server: YAML and picture become the outline of the occupied cells."""
 
+from io import BytesIO
 from math import pi
 from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from pioneer3.errors import ConfigError
 from pioneer3.maps import LineMap, read_map
@@ -130,8 +132,7 @@ def test_what_is_wrong_with_the_yaml(tmp_path: Path, yaml: str, complaint: str) 
 @pytest.mark.parametrize(
     ("image", "complaint"),
     [
-        (b"", "header: neither a PGM"),
-        (b"P6\n1 1\n255\n\0\0\0", "header: neither a PGM"),
+        (b"", "header: no picture; PGM, PNG"),
         (b"P5\n3\n", "picture: damaged or cut off: Reached EOF"),
         (b"P5 100000 100000 255\n", "size: 100000 x 100000 pixels are more than"),
         (b"P2 100000 100000 255\n", "size: 100000 x 100000 pixels are more than"),
@@ -158,3 +159,26 @@ def test_noise_is_no_map(tmp_path: Path) -> None:
     image = b"P5 1500 1500 255\n" + dots.tobytes()
     with pytest.raises(ConfigError, match="more than 1 million edges"):
         read(tmp_path, image=image)
+
+
+@pytest.mark.parametrize("kind", ["BMP", "JPEG", "TIFF", "PPM", "GIF", "PNG"])
+@pytest.mark.parametrize("mode", ["L", "RGB", "1"])
+def test_every_picture_that_map_server_reads_is_read(tmp_path: Path, kind: str, mode: str) -> None:
+    shades = np.full((8, 16), 254, dtype=np.uint8)
+    shades[:, 8:] = 0
+    picture = Image.fromarray(shades).convert(mode if kind != "JPEG" or mode != "1" else "L")
+    file = BytesIO()
+    picture.save(file, kind)
+    lab = read(tmp_path, YAML, file.getvalue())
+    assert lab.bounds == pytest.approx((5.0, 2.0, 9.0, 6.0))
+    with pytest.raises(ConfigError, match=r"m\.pgm.*: (damaged|header|size|no )"):
+        read(tmp_path, YAML, file.getvalue()[: len(file.getvalue()) // 2])
+
+
+@pytest.mark.parametrize("named", ["/home/anna/m.pgm", "C:\\\\maps\\\\m.pgm", "../other/m.pgm"])
+def test_a_picture_of_another_computer_is_taken_from_beside_the_file(
+    tmp_path: Path, named: str, caplog: pytest.LogCaptureFixture
+) -> None:
+    lab = read(tmp_path, YAML.replace("m.pgm", f'"{named}"'))
+    assert len(lab.walls) == 4
+    assert "m.pgm beside the file is taken" in caplog.text

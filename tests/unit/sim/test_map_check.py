@@ -197,3 +197,30 @@ def test_a_mesh_that_physics_refuse_is_told(tmp_path: Path) -> None:
     ((level, _, text),) = check(tmp_path, world, "w.toml")
     assert level == "warning"
     assert text.startswith("mesh 1, with physics: its convex hull")
+
+
+def test_two_places_of_one_name_are_told(tmp_path: Path) -> None:
+    goals = 'Cairn: Goal 1000 1000 0 "" ICON "A"\nCairn: Goal 3000 3000 0 "" ICON "a "\n'
+    assert check(tmp_path, f"2D-Map\n{HOME}{goals}{ROOM}") == [
+        ("warning", 4, 'Goal "a " has the name of Goal "A" on line 3: rename one')
+    ]
+
+
+def test_areas_that_robots_do_not_heed_are_told(tmp_path: Path) -> None:
+    areas = "".join(
+        f'Cairn: {kind} 0 0 0 "" ICON "x" 100 100 200 200\n'
+        for kind in ("SlowSector", "OneWaySector", "RestrictiveSector", "ForbiddenArea")
+    )
+    told = check(tmp_path, f"2D-Map\n{HOME}{areas}RouteInfo: r\n{ROOM}")
+    assert [(line, text.partition(":")[0]) for _, line, text in told] == [
+        (3, 'SlowSector "x"'),
+        (4, 'OneWaySector "x"'),
+        (5, 'RestrictiveSector "x"'),
+        (7, "routes and tasks are kept, and not driven"),
+    ]
+
+
+def test_cells_without_a_resolution_are_told(tmp_path: Path) -> None:
+    text = f"2D-Map\nResolution: 0\n{HOME}{ROOM}DATA\n"
+    assert check(tmp_path, text) == []
+    assert check(tmp_path, text + "9 9\n")[0] == ("warning", 2, "Resolution says '0': 20 mm count")

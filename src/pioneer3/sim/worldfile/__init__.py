@@ -14,7 +14,14 @@ person        people who walk: their position is a function of time alone
 ============  ===================================================================================
 """
 
-from pioneer3.sim.worldfile.load import ClientMaps, file_in, load_map, load_world, shipped_worlds
+from pioneer3.sim.worldfile.load import (
+    ClientMaps,
+    file_in,
+    load_map,
+    load_world,
+    maps_in,
+    shipped_worlds,
+)
 from pioneer3.sim.worldfile.person import Person, outlines_at
 from pioneer3.sim.worldfile.spec import (
     Box,
@@ -44,6 +51,7 @@ __all__ = [
     "file_in",
     "load_map",
     "load_world",
+    "maps_in",
     "outlines_at",
     "parse_equipment",
     "parse_world",

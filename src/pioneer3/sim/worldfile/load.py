@@ -5,6 +5,7 @@ from pathlib import Path
 
 from pioneer3.errors import ConfigError
 from pioneer3.maps import LineMap, shipped_maps
+from pioneer3.maps.load import looks_like_map
 from pioneer3.sim.worldfile.spec import WorldFile
 from pioneer3.sim.worldfile.toml import is_world, read_world
 from pioneer3.text import shown
@@ -60,6 +61,19 @@ def shipped_worlds() -> tuple[str, ...]:
     """Return the names of the worlds that ship, sorted."""
     there = (files("pioneer3.sim") / "worlds").iterdir()
     return tuple(sorted(Path(w.name).stem for w in there if is_world(Path(w.name))))
+
+
+def maps_in(folder: Path) -> tuple[Path, ...]:
+    """Return the maps and worlds in a folder, by the beginnings of its files, sorted.
+
+    Raises:
+        ConfigError: It is no folder that can be read.
+    """
+    try:
+        files_in = sorted(path for path in folder.iterdir() if path.is_file())
+    except OSError as error:
+        raise ConfigError(f"{shown(str(folder))}: {error.strerror or error}") from None
+    return tuple(path for path in files_in if looks_like_map(path))
 
 
 def shipped_world(name: str) -> WorldFile:
