@@ -252,12 +252,10 @@ def _no_resolution(file: AriaFile, entry: AriaEntry) -> Iterator[MapProblem]:
     """Yield a resolution of 0 or less, if there are cells that it is for."""
     try:
         told = resolution_mm(entry)
-    except ConfigError as error:
-        yield as_finding(file.path, error)
+    except ConfigError:  # an error of the whole map, which is told besides
         return
-    if told is None and any(
-        section.kind == "DATA" and len(section.rows) for section in file.sections
-    ):
+    cells = any(section.kind == "DATA" and len(section.rows) for section in file.sections)
+    if told is None and cells:
         usual = f"{DEFAULT_RESOLUTION_MM:g} mm count"
         yield warning(f"{entry.key} says {entry.value[:20]!a}: {usual}", entry.line.number)
 
