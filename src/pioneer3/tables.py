@@ -150,8 +150,7 @@ def converted(
     for name in table:
         if name not in known:
             named = name if name.isprintable() and 0 < len(name) <= LONGEST_KEY else shown(name)
-            keys_of = {field.name: key.name for field, _, key in _keyed(kind)}
-            advice = nearest(keys_of.get(name, name), known)
+            advice = nearest(_keys_by_field(kind).get(name, name), known)
             raise source.wrong(_below(place, named), f"unknown key, {advice}")
     values = {}
     for field, hint, key in _keyed(kind):
@@ -171,8 +170,14 @@ def converted(
 
 def keys(kind: type[Any]) -> tuple[str, ...]:
     """Return the keys of the table that a dataclass is."""
-    named = (keys(key.type) if key.spread else (key.name,) for _, _, key in _keyed(kind))
-    return tuple(name for names in named for name in names)
+    return tuple(_keys_by_field(kind).values())
+
+
+def _keys_by_field(kind: type[Any]) -> dict[str, str]:
+    found: dict[str, str] = {}
+    for field, _, key in _keyed(kind):
+        found |= _keys_by_field(key.type) if key.spread else {field.name: key.name}
+    return found
 
 
 def table_of(value: object) -> dict[str, Any]:
