@@ -99,9 +99,8 @@ class GroundSolid:
     z: Elevation = 0.0
 
     @property
-    def block(self) -> Block:
-        """A cuboid of its size [m]."""
-        return Block(pose=self.pose, z=self.z, size=(*self.size, self.height))
+    def parts(self) -> tuple[SolidPart, ...]:
+        return (SolidPart("", Block(pose=self.pose, z=self.z, size=(*self.size, self.height))),)
 
     @property
     def walls(self) -> Float:
@@ -117,10 +116,6 @@ class Step(GroundSolid):
     """A low block with a flat top: a door sill, a platform."""
 
     table: ClassVar[str] = "step"
-
-    @property
-    def parts(self) -> tuple[SolidPart, ...]:
-        return (SolidPart("", self.block),)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -147,10 +142,6 @@ class Carpet(GroundSolid):
     table: ClassVar[str] = "carpet"
     friction: Friction = 0.8
     height: Annotated[float, Meta(ge=0.006, le=0.05)] = 0.008
-
-    @property
-    def parts(self) -> tuple[SolidPart, ...]:
-        return (SolidPart("", self.block),)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
