@@ -77,7 +77,7 @@ async def _serve(bridge: "Bridge", port: str, bind: str, listen: int, record: Pa
     """Serve hosts until cancelled; then the robot stands."""
     import asyncio
 
-    from pioneer3.links.urls import url_of
+    from pioneer3.links.hosts import url_of
     from pioneer3.tasks import running
 
     if record is not None:

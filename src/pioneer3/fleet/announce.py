@@ -4,12 +4,12 @@ import socket
 from collections.abc import AsyncIterator, Callable, Sequence
 from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass
-from ipaddress import ip_address
 from typing import TYPE_CHECKING, Final
 from urllib.parse import urlsplit
 
 from pioneer3.errors import how_to_get
-from pioneer3.links.urls import ANY, machine_address, split_host
+from pioneer3.links.hosts import ANY, is_address, is_loopback, machine_address
+from pioneer3.links.urls import split_host
 
 if TYPE_CHECKING:
     from zeroconf import ServiceInfo
@@ -24,14 +24,9 @@ LONGEST_LABEL: Final = 63
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Announcement:
-    """A robot's port, or a page, that others may find.
+    """A robot's port, or a page without a robot, that others may find at an IP address.
 
-    Attributes:
-        robot: Its name; empty for a page.
-        kind: `simulator`, `robot`, `http page` or `https page`.
-        model: Name of the robot's type.
-        address: IP address.
-        port: TCP port.
+    Its kind is `simulator`, `robot`, `http page` or `https page`.
     """
 
     robot: str
@@ -46,39 +41,21 @@ def of_simulation(running: "RunningSimulation") -> tuple[Announcement, ...]:
     places = [(robot, split_host(robot.url)) for robot in running.robots]
     return tuple(
         Announcement(
-            robot=robot.name,
-            kind="simulator",
-            model=robot.model.name,
-            address=host,
-            port=port,
+            robot=robot.name, kind="simulator", model=robot.model.name, address=host, port=port
         )
         for robot, (host, port) in places
-        if _is_address(host)
+        if is_address(host)  # without a network it is this computer's name
     )
 
 
 def of_page(host: str, url: str) -> tuple[Announcement, ...]:
-    """Return the announcement of a page of robots.
-
-    Args:
-        host: Address that it is served at.
-        url: One of its addresses, for the port.
-    """
+    """Return the announcement of a page that is served at `host`, on the port of `url`."""
     address = machine_address() if host in ANY else host
     parts = urlsplit(url)
-    if not _is_address(address) or parts.port is None:
+    if not is_address(address) or parts.port is None:
         return ()
     kind = f"{parts.scheme} page"
     return (Announcement(robot="", kind=kind, model="", address=address, port=parts.port),)
-
-
-def _is_address(host: str) -> bool:
-    """Whether it is an address; without a network it is this computer's name."""
-    try:
-        ip_address(host)
-    except ValueError:
-        return False
-    return True
 
 
 @asynccontextmanager
@@ -87,9 +64,7 @@ async def announced(
 ) -> AsyncIterator[None]:
     """Announce robots and pages during the block; those on loopback are left out.
 
-    Args:
-        announcements: Of all of them.
-        warn: Called with the reason where it is not possible; the block goes on.
+    Where that is not possible, `warn` is called with the reason, and the block goes on.
     """
     async with AsyncExitStack() as stack:
         try:
@@ -100,13 +75,8 @@ async def announced(
 
 
 async def _announce(announcements: Sequence[Announcement], stack: AsyncExitStack) -> None:
-    """Announce until the end of `stack`.
-
-    Raises:
-        ImportError: The extra `fleet` is missing.
-        OSError: The network does not allow it.
-    """
-    outside = [one for one in announcements if not ip_address(one.address).is_loopback]
+    """Announce until the end of `stack`; ImportError without the extra, OSError of the network."""
+    outside = [one for one in announcements if not is_loopback(one.address)]
     if not outside:
         return
     try:

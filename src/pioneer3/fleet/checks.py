@@ -17,31 +17,17 @@ GROUP = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,61}")
 MODEL_FILES = (".toml", ".p")
 
 
-def check_operator(source: Source, operator: OperatorComputer) -> None:
-    """Refuse a wrong address of the operator's computer.
-
-    Raises:
-        ConfigError: It is wrong.
-    """
-    if operator.address:
-        _check_address(source, "operator.address", operator.address)
-
-
 def check_robots(source: Source, folder: Path, robots: Sequence[FleetRobot]) -> None:
-    """Refuse wrong addresses, ports, models, lasers and cameras.
+    """Raise ConfigError for the first wrong name, address, port, model, laser or camera.
 
-    Args:
-        source: The file's text.
-        folder: The one that paths of models are relative to.
-        robots: The ones in the file.
-
-    Raises:
-        ConfigError: Something is wrong; the first thing in the file.
+    Paths of models are relative to `folder`.
     """
     for index, robot in enumerate(robots):
         place = f"robot[{index}]"
-        _check_name(source, f"{place}.name", robot.name)
-        _check_address(source, f"{place}.address", robot.address)
+        if robot.name.lower() in {ALL, "localhost"}:
+            problem = f"{robot.name} means something else; take another name"
+            raise source.wrong(f"{place}.name", problem)
+        check_address(source, f"{place}.address", robot.address)
         check_hardware(source, place, folder, robot)
 
 
@@ -51,11 +37,7 @@ def check_members(
     defaults: Defaults,
     robots: Sequence[FleetRobot],
 ) -> None:
-    """Refuse robots on networks that the file does not have.
-
-    Raises:
-        ConfigError: There is one.
-    """
+    """Raise ConfigError for a robot on a network that the file does not have."""
     known = tuple(network.name for network in networks)
     named = [("defaults", defaults.network)]
     named += [(f"robot[{index}]", robot.network) for index, robot in enumerate(robots)]
@@ -66,11 +48,7 @@ def check_members(
 
 
 def check_hardware(source: Source, place: str, folder: Path, given: FleetRobot | Defaults) -> None:
-    """Refuse a port, model, laser or camera that commands would refuse.
-
-    Raises:
-        ConfigError: One is wrong.
-    """
+    """Raise ConfigError for a port, model, laser or camera that commands would refuse."""
     checks: tuple[tuple[str, Callable[[], object]], ...] = (
         ("port", lambda: _check_port(given.port)),
         ("bridge", lambda: _check_bridge(given)),
@@ -86,11 +64,7 @@ def check_hardware(source: Source, place: str, folder: Path, given: FleetRobot |
 def refuse_doubles(
     source: Source, operator: OperatorComputer, robots: Sequence[FleetRobot]
 ) -> None:
-    """Refuse a name, host, address, port or node that two robots, or a robot and the operator have.
-
-    Raises:
-        ConfigError: There is one.
-    """
+    """Raise ConfigError for a name, host, address, port or node that two computers have."""
     for key in ("name", "address"):
         value = getattr(operator, key)
         for index, robot in enumerate(robots):
@@ -129,13 +103,8 @@ def groups(
     return found
 
 
-def _check_name(source: Source, place: str, name: str) -> None:
-    if name.lower() in {ALL, "localhost"}:
-        raise source.wrong(place, f"{name} means something else; take another name")
-
-
-def _check_address(source: Source, place: str, text: str) -> None:
-    """Refuse a text that is no address of a computer."""
+def check_address(source: Source, place: str, text: str) -> None:
+    """Raise ConfigError for a text that is no address of a computer."""
     try:
         address = ip_address(text)
     except ValueError:

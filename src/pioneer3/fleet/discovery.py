@@ -19,6 +19,8 @@ from pioneer3.doctor.probe import ProbeVerdict, probe
 from pioneer3.errors import ConfigError
 from pioneer3.fleet.announce import SERVICE
 from pioneer3.fleet.spec import Fleet
+from pioneer3.fleet.ssh_settings import SSH_PORT
+from pioneer3.links.hosts import bracketed
 from pioneer3.models import find_model
 from pioneer3.names import printable
 
@@ -27,7 +29,6 @@ if TYPE_CHECKING:
 
 SSH: Final = "_ssh._tcp.local."
 ROBOT_PORTS: Final = range(8101, 8121)
-SSH_PORT: Final = 22
 BRIDGE_PORT: Final = 30718
 """Port of the serial bridges on Pioneer robots, by Lantronix (protocol.md 1.1)."""
 BRIDGE_QUERY: Final = b"\x00\x00\x00\xf6"
@@ -53,15 +54,9 @@ class FindingKind(StrEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Found:
-    """Something on the network.
+    """Something on the network; its name and model are empty if it told none.
 
-    Attributes:
-        kind: Of the finding.
-        address: Its IP address.
-        port: The TCP port of a robot; `None` for a computer, or a bridge whose port is unknown.
-        name: Its own; empty if it told none.
-        detail: For people.
-        model: Name of the robot's model; empty if it told none.
+    It has the TCP port of a robot, `None` for a computer, or a bridge whose port is unknown.
     """
 
     kind: FindingKind
@@ -97,10 +92,8 @@ async def discover(
 ) -> tuple[Found, ...]:
     """Return all that is found, by address and port.
 
-    Args:
-        addresses: Where ports are tried.
-        seconds: How long announcements and answers are waited for, and each connection.
-        broadcast: Whether all of the network are asked, by zeroconf and the bridges' query.
+    Ports are tried at the addresses, and with `broadcast` all of the network are asked, by zeroconf
+    and the bridges' query. Answers, and each connection, are waited for so long [s].
     """
     broadcasts = await asyncio.to_thread(broadcast_addresses) if broadcast else ()
     ways = [
@@ -112,7 +105,8 @@ async def discover(
     for way in await asyncio.gather(*ways):
         for one in way:
             key = (one.address, one.port or one.kind)
-            found[key] = _better(found.get(key), one)
+            if (old := found.get(key)) is None or (one.detail and not old.detail):
+                found[key] = one
     known = {one.address for one in found.values() if one.port is not None}
     # a bridge without a port is the computer of the port that was found there
     kept = [
@@ -121,11 +115,6 @@ async def discover(
         if not (one.kind is FindingKind.BRIDGE and one.address in known)
     ]
     return tuple(sorted(kept, key=lambda one: (ip_address(one.address).packed, one.port or 0)))
-
-
-def _better(old: Found | None, new: Found) -> Found:
-    """Return the one of two findings about one place that says more."""
-    return new if old is None or (new.detail and not old.detail) else old
 
 
 def broadcast_addresses() -> tuple[str, ...]:
@@ -160,11 +149,9 @@ def bridge_answer(data: bytes, address: str) -> Found | None:
     """Return the bridge that an answer is of; `None` for other bytes."""
     if len(data) < 4 or data[:3] != b"\0\0\0" or data[3] != BRIDGE_ANSWER:
         return None
-    if data[8:10] == ROBOT_MARK:
-        return Found(
-            kind=FindingKind.BRIDGE, address=address, detail="says that a robot is behind it"
-        )
-    return Found(kind=FindingKind.BRIDGE, address=address, detail="its device is not told")
+    is_robot = data[8:10] == ROBOT_MARK
+    detail = "says that a robot is behind it" if is_robot else "its device is not told"
+    return Found(kind=FindingKind.BRIDGE, address=address, detail=detail)
 
 
 async def _bridges(targets: Sequence[str], seconds: float) -> list[Found]:
@@ -225,16 +212,12 @@ async def _robot(address: str, port: int, seconds: float) -> Found | None:
     except (OSError, TimeoutError):
         return None
     writer.transport.abort()
-    host = f"[{address}]" if ":" in address else address
-    result = await probe(f"tcp://{host}:{port}")
+    result = await probe(f"tcp://{bracketed(address)}:{port}")
     match result.verdict:
         case ProbeVerdict.ROBOT | ProbeVerdict.SIMULATOR if result.info is not None:
-            kind = (
-                FindingKind.ROBOT if result.verdict is ProbeVerdict.ROBOT else FindingKind.SIMULATOR
-            )
-            info = result.info
+            is_robot, info = result.verdict is ProbeVerdict.ROBOT, result.info
             return Found(
-                kind=kind,
+                kind=FindingKind.ROBOT if is_robot else FindingKind.SIMULATOR,
                 address=address,
                 port=port,
                 name=info.identity.name,
@@ -295,11 +278,8 @@ def _announced(
         yield Found(kind=FindingKind.COMPUTER, address=address, name=host, detail="announces ssh")
         return
     if told.get("kind", "").endswith("page"):
-        place = f"[{address}]" if ":" in address else address
-        url = f"{told['kind'].partition(' ')[0]}://{place}:{port}"
-        yield Found(
-            kind=FindingKind.PAGE, address=address, name=host, detail=f"its robots at {url}"
-        )
+        where = f"its robots at {told['kind'].partition(' ')[0]}://{bracketed(address)}:{port}"
+        yield Found(kind=FindingKind.PAGE, address=address, name=host, detail=where)
         return
     kind = FindingKind.SIMULATOR if told.get("kind") == FindingKind.SIMULATOR else FindingKind.ROBOT
     yield Found(
@@ -319,10 +299,6 @@ def offers(found: Sequence[Found], fleet: Fleet | None) -> Iterator[str]:
     """Yield lines of a fleet file: a robot for each address that the fleet does not have yet.
 
     A row is one on-board computer, so of several robots at one address the first gets the row.
-
-    Args:
-        found: On the network.
-        fleet: The one that there is already; `None` without one.
     """
     known = set(fleet.addresses.values()) if fleet else set()
     known |= {robot.address for robot in fleet.robots} if fleet else set()
@@ -342,8 +318,7 @@ def offers(found: Sequence[Found], fleet: Fleet | None) -> Iterator[str]:
         yield f'name = "{name}"'
         yield f'address = "{address}"'
         if best.port is not None:
-            host = f"[{address}]" if ":" in address else address
-            yield f'port = "tcp://{host}:{best.port}"'
+            yield f'port = "tcp://{bracketed(address)}:{best.port}"'
         if best.model and find_model(best.model) is not None:
             yield f'model = "{best.model.strip()}"'
 

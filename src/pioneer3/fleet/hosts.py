@@ -7,12 +7,12 @@ whoever cannot turn that into an address receives nothing.
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from ipaddress import ip_address
 from typing import Final
 
 from pioneer3.doctor.facts import FAILED, Finding, Level
 from pioneer3.fleet.edit import with_block
 from pioneer3.fleet.spec import Fleet
+from pioneer3.links.hosts import is_loopback
 
 _LINE: Final = re.compile(r"(\s*)([^\s#]+)([ \t]+)([^#]*?)([ \t]*)(#.*)?$")
 
@@ -30,13 +30,7 @@ class HostsEntry:
 
 @dataclass(frozen=True, slots=True)
 class HostsSituation:
-    """All that the checks look at.
-
-    Attributes:
-        fleet: Whose names are wanted.
-        name: Host name of this computer.
-        lines: The entries of its hosts file, each with its line number.
-    """
+    """A fleet, the name of this computer, and the entries of its hosts file by line numbers."""
 
     fleet: Fleet
     name: str
@@ -77,13 +71,7 @@ def with_entries(text: str, fleet: Fleet) -> str:
 
 
 def check_hosts(text: str, fleet: Fleet, name: str) -> tuple[Finding, ...]:
-    """Return the findings about a hosts file.
-
-    Args:
-        text: Of the file.
-        fleet: Whose computers are to be found by it.
-        name: Host name of the computer that the file is of.
-    """
+    """Return the findings about the text of a hosts file, which is of the computer `name`."""
     situation = HostsSituation(fleet, name.partition(".")[0], tuple(_entries_in(text)))
     return tuple(finding for check in CHECKS for finding in check(situation))
 
@@ -101,8 +89,8 @@ def _own_name(here: HostsSituation) -> Iterator[Finding]:
         )
         return
     own = here.having(here.name)
-    local = [at for at, entry in own if _is_loopback(entry.address)]
-    if local and len(local) == len(own) and not _is_loopback(mine.address):
+    local = [at for at, entry in own if is_loopback(entry.address)]
+    if local and len(local) == len(own) and not is_loopback(mine.address):
         yield Finding(
             check="own name",
             level=Level.FAIL,
@@ -144,7 +132,7 @@ def _elsewhere(here: HostsSituation) -> Iterator[Finding]:
             others = [
                 (at, one.address)
                 for at, one in here.having(name)
-                if one.address != entry.address and not _is_loopback(one.address)
+                if one.address != entry.address and not is_loopback(one.address)
             ]
             for at, address in others:
                 yield Finding(
@@ -176,13 +164,6 @@ CHECKS: Final[tuple[Callable[[HostsSituation], Iterator[Finding]], ...]] = (
     _elsewhere,
     _doubles,
 )
-
-
-def _is_loopback(address: str) -> bool:
-    try:
-        return ip_address(address).is_loopback
-    except ValueError:
-        return False
 
 
 def _entries_in(text: str) -> Iterator[tuple[int, HostsEntry]]:

@@ -5,6 +5,7 @@
 
 import socket
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import MappingProxyType
@@ -14,7 +15,7 @@ from pioneer3.errors import ConfigError
 from pioneer3.fleet import checks
 from pioneer3.fleet.network import FleetNetwork, check_networks
 from pioneer3.fleet.spec import ALL, Defaults, Fleet, FleetRobot, OperatorComputer, usual
-from pioneer3.links.urls import SOMEWHERE, address_towards
+from pioneer3.links.hosts import SOMEWHERE, address_towards
 from pioneer3.tables import Source, converted, keys, load, table_of, written
 from pioneer3.text import decoded, read_bytes, shown
 
@@ -39,13 +40,9 @@ LARGEST_FLEET: Final = 1 << 20
 def find_fleet(
     given: Path | None, *, environment: Mapping[str, str], here: Path, home: Path
 ) -> Path:
-    """Return the path of the fleet file.
+    """Return the path of the fleet file: `given`, that of the variable, or one of two places.
 
-    Args:
-        given: The option `--fleet`.
-        environment: Variables; `PIONEER3_FLEET` names the file where the option does not.
-        here: The folder that is looked in next.
-        home: The user's folder, below which `.config/pioneer3/fleet.toml` comes last.
+    `here` comes before `home`, in which it is `.config/pioneer3/fleet.toml`.
 
     Raises:
         ConfigError: There is none; says how to make one.
@@ -83,7 +80,8 @@ def parse_fleet(path: Path, text: str) -> Fleet:
     file = converted(source, load(source), _Tables)
     operator, defaults, networks = file.operator, file.defaults, file.network
     robots = tuple(_robot(source, *row, defaults) for row in enumerate(file.robot))
-    checks.check_operator(source, operator)
+    if operator.address:
+        checks.check_address(source, "operator.address", operator.address)
     checks.check_hardware(source, "defaults", path.parent, defaults)
     check_networks(source, networks)
     checks.check_members(source, networks, defaults, robots)
@@ -157,17 +155,7 @@ def robot_of(word: str, defaults: Defaults) -> FleetRobot:
 def draft(
     path: Path, operator: OperatorComputer, defaults: Defaults, robots: Sequence[str]
 ) -> Fleet:
-    """Return a new fleet, checked as a file is.
-
-    Args:
-        path: Of the file to be.
-        operator: This computer.
-        defaults: Of all robots.
-        robots: `NAME=ADDRESS` of each.
-
-    Raises:
-        ConfigError: Something of it is wrong.
-    """
+    """Return a new fleet of robots, each as `NAME=ADDRESS`; raises as :func:`parse_fleet` does."""
     given = tuple(robot_of(word, defaults) for word in robots)
     fleet = Fleet(path=path, operator=operator, defaults=defaults, robots=given)
     return parse_fleet(path, to_toml(fleet))
@@ -176,12 +164,12 @@ def draft(
 def here(robots: Sequence[str]) -> OperatorComputer:
     """Return this computer: its name, and the address that the first of `robots` sees.
 
-    The address is empty if it is a robot's: simulated robots are on this computer.
-
-    Args:
-        robots: `NAME=ADDRESS` of each; a network without a router has no other hint.
+    The address is empty if it is a robot's: simulated robots are on this computer. A network
+    without a router has no other hint than these `NAME=ADDRESS`.
     """
     addresses = [word.partition("=")[2].strip() for word in robots]
-    own = address_towards(next(iter(addresses), SOMEWHERE))
+    own = ""
+    with suppress(OSError):  # no network leads there, or it is no address
+        own = address_towards(next(iter(addresses), SOMEWHERE))
     name = socket.gethostname().partition(".")[0]
     return OperatorComputer(name=name, address="" if own in addresses else own)

@@ -2,11 +2,11 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from ipaddress import ip_address
 
 from pioneer3.errors import ConfigError
 from pioneer3.fleet.spec import ALL, Fleet, FleetRobot
-from pioneer3.links.urls import is_own, split_url
+from pioneer3.links.hosts import bracketed, is_loopback, is_own
+from pioneer3.links.urls import split_url
 from pioneer3.mjpeg import parse_url
 from pioneer3.models import Fallback, find_model
 from pioneer3.sim.worldfile.toml import MODEL_FILES
@@ -21,7 +21,7 @@ def port_of(fleet: Fleet, name: str) -> str:
     robot = fleet.robot(name)
     if robot.endpoint is not None:
         address, number = reached_at(fleet, robot.endpoint)
-        return f"tcp://[{address}]:{number}" if ":" in address else f"tcp://{address}:{number}"
+        return f"tcp://{bracketed(address)}:{number}"
     if is_here(robot):
         return robot.port
     place = f"{fleet.path}:{robot.line}" if robot.line else str(fleet.path)
@@ -38,7 +38,7 @@ def named(words: Sequence[str], fleet: Fleet) -> tuple[FleetRobot, ...]:
     Raises:
         ConfigError: Some are models, and others robots.
     """
-    models = [word for word in words if _is_model(word)]
+    models = [word for word in words if ":" in word or _is_file(word) or find_model(word)]
     if len(models) == len(words):
         return ()
     known = {ALL, *fleet.groups, *(robot.name for robot in fleet.robots)}
@@ -47,10 +47,6 @@ def named(words: Sequence[str], fleet: Fleet) -> tuple[FleetRobot, ...]:
     if models:
         raise ConfigError(f"{models[0]} is a model, not a robot of {fleet.path}: give one kind")
     return fleet.select(words)
-
-
-def _is_model(word: str) -> bool:
-    return ":" in word or _is_file(word) or find_model(word) is not None
 
 
 def _is_file(model: str) -> bool:
@@ -90,16 +86,9 @@ def camera_of(robot: FleetRobot) -> str | None:
     if not robot.camera:
         return None
     url = parse_url(robot.camera)
-    if not _is_loopback(url.host) or is_here(robot):
+    if not is_loopback(url.host) or is_here(robot):
         return robot.camera
     return str(replace(url, host=robot.address))
-
-
-def _is_loopback(host: str) -> bool:
-    try:
-        return ip_address(host).is_loopback
-    except ValueError:
-        return host == "localhost"
 
 
 def reached_at(fleet: Fleet, endpoint: tuple[str, int]) -> tuple[str, int]:

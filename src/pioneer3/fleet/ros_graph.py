@@ -7,9 +7,8 @@ topic comes over TCP (https://wiki.ros.org/ROS/TCPROS). Nothing is registered or
 
 import asyncio
 from collections.abc import AsyncIterator, Mapping
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, suppress
 from dataclasses import dataclass
-from ipaddress import ip_address
 from struct import pack, unpack
 from typing import Final
 from urllib.parse import urlsplit
@@ -18,7 +17,7 @@ from xmlrpc.client import Error, dumps, loads
 
 from pioneer3.errors import LinkError
 from pioneer3.fleet.spec import Fleet
-from pioneer3.links.urls import address_towards
+from pioneer3.links.hosts import address_towards, bracketed, is_address, is_loopback
 
 MASTER_PORT: Final = 11311
 CALLER: Final = "/pioneer3_fleet"
@@ -58,11 +57,8 @@ class NodeAddress:
 class MasterGraph:
     """A master, and how the hosts that nodes name are reached.
 
-    Attributes:
-        master: Where it listens.
-        addresses: The address of each host by its name in lower case: a node tells its host's
-            name, which this computer need not know.
-        fallback: The address of hosts of another name.
+    A node tells its host's name, which this computer need not know: its address is that of the name
+    in lower case, or else the fallback.
     """
 
     master: NodeAddress
@@ -113,14 +109,11 @@ class MasterGraph:
     def _reached(self, endpoint: NodeAddress) -> NodeAddress:
         """Return the same place with an address of this network."""
         host = endpoint.host.lower()
-        try:
-            loopback = ip_address(host).is_loopback
-        except ValueError:
-            loopback = host == "localhost"
-            known = self.addresses.get(host, self.fallback)
-        else:
-            known = host
-        return NodeAddress(self.master.host if loopback else known, endpoint.port)
+        if is_loopback(host):
+            host = self.master.host
+        elif not is_address(host):
+            host = self.addresses.get(host, self.fallback)
+        return NodeAddress(host, endpoint.port)
 
 
 async def _call(
@@ -194,7 +187,7 @@ OWN_ADDRESS: Final = ("ROS_IP", "ROS_HOSTNAME")
 def master_of(fleet: Fleet) -> str:
     """Return the URI of the fleet's master, which runs at the operator's computer."""
     host = fleet.operator.address or "localhost"
-    return f"http://[{host}]:{MASTER_PORT}" if ":" in host else f"http://{host}:{MASTER_PORT}"
+    return f"http://{bracketed(host)}:{MASTER_PORT}"
 
 
 def missing_variables(fleet: Fleet, environment: Mapping[str, str]) -> dict[str, str]:
@@ -210,7 +203,6 @@ def missing_variables(fleet: Fleet, environment: Mapping[str, str]) -> dict[str,
     if not environment.get(MASTER):
         found[MASTER] = master_of(fleet)
     if not any(environment.get(name) for name in OWN_ADDRESS):
-        address = address_towards(robots[0].address)
-        if address:
-            found[OWN_ADDRESS[0]] = address
+        with suppress(OSError):  # no network leads there
+            found[OWN_ADDRESS[0]] = address_towards(robots[0].address)
     return found

@@ -1,13 +1,12 @@
 """The robots of a fleet file as simulated ones."""
 
 from collections.abc import Iterator
-from ipaddress import ip_address
 from typing import Final
 
 from pioneer3.errors import ConfigError
 from pioneer3.fleet.reach import model_of, reached_at
-from pioneer3.fleet.spec import Fleet, FleetRobot
-from pioneer3.links.urls import ANY, is_own
+from pioneer3.fleet.spec import Fleet
+from pioneer3.links.hosts import ANY, is_address, is_loopback, is_own
 from pioneer3.sim.worldfile import RobotSpec
 
 USUAL: Final = "p3at"
@@ -20,13 +19,8 @@ def simulated(
     """Return a robot for each row, with its name, model and TCP port.
 
     A row listens where others look for it, if this computer has that address: on loopback, and
-    elsewhere if `network` allows it. Of rows that would listen at the same place, the later ones
-    get the next port.
-
-    Args:
-        fleet: With at least one robot.
-        bind: Address that the other rows listen at.
-        network: Whether others may drive them.
+    elsewhere if `network` allows it; other rows at `bind`. Of rows that would listen at the same
+    place, the later ones get the next port.
 
     Raises:
         ConfigError: The fleet has no robot.
@@ -39,7 +33,8 @@ def simulated(
 def _specs(fleet: Fleet, bind: str, *, network: bool) -> Iterator[RobotSpec]:
     taken: set[tuple[str, int]] = set()
     for robot in fleet.robots:
-        address, number = _place(fleet, robot)
+        endpoint = robot.endpoint and reached_at(fleet, robot.endpoint)
+        address, number = endpoint or (robot.address, None)
         host = address if bind not in ANY and _may_listen(address, network=network) else ""
         if number is not None:
             # at all addresses of this computer no number is free twice
@@ -51,17 +46,6 @@ def _specs(fleet: Fleet, bind: str, *, network: bool) -> Iterator[RobotSpec]:
         )
 
 
-def _place(fleet: Fleet, robot: FleetRobot) -> tuple[str, int | None]:
-    """Return the address at which others look for a robot, and its TCP port if it has one."""
-    if robot.endpoint is None:
-        return robot.address, None
-    return reached_at(fleet, robot.endpoint)
-
-
 def _may_listen(host: str, *, network: bool) -> bool:
     """Whether a simulated robot listens at an address; names are not looked up."""
-    try:
-        address = ip_address(host)
-    except ValueError:
-        return False
-    return (network or address.is_loopback) and is_own(host)
+    return is_address(host) and (network or is_loopback(host)) and is_own(host)

@@ -89,8 +89,8 @@ class FleetRobot:
 
     @property
     def is_device(self) -> bool:
-        """Whether the robot's port is a device of its computer."""
-        return is_device(self.port)
+        """Whether the robot's port is a device of its computer; ConfigError if it is no port."""
+        return split_url(self.port)[0] != "tcp"
 
     @property
     def endpoint(self) -> tuple[str, int] | None:
@@ -131,16 +131,7 @@ class Defaults:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Fleet:
-    """All that a fleet file says.
-
-    Attributes:
-        path: Of the file.
-        operator: The computer from which the fleet is worked on.
-        defaults: Of all robots.
-        networks: Of ROS 2, in the order of the file.
-        robots: In the order of the file; each has the defaults already.
-        groups: The names of robots in each group.
-    """
+    """All that a fleet file says, in its order; each robot has the defaults already."""
 
     path: Path
     operator: OperatorComputer = OperatorComputer()
@@ -167,14 +158,9 @@ class Fleet:
         Raises:
             ConfigError: There is no such robot or group.
         """
-        wanted: set[str] = set()
-        for name in names:
-            if name == ALL:
-                wanted.update(robot.name for robot in self.robots)
-            elif name in self.groups:
-                wanted.update(self.groups[name])
-            else:
-                wanted.add(self.robot(name).name)
+        groups = {ALL: tuple(robot.name for robot in self.robots), **self.groups}
+        chosen = [groups[name] if name in groups else (self.robot(name).name,) for name in names]
+        wanted = {name for group in chosen for name in group}
         return tuple(robot for robot in self.robots if robot.name in wanted)
 
     def robot(self, name: str) -> FleetRobot:
@@ -210,15 +196,6 @@ def usual(robot: FleetRobot, defaults: Defaults) -> Mapping[str, Any]:
         "node": usual_node(robot.name, robot.ros),
         "navigation": AS_SHIPPED,
     }
-
-
-def is_device(port: str) -> bool:
-    """Return whether a robot's port is a device of its computer, not an address.
-
-    Raises:
-        ConfigError: It is no port at all.
-    """
-    return split_url(port)[0] != "tcp"
 
 
 def usual_node(name: str, ros: str) -> str:

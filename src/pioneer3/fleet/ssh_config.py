@@ -2,7 +2,6 @@
 
 import re
 from collections import Counter
-from ipaddress import IPv4Address, ip_address
 from pathlib import Path
 from typing import Final
 
@@ -20,21 +19,17 @@ _SECTION: Final = re.compile(r"^\s*(host|match)\s", re.IGNORECASE)
 
 def ssh_hosts(fleet: Fleet) -> str:
     """Return the file that makes `ssh p3at-1` work, whatever /etc/hosts says."""
-    return "".join(
-        (
-            f"# The robots of {fleet.path.name}, by `pioneer3 fleet ssh-config --apply`;\n"
-            "# the next time replaces this file.\n",
-            *(_host(robot) for robot in fleet.robots),
-        )
+    head = (
+        f"# The robots of {fleet.path.name}, by `pioneer3 fleet ssh-config --apply`;\n"
+        "# the next time replaces this file.\n"
     )
+    return head + "".join(map(_host, fleet.robots))
 
 
 def with_include(text: str, folder: Path) -> str:
-    """Return the configuration of ssh with our file included, before all sections of hosts.
+    """Return the text of ssh's configuration with our file included, before sections of hosts.
 
-    Args:
-        text: The configuration now.
-        folder: Of ssh, `~/.ssh`.
+    `folder` is that of ssh, `~/.ssh`.
     """
     for line in text.splitlines():
         if _SECTION.match(line):
@@ -75,8 +70,7 @@ def _names(pattern: str, folder: Path) -> bool:
 
 
 def _last_number(robot: FleetRobot) -> str:
-    address = ip_address(robot.address)
-    return robot.address.rpartition(".")[2] if isinstance(address, IPv4Address) else ""
+    return "" if ":" in robot.address else robot.address.rpartition(".")[2]
 
 
 def _short(robot: FleetRobot, numbers: "Counter[str]") -> str:

@@ -19,13 +19,10 @@ _NONE: Final = "none"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SshSettings:
-    """How `ssh NAME` reaches a computer.
+    """How `ssh NAME` reaches a computer, with files of private keys.
 
-    Attributes:
-        port: TCP port of its ssh server.
-        jump: Computers that lead there, as `ProxyJump` has them; empty for none.
-        alias: Name by which its host key is known, as `HostKeyAlias` has it; empty for its own.
-        keys: Files of private keys.
+    Computers lead there as `ProxyJump` has them, empty for none, and its host key is known by an
+    `alias` as `HostKeyAlias` has it, empty for its own name.
     """
 
     port: int = SSH_PORT

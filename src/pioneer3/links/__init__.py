@@ -4,6 +4,7 @@
 module  contents
 ======  ===============================================================================
 urls    opens links by URL or path
+hosts   addresses of this computer and of others, and their form in URLs
 tap     recording the bytes of a link, one line a chunk, and playing them back
 serial  serial ports, real and pseudo, and the reasons for a failure to open
 stream  links over a pair of asyncio streams

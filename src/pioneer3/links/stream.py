@@ -6,10 +6,10 @@ import socket
 import sys
 from array import array
 from collections.abc import Awaitable, Callable
-from ipaddress import ip_address
 
 from pioneer3.errors import HungUpError, LinkError, PortNotFoundError, UnknownHostError
 from pioneer3.links.base import HUNG_UP
+from pioneer3.links.hosts import is_loopback
 
 try:
     import fcntl
@@ -111,20 +111,13 @@ async def open_tcp(host: str, port: int) -> StreamLink:
         if error.errno == errno.ECONNREFUSED or "Connect call failed" in str(error):
             starts = (
                 f"a simulator starts with: pioneer3 sim -p {port}"
-                if _is_this_computer(host)
+                if is_loopback(host)
                 else "on the robot's computer start pioneer3 bridge, or the "
                 "service of pioneer3 fleet deploy"
             )
             raise PortNotFoundError(f"{url}: nobody listens there; {starts}") from None
         raise LinkError(f"{url}: {error}") from error
     return accepted(url, reader, writer, round_trip=min(clock() - began, LONGEST_ROUND_TRIP))
-
-
-def _is_this_computer(host: str) -> bool:
-    try:
-        return ip_address(host).is_loopback
-    except ValueError:
-        return host.lower() == "localhost"
 
 
 def accepted(

@@ -1,12 +1,8 @@
 """Opens links by URL or path."""
 
 import re
-import socket
-from contextlib import suppress
 from functools import partial
-from ipaddress import ip_address
 from pathlib import Path
-from typing import Final
 from urllib.parse import urlsplit
 
 from pioneer3.errors import ConfigError
@@ -104,46 +100,3 @@ def split_host(url: str) -> tuple[str, int]:
     if not host or not 0 < port < 65536 or parts.path.strip("/"):
         raise ConfigError(f"{url!r}: expected tcp://HOST:PORT, such as tcp://localhost:{TCP_PORT}")
     return host, port
-
-
-ANY: Final = {"0.0.0.0", "::", ""}
-"""All addresses of this computer."""
-SOMEWHERE: Final = "192.0.2.1"
-"""Kept free for documentation (RFC 5737); nothing is sent there."""
-ANY_PORT: Final = 9
-"""Nothing is sent there."""
-
-
-def url_of(host: str, port: int) -> str:
-    """Return the URL of a port that listens at `host`.
-
-    A port at all addresses of this machine is reached at the one that other machines see.
-    """
-    reached = machine_address() if host in ANY else host
-    return f"tcp://[{reached}]:{port}" if ":" in reached else f"tcp://{reached}:{port}"
-
-
-def machine_address() -> str:
-    """Return this machine's address in the network, or its name without one."""
-    return address_towards(SOMEWHERE) or socket.gethostname()
-
-
-def address_towards(address: str) -> str:
-    """Return this machine's address on the way to another one; empty without a way there.
-
-    No packet is sent.
-    """
-    family = socket.AF_INET6 if ":" in address else socket.AF_INET
-    with suppress(OSError), socket.socket(family, socket.SOCK_DGRAM) as probe:
-        probe.connect((address, ANY_PORT))
-        return str(probe.getsockname()[0])
-    return ""  # no network leads there, or it is no address
-
-
-def is_own(address: str) -> bool:
-    """Return whether this machine has an IP address."""
-    family = socket.AF_INET6 if ip_address(address).version == 6 else socket.AF_INET
-    with suppress(OSError), socket.socket(family, socket.SOCK_DGRAM) as tried:
-        tried.bind((address, 0))
-        return True
-    return False

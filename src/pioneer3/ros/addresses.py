@@ -2,7 +2,6 @@
 
 import asyncio
 import os
-import socket
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
@@ -10,6 +9,7 @@ from typing import Final
 from urllib.parse import urlsplit
 
 from pioneer3.errors import ConfigError
+from pioneer3.links.hosts import address_towards
 
 PORT: Final = 11311
 LOCAL: Final = "127.0.0.1"
@@ -47,22 +47,12 @@ def addresses(master: str | None, environment: Mapping[str, str] = os.environ) -
         return Addresses(master=uri, host=own, bind=own)
     if parts.hostname in LOOPBACK:
         return Addresses(master=uri, host=LOCAL, bind=LOCAL)
-    own = address_towards(parts.hostname)
-    return Addresses(master=uri, host=own, bind=own)
-
-
-def address_towards(host: str) -> str:
-    """Return the address of this computer that `host` sees; nothing is sent.
-
-    Raises:
-        ConfigError: no way leads there.
-    """
     try:
-        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-            probe.connect((host, PORT))
-            return str(probe.getsockname()[0])
+        own = address_towards(parts.hostname)
     except OSError as error:
-        raise ConfigError(f"no way leads to the ROS master's computer {host}: {error}") from error
+        problem = f"no way leads to the ROS master's computer {parts.hostname}: {error}"
+        raise ConfigError(problem) from error
+    return Addresses(master=uri, host=own, bind=own)
 
 
 async def wait_for_master(uri: str, tell: Callable[[str], None]) -> None:

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from pioneer3.arcos.host_events import Timing
 from pioneer3.errors import ConfigError, PortBusyError
+from pioneer3.links.hosts import is_loopback
 from pioneer3.models import GivenModel
 from pioneer3.names import free_name
 from pioneer3.nav.settings import AS_SHIPPED, NavigationSettings
@@ -21,7 +22,6 @@ from pioneer3.sim.server.start import simulator
 from pioneer3.sim.worldfile import RobotSpec, load_world
 from pioneer3.sim.worldfile.arguments import NO_OVERRIDES, WorldOverrides
 from pioneer3.web.access.certificate import certificate_for, digest
-from pioneer3.web.access.hosts import is_loopback
 from pioneer3.web.access.invitations import invitation_lines
 from pioneer3.web.hosting import ConnectTarget, hosted
 from pioneer3.web.page import Page
@@ -40,33 +40,16 @@ PATIENT = Timing(silence=inf)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RunOptions:
-    """Options of `pioneer3 run`.
+    """Options of `pioneer3 run`, as `pioneer3 run --help` explains them.
 
-    Attributes:
-        ports: URLs of the robots; none starts a simulator.
-        baud: Serial speed to try first.
-        map_name: Shipped map or file; `None` is the office for a simulator, none for a robot.
-        robots: Models and names to simulate; with ports one for all or one for each, to use
-            whatever the robots say they are.
-        overrides: What else to change in the simulated world before it begins.
-        ideal: Simulate robots without any error.
-        sim_port: TCP port of the first simulated robot; 0 takes free ones.
-        web_port: TCP port of the page; 0 takes a free one.
-        host: Address the page is served on; from elsewhere than this machine it takes pairing.
-        cert: The owner's certificate for https; `None` makes one where others are let in.
-        key: Its private key.
-        show_tokens: Whether the output of `tell` is not stored, so that it may show tokens.
-        max_speed: Keep below this [m/s].
-        record: New file for every byte on the wire; of several robots each has its own, with its
-            name added.
-        lasers: Looks for the laser range finders of the only robot.
-        camera: URL of the MJPEG stream of its camera, whatever else is known of that.
-        camera_if_one: Whether several robots leave `camera` out; else they refuse it.
-        cameras: Those of the robots at `ports`, if any is known: one for each, or `None`.
-        models: Those that somebody names for the robots at `ports`, one for each, or empty.
-        settings: Those of navigation, one for each robot, or one for all.
-        announced: Lets others find the page in the network while the block lasts; not called for
-            one on loopback.
+    Without ports, the URLs of robots, it simulates: `robots` are the models and names then, and
+    with ports one for all or one for each, to use whatever the robots say they are. TCP ports of 0
+    take free ones. Without a certificate one is made where others are let in. With `show_tokens`
+    the output of `tell` is not stored, and may show them. `record` is a new file for every byte on
+    the wire, of several robots one for each, with its name added. `lasers` looks for those of the
+    only robot, and `camera` is its; several robots leave that out or refuse it. `cameras`, `models`
+    and `settings` are one for each robot, or empty or one for all. `announced` lets others find the
+    page in the network while the block lasts; it is not called for one on loopback.
     """
 
     ports: tuple[str, ...] = ()
@@ -109,15 +92,10 @@ async def live(options: RunOptions, tell: Callable[[str], None]) -> int:
         lasers = await options.lasers()
         page = Page()
         certificate = certificate_for(options.host, options.cert, options.key)
-        served = await stack.enter_async_context(
-            serve(
-                page,
-                host=options.host,
-                port=options.web_port,
-                certificate=certificate,
-                taken=taken,
-            )
+        serving = serve(
+            page, host=options.host, port=options.web_port, certificate=certificate, taken=taken
         )
+        served = await stack.enter_async_context(serving)
         # the page waits for the robots, so that a port in use is reported first
         await stack.enter_async_context(hosted(page, _with_options(targets, options, lasers), tell))
         it = "it" if len(targets) == 1 else "them"

@@ -11,9 +11,10 @@ from dataclasses import dataclass
 import uvicorn
 
 from pioneer3.errors import LinkError, PortBusyError
+from pioneer3.links.hosts import ANY, bracketed, is_loopback
 from pioneer3.tasks import running
 from pioneer3.web.access.certificate import Certificate
-from pioneer3.web.access.hosts import is_loopback, others_urls, own_names
+from pioneer3.web.access.hosts import others_urls, own_names
 from pioneer3.web.app import make_app
 from pioneer3.web.connections import BACKLOG, ConnectionLimits, TenfoldFilter, WebServer
 from pioneer3.web.page import Page
@@ -25,8 +26,6 @@ GOODBYE = 1
 """Longest wait for open pages at the end [s]."""
 NEXT_PORTS = 100
 """The port for https is one of so many after the page's."""
-ANY = frozenset({"0.0.0.0", "::"})
-"""Hosts that mean every address of this machine."""
 FRAME_LIMIT = 4096
 """Longest message taken from a page [bytes]."""
 
@@ -50,12 +49,8 @@ async def serve(
 ) -> AsyncIterator[Served]:
     """Serve `page`; yield its addresses.
 
-    Args:
-        page: The page.
-        host: Address to listen on; other machines need a session of :attr:`Page.access`.
-        port: TCP port; 0 takes a free one.
-        certificate: To serve https with as well, on the next free port.
-        taken: Ports that are in use, though perhaps at another address.
+    On other machines than this, clients need a session of :attr:`Page.access`. Port 0 takes a free
+    one; https comes with a certificate, on the next port that is free and not `taken`.
 
     Raises:
         PortBusyError, LinkError: the ports cannot be listened on.
@@ -67,11 +62,12 @@ async def serve(
         await stack.enter_async_context(running(page.run()))
         plain = _listen(host, port, stack)
         await stack.enter_async_context(_running(page, names, limits, plain))
-        served = Served(f"http://{shown(local_host(host))}:{_port(plain)}")
+        local = bracketed(host) if is_loopback(host) else "127.0.0.1"
+        served = Served(f"http://{local}:{_port(plain)}")
         if certificate is not None:
             secure = _listen_next(host, port, taken, stack)
             await stack.enter_async_context(_running(page, names, limits, secure, certificate))
-            served = Served(served.http, f"https://{shown(local_host(host))}:{_port(secure)}")
+            served = Served(served.http, f"https://{local}:{_port(secure)}")
         page.access.authority = certificate.authority if certificate else None
         page.access.urls = others_urls(
             host,
@@ -145,11 +141,6 @@ def _port(listeners: list[socket.socket]) -> int:
     return int(listeners[0].getsockname()[1])
 
 
-def local_host(host: str) -> str:
-    """Return the address of a server on `host` for this machine."""
-    return host if is_loopback(host) else "127.0.0.1"
-
-
 def _bind(host: str, port: int) -> socket.socket:
     if not 0 <= port <= 65535:
         raise LinkError(f"{host}:{port}: ports are numbers from 1 to 65535")
@@ -167,8 +158,3 @@ def _bind(host: str, port: int) -> socket.socket:
             ) from None
         raise LinkError(f"{host}:{port}: cannot serve the page there: {error.strerror}") from None
     return listener
-
-
-def shown(host: str) -> str:
-    """Return `host` as it stands in a URL."""
-    return f"[{host}]" if ":" in host else host

@@ -24,7 +24,8 @@ from pioneer3.arcos.commands import Open, SimCtrl, SimOperation
 from pioneer3.arcos.packet import encode
 from pioneer3.geometry import ORIGIN, Pose2
 from pioneer3.jit import KernelCache
-from pioneer3.links.urls import machine_address, open_link, split_host, url_of
+from pioneer3.links.hosts import machine_address, url_of
+from pioneer3.links.urls import open_link, split_host
 from pioneer3.sim.equipment import EquipmentOptions
 from pioneer3.sim.kernels import WORTH_COMPILING
 from pioneer3.sim.realism import Realism

@@ -3,15 +3,15 @@
 import os
 import socket
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
-from ipaddress import ip_address
 from typing import Final
 from urllib.parse import urlsplit
 
 from pioneer3.doctor.facts import Finding, Level
 from pioneer3.errors import ConfigError
-from pioneer3.links.urls import SOMEWHERE, is_own
-from pioneer3.ros.addresses import LOCAL, LOOPBACK, PORT, address_towards
+from pioneer3.links.hosts import SOMEWHERE, address_towards, is_address, is_loopback, is_own
+from pioneer3.ros.addresses import LOCAL, LOOPBACK, PORT
 
 MASTER: Final = "ROS_MASTER_URI"
 ADDRESS: Final = "ROS_IP"
@@ -30,10 +30,8 @@ def resolve(host: str) -> tuple[str, ...]:
 def own_address(master: str) -> str:
     """Return the address of this computer that the master's computer sees; nothing is sent."""
     for host in (SOMEWHERE if master in LOOPBACK else master, SOMEWHERE):
-        try:
+        with suppress(OSError):
             return address_towards(host)
-        except ConfigError:
-            continue
     return LOCAL
 
 
@@ -112,7 +110,7 @@ def _check_name(name: str, master: str, network: NetworkProbe) -> Iterator[Findi
 
 def _check_address(address: str, master: str, network: NetworkProbe) -> Iterator[Finding]:
     advice = f"export {ADDRESS}={network.own_address(master)}"
-    if not _is_numeric(address):
+    if not is_address(address):
         yield _finding(
             f"{ADDRESS}={address}", f"that is no address in numbers; names are for {NAME}", advice
         )
@@ -122,7 +120,7 @@ def _check_address(address: str, master: str, network: NetworkProbe) -> Iterator
             "this computer does not have that address, so no program reaches its nodes",
             advice,
         )
-    elif ip_address(address).is_loopback and master not in LOOPBACK:
+    elif is_loopback(address) and master not in LOOPBACK:
         yield _finding(
             f"{ADDRESS}={address}",
             f"only this computer reaches that address, and the master is at {master}",
@@ -142,11 +140,3 @@ def _host_of(uri: str) -> str | None:
     except ValueError:
         return None
     return parts.hostname if is_whole else None
-
-
-def _is_numeric(address: str) -> bool:
-    try:
-        ip_address(address)
-    except ValueError:
-        return False
-    return True

@@ -11,7 +11,7 @@ from math import inf
 from typing import Final
 
 from pioneer3 import mjpeg
-from pioneer3.links.urls import url_of
+from pioneer3.links.hosts import url_of
 from pioneer3.models.cameras import CAMERAS, CameraModel
 from pioneer3.sim.body import Body
 from pioneer3.sim.equipment import Equipment

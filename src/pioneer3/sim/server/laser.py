@@ -11,7 +11,7 @@ from math import inf
 
 from pioneer3.errors import LinkError
 from pioneer3.lasers.device import LaserDevice, MirrorTurn, Sweep
-from pioneer3.links.urls import url_of
+from pioneer3.links.hosts import url_of
 from pioneer3.models.lasers import LaserModel, LaserProtocol
 from pioneer3.sim.body import Body
 from pioneer3.sim.laser_scanner import Arc, LaserScanner

@@ -12,9 +12,9 @@ from math import inf
 from typing import Any, Protocol
 
 from pioneer3.errors import LinkError, PortBusyError
+from pioneer3.links.hosts import url_of
 from pioneer3.links.serial import make_pty, terminal_speed
 from pioneer3.links.stream import tune
-from pioneer3.links.urls import url_of
 from pioneer3.sim.server.clients import ClientHandler, HostConnection, PtyClient, SocketClient
 
 log = logging.getLogger(__name__)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from pioneer3.arcos.reports import MapChanged
 from pioneer3.errors import CommandError, DeviceError, PioneerError
 from pioneer3.geometry import Pose2
-from pioneer3.links.urls import url_of
+from pioneer3.links.hosts import url_of
 from pioneer3.models import RobotModel, load_model
 from pioneer3.sim.body import Body
 from pioneer3.sim.collision import footprint_hits, hits, overlap, stands_in

@@ -16,7 +16,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pioneer3.errors import ConfigError
-from pioneer3.web.access.hosts import is_loopback, lan_addresses
+from pioneer3.links.hosts import is_loopback
+from pioneer3.web.access.hosts import lan_addresses
 
 if TYPE_CHECKING:
     from cryptography import x509
@@ -26,13 +27,7 @@ RENEW_BEFORE = timedelta(days=30)
 
 @dataclass(frozen=True, slots=True)
 class Certificate:
-    """Files in PEM.
-
-    Attributes:
-        chain: The certificate.
-        key: Its private key.
-        authority: Certificate of the authority that signed it; `None` for the owner's certificate.
-    """
+    """Files in PEM: a certificate, its private key, and the authority that signed one of ours."""
 
     chain: Path
     key: Path
@@ -40,11 +35,7 @@ class Certificate:
 
 
 def owners(chain: Path, key: Path) -> Certificate:
-    """Return the owner's certificate.
-
-    Raises:
-        ConfigError: the files do not fit each other, or cannot be read.
-    """
+    """Return the owner's certificate; ConfigError if its files do not fit, or cannot be read."""
     import ssl
 
     try:
@@ -90,11 +81,6 @@ def digest(path: Path) -> str:
     return sha256(PEM_cert_to_DER_cert(path.read_text())).digest().hex(":").upper()
 
 
-def is_private(path: Path) -> bool:
-    """Whether only the owner of a file may read it."""
-    return not path.stat().st_mode & (stat.S_IRWXG | stat.S_IRWXO)
-
-
 def _is_good(known: Certificate, authority: "x509.Certificate", names: Sequence[str]) -> bool:
     """Whether a certificate that was made before is still good."""
     from cryptography import x509
@@ -103,8 +89,8 @@ def _is_good(known: Certificate, authority: "x509.Certificate", names: Sequence[
 
     try:
         certificate = x509.load_pem_x509_certificate(known.chain.read_bytes())
-        if not is_private(known.key):
-            return False
+        if known.key.stat().st_mode & (stat.S_IRWXG | stat.S_IRWXO):
+            return False  # others may read it
         certificate.verify_directly_issued_by(authority)
         owners(known.chain, known.key)
     except Exception:

@@ -2,15 +2,15 @@
 
 import re
 import socket
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from ipaddress import IPv4Address, IPv6Address, ip_address
+
+from pioneer3.links.hosts import ANY, SOMEWHERE, address_towards, bracketed, is_loopback
 
 LOCAL_NAMES = frozenset({"localhost", "127.0.0.1", "::1"})
 FORWARDED = ("forwarded", "x-forwarded-for", "x-forwarded-host", "x-real-ip", "via")
 _HOST = re.compile(r"(\[[0-9a-f:.]+\]|[a-z0-9._-]+)(:[0-9]{1,5})?", re.IGNORECASE | re.ASCII)
-PROBES = ((socket.AF_INET, "192.0.2.1"), (socket.AF_INET6, "2001:db8::1"))
-"""Addresses for documentation: asking for the route to them sends nothing."""
 
 
 def host_name(host: str | None) -> str:
@@ -34,12 +34,6 @@ def own_names(host: str) -> frozenset[str]:
         return LOCAL_NAMES | {host.lower()}
     name = socket.gethostname().lower()
     return LOCAL_NAMES | {host.lower(), name, f"{name}.local"}
-
-
-def is_loopback(name: str) -> bool:
-    """Whether `name`, a host name or an address, means this machine to itself."""
-    address = parsed(name)
-    return name.lower() == "localhost" or (address is not None and address.is_loopback)
 
 
 def is_from_here(peer: str, headers: Mapping[str, str]) -> bool:
@@ -78,10 +72,9 @@ def lan_addresses(host: str) -> list[str]:
 
     For `0.0.0.0`, those of all interfaces: the network of the robots often has no default route.
     """
-    if host not in {"0.0.0.0", "::", ""}:
+    if host not in ANY:
         return [host]
-    best = filter(None, (_towards(family, probe) for family, probe in PROBES))
-    found = map(ip_address, dict.fromkeys([*best, *_of_interfaces()]))
+    found = map(ip_address, dict.fromkeys([*_routes(), *_of_interfaces()]))
     return [
         str(address)
         for address in sorted(found, key=lambda address: address.is_link_local)
@@ -98,26 +91,22 @@ def _of_interfaces() -> list[str]:
     return [number if isinstance(number, str) else number[0] for number in numbers]
 
 
-def _towards(family: socket.AddressFamily, probe: str) -> str | None:
-    """Return the address that this machine would send from."""
-    with suppress(OSError), socket.socket(family, socket.SOCK_DGRAM) as one:
-        one.connect((probe, 9))
-        return str(one.getsockname()[0])
-    return None
+def _routes() -> Iterator[str]:
+    """Yield the addresses that this machine would send from."""
+    for somewhere in (SOMEWHERE, "2001:db8::1"):
+        with suppress(OSError):
+            yield address_towards(somewhere)
 
 
 def others_urls(host: str, http: int, https: int | None, *, trusted: bool) -> tuple[str, ...]:
     """Return the addresses of the page for other machines, the best first.
 
-    Args:
-        host: Address that the server listens on.
-        http: Its TCP port.
-        https: The port for TLS, `None` without.
-        trusted: Whether browsers trust the certificate, so that https comes first.
+    The server listens on `host`, at a TCP port without TLS and one with it, `None` for none; https
+    comes first if browsers trust the certificate.
     """
     if is_loopback(host):
         return ()
-    hosts = [f"[{a}]" if ":" in a else a for a in lan_addresses(host)]
+    hosts = list(map(bracketed, lan_addresses(host)))
     plain = [f"http://{a}:{http}" for a in hosts]
     secure = [f"https://{a}:{https}" for a in hosts] if https else []
     return (*secure, *plain) if trusted else (*plain, *secure)

@@ -12,6 +12,7 @@ from pioneer3.bridge import Bridge
 from pioneer3.classroom.runs import RunFolder
 from pioneer3.errors import ConfigError, PortBusyError
 from pioneer3.links import Link, Opener, opener
+from pioneer3.links.hosts import bracketed, is_loopback
 from pioneer3.links.memory import null_modem
 from pioneer3.models import GivenModel, load_model
 from pioneer3.sim.placer import spawn_robots
@@ -23,7 +24,7 @@ from pioneer3.sim.worldfile import RobotSpec, WorldFile, load_world
 from pioneer3.sim.worldfile.arguments import WorldOverrides
 from pioneer3.tasks import running
 from pioneer3.web.access.certificate import certificate_for
-from pioneer3.web.access.hosts import is_loopback, lan_addresses
+from pioneer3.web.access.hosts import lan_addresses
 from pioneer3.web.access.invitations import terminal_lines
 from pioneer3.web.audience import Audience
 from pioneer3.web.classroom.classroom import Classroom
@@ -32,7 +33,7 @@ from pioneer3.web.hosting import ConnectTarget, hosted
 from pioneer3.web.live import PATIENT
 from pioneer3.web.page import Page
 from pioneer3.web.scene import RobotScene
-from pioneer3.web.server import Served, serve, shown
+from pioneer3.web.server import Served, serve
 
 log = logging.getLogger(__name__)
 
@@ -45,13 +46,7 @@ UNPLUGGING = 2.0
 
 @dataclass(frozen=True, slots=True)
 class RemoteRobot:
-    """A robot that is not simulated here.
-
-    Attributes:
-        name: Of the robot.
-        port: The robot's.
-        model: Its model, if somebody names one.
-    """
+    """A robot that is not simulated here, with its model if somebody names one."""
 
     name: str
     port: str
@@ -60,19 +55,11 @@ class RemoteRobot:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ClassOptions:
-    """Options of `pioneer3 class`.
+    """Options of `pioneer3 class`: robots are simulated, one for each student, or of a fleet.
 
-    Attributes:
-        students: Number of robots to simulate; with `fleet` unused.
-        fleet: Robots to use in place of simulated ones.
-        map_name: Shipped map or file; `None` is the office for a simulator, none for a fleet.
-        model: Of the simulated robots.
-        ideal: Simulate robots without any error.
-        folder: Runs are handed in there.
-        sim_port: TCP port of the first robot for students' programs; 0 takes free ones.
-        web_port: TCP port of the page; 0 takes a free one.
-        host: Address the page and the robots' ports are served on.
-        show_tokens: Whether the output of `tell` is not stored, so that it may show the link.
+    The map is one that ships, or a file; `None` is the office for a simulator, none for a fleet.
+    `sim_port` is the TCP port of the first robot for students' programs; 0 takes free ones, also
+    for the page. With `show_tokens` the output of `tell` is not stored, and may show the link.
     """
 
     students: int = 0
@@ -132,12 +119,9 @@ async def class_live(options: ClassOptions, tell: Callable[[str], None]) -> int:
             page.add_audience(Audience(number, student=True))
             page.add_audience(Audience(number))
         page.add_audience(Audience(small=True))
+        taken = [int(robot.url.rpartition(":")[2]) for robot in robots.values()]
         serving = serve(
-            page,
-            host=options.host,
-            port=options.web_port,
-            certificate=certificate,
-            taken=[int(robot.url.rpartition(":")[2]) for robot in robots.values()],
+            page, host=options.host, port=options.web_port, certificate=certificate, taken=taken
         )
         served = await stack.enter_async_context(serving)
         classroom.join_url = join_url(page.access.urls, served, classroom.token)
@@ -147,8 +131,11 @@ async def class_live(options: ClassOptions, tell: Callable[[str], None]) -> int:
             replace(target, open=robot.bridge.opener(PAGE, gives_way=True))
             for target, robot in zip(targets, robots.values(), strict=True)
         ]
-        await stack.enter_async_context(hosted(page, over_bridges, _log))
-        _name_urls(page, robots)
+        hosting = hosted(page, over_bridges, lambda line: log.info("%s", line))
+        await stack.enter_async_context(hosting)
+        for robot in robots.values():
+            if page.world is not None and robot.start is not None:
+                page.world.urls[robot.start.robot] = robot.url
         await stack.enter_async_context(running(classroom.run()))
         for line in _lines(options, classroom, served):
             tell(line)
@@ -186,7 +173,10 @@ async def _simulated(
 ) -> list[ConnectTarget]:
     name = options.map_name or "office"
     load_model(options.model)  # a wrong name is no lack of room
-    overrides = _overrides(options.model, options.students)
+    robots = (
+        RobotSpec(model=options.model, name=f"Robot {n}") for n in range(1, options.students + 1)
+    )
+    overrides = WorldOverrides(robots=tuple(robots), starts=("random",), seed=SEED, own_ports=False)
     _check_room(load_world(name), overrides, name)
     realism = Realism.ideal() if options.ideal else Realism()
     simulation = simulator(map_name=name, port=None, overrides=overrides, realism=realism)
@@ -210,17 +200,8 @@ def _target(here: RunningSimulation, robot: SimulatedRobot, cables: MemoryCables
     )
 
 
-def _overrides(model: str, count: int) -> WorldOverrides:
-    robots = tuple(RobotSpec(model=model, name=f"Robot {n}") for n in range(1, count + 1))
-    return WorldOverrides(robots=robots, starts=("random",), seed=SEED, own_ports=False)
-
-
 def _check_room(world: WorldFile, overrides: WorldOverrides, name: str) -> None:
-    """Refuse more robots than the map has room for.
-
-    Raises:
-        ConfigError: There is too little room; the message says how many fit.
-    """
+    """Raise ConfigError for more robots than the map has room for; it says how many fit."""
     wanted = len(overrides.robots)
     if _fit(world, overrides, wanted):
         return
@@ -264,7 +245,7 @@ async def _bridged(
             number,
             target.name,
             bridge,
-            f"tcp://{shown(address)}:{taken}",
+            f"tcp://{bracketed(address)}:{taken}",
             start=_start(target.scene),
             clock=time,
         )
@@ -277,14 +258,6 @@ def _start(scene: RobotScene) -> StartPlace | None:
         return None
     simulation, robot = scene.simulated
     return StartPlace(simulation, robot, robot.body.robot_in_world)
-
-
-def _name_urls(page: Page, robots: dict[int, ClassRobot]) -> None:
-    """Tell where programs reach simulated robots."""
-    if page.world is not None:
-        for robot in robots.values():
-            if robot.start is not None:
-                page.world.urls[robot.start.robot] = robot.url
 
 
 def _lines(options: ClassOptions, classroom: Classroom, served: Served) -> Iterator[str]:
@@ -305,7 +278,3 @@ def _lines(options: ClassOptions, classroom: Classroom, served: Served) -> Itera
         f" (robot 1) to {robots[-1].url} (robot {len(robots)})" if len(robots) > 1 else ""
     )
     yield f"Runs are handed in to {options.folder}/   (Ctrl-C ends)"
-
-
-def _log(line: str) -> None:
-    log.info("%s", line)

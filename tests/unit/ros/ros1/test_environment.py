@@ -3,7 +3,7 @@
 import pytest
 
 from pioneer3.errors import ConfigError
-from pioneer3.links.urls import is_own
+from pioneer3.links.hosts import is_own
 from pioneer3.ros.ros1.environment import NetworkProbe, check_environment, checked_master
 
 OWN = "192.168.0.7"

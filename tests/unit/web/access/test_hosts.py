@@ -2,8 +2,9 @@
 
 import pytest
 
+from pioneer3.links.hosts import is_loopback
 from pioneer3.web.access import hosts
-from pioneer3.web.access.hosts import is_from_here, is_loopback, is_own_origin
+from pioneer3.web.access.hosts import is_from_here, is_own_origin
 
 HERE = {"host": "localhost:8080"}
 
@@ -72,8 +73,7 @@ LISTED = ["127.0.0.1", "::1", "169.254.7.7", "192.168.7.2", "10.0.0.3", "fd00::2
 def test_others_find_this_machine_on_all_interfaces_with_or_without_a_default_route(
     monkeypatch: pytest.MonkeyPatch, host: str, towards: list[str], found: list[str]
 ) -> None:
-    routes = iter([*towards, None, None])
-    monkeypatch.setattr(hosts, "_towards", lambda family, probe: next(routes))
+    monkeypatch.setattr(hosts, "_routes", lambda: towards)
     monkeypatch.setattr(hosts, "_of_interfaces", lambda: LISTED)
     assert hosts.lan_addresses(host) == found
 
