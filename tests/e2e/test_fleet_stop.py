@@ -7,8 +7,9 @@ from math import inf
 
 import pytest
 
+from pioneer3.fleet.run import exit_code
 from pioneer3.fleet.spec import FleetRobot
-from pioneer3.fleet.stop import exit_code, stop_all
+from pioneer3.fleet.stop import stop_all
 from pioneer3.navigation.connect import connect_async
 from pioneer3.runtime.driven import Driven
 from pioneer3.runtime.robot import Robot as Driver

@@ -126,7 +126,8 @@ async def _stop(
     emergency: bool,
     json: bool,
 ) -> int:
-    from pioneer3.fleet.stop import exit_code, stop_all
+    from pioneer3.fleet.run import exit_code
+    from pioneer3.fleet.stop import stop_all
 
     waits = patience - TO_SAY
     async with connecting(fleet, "fleet_stop", None, patience=waits, at_once=True) as connect:

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from pioneer3.doctor.facts import UNREACHABLE, Finding, Level
+from pioneer3.doctor.facts import FAILED, UNREACHABLE, Finding, Level
 from pioneer3.errors import RemoteError
 from pioneer3.fleet.host_checks import Patient, findings
 from pioneer3.fleet.host_facts import HostFacts, clock_of, parsed, question, reaches_ports
@@ -31,11 +31,7 @@ async def gather(
 ) -> tuple[dict[str, HostFacts], tuple[Outcome, ...]]:
     """Return the facts about all computers by the names of their robots, and how that went.
 
-    Args:
-        fleet: Whose names they should know.
-        robots: Whose computers.
-        login: How to log in.
-        thorough: Whether to try their passwords' and their firewalls' settings, too.
+    If it is `thorough`, it tries the settings of their passwords and firewalls, too.
     """
     found: dict[str, HostFacts] = {}
 
@@ -86,4 +82,4 @@ def exit_code(diagnoses: Sequence[Diagnosis]) -> int:
     if diagnoses and all(each.facts is None for each in diagnoses):
         return UNREACHABLE
     codes = [each.code for each in diagnoses if each.code]
-    return next((1 if code == UNREACHABLE else code for code in codes), 0)
+    return next((FAILED if code == UNREACHABLE else code for code in codes), 0)

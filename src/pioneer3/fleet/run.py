@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from math import inf
 from typing import TYPE_CHECKING, Any, Final
 
+from pioneer3.doctor.facts import FAILED, UNREACHABLE
 from pioneer3.errors import HostError, RemoteError
 from pioneer3.fleet.spec import FleetRobot
 from pioneer3.fleet.ssh import LOGIN, Login, asyncssh_module, connect
@@ -18,12 +19,10 @@ from pioneer3.names import printable
 if TYPE_CHECKING:
     import asyncssh
 
+    from pioneer3.fleet.stop import Stopped
+
 log = logging.getLogger(__name__)
 
-FAILED = 1
-"""Exit code where some failed."""
-UNREACHABLE = 3
-"""Exit code where none was reached."""
 LONGEST_LINE: Final = 16_384
 """A longer line is shown in pieces [characters]."""
 LONGEST_ANSWER: Final = 16e6
@@ -48,15 +47,10 @@ class Done:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Outcome:
-    """The result of the work on one computer.
+    """The result of the work on one computer: whether we were logged in, and all went well.
 
-    Attributes:
-        robot: Name of its robot.
-        ok: Whether all went well.
-        reached: Whether we were logged in.
-        status: Exit status there; `None` if there was none.
-        why: The reason for a failure, and the next step; else a word about the result.
-        seconds: Duration [s].
+    `why` is the reason for a failure, and the next step; else a word about the result. The exit
+    status there is `None` if there was none.
     """
 
     robot: str
@@ -103,8 +97,8 @@ async def _outcome(robot: FleetRobot, work: Work) -> Outcome:
     )
 
 
-def exit_code(outcomes: Sequence[Outcome]) -> int:
-    """Return 0 if all went well, 3 if no computer was reached, else 1."""
+def exit_code(outcomes: "Sequence[Outcome | Stopped]") -> int:
+    """Return 0 if all went well, 3 if nobody was reached, else 1."""
     if all(each.ok for each in outcomes):
         return 0
     return FAILED if any(each.reached for each in outcomes) else UNREACHABLE
@@ -118,16 +112,9 @@ async def run_on(
     login: Login = LOGIN,
     limit: float | None = None,
 ) -> tuple[Outcome, ...]:
-    """Run a shell command on all computers at once.
+    """Run a command of the user's shell on all computers at once; `show` takes lines as they come.
 
-    A command ends with this call, also if that is cancelled, and with the connection.
-
-    Args:
-        robots: Whose computers.
-        command: For the shell of the user there.
-        show: Takes each line as it comes.
-        login: How to log in.
-        limit: Longest time for the command [s].
+    It ends with this call, also if that is cancelled, with the connection, and at a limit [s].
     """
 
     async def work(robot: FleetRobot) -> Done:

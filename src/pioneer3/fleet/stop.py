@@ -9,9 +9,8 @@ from math import inf
 from pioneer3.errors import LinkError, PioneerError
 from pioneer3.fleet.members import Connect
 from pioneer3.fleet.spec import FleetRobot
-from pioneer3.robot.pilot import STANDING
+from pioneer3.robot.pilot import stands
 from pioneer3.runtime.driven import Driven
-from pioneer3.state import Snapshot
 from pioneer3.tasks import running
 
 log = logging.getLogger(__name__)
@@ -24,15 +23,11 @@ velocities more often."""
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Stopped:
-    """The outcome of the stop of one robot.
+    """The outcome of the stop of one robot, which was known after some `seconds`.
 
-    Attributes:
-        robot: Its name.
-        ok: Whether its own reports say that it stands; after an emergency stop, without power, too.
-        reached: Whether the stop was sent to it.
-        why: The reason that it does not, in plain words; empty if it stands.
-        seconds: Until that was known.
-        taken: Whether another program drove it: it stands until that switches the motors on.
+    It is `ok` if its own reports say that it stands, after an emergency stop without power, too;
+    else `why` has the reason, in plain words. It was `reached` if the stop was sent to it. If it is
+    `taken` another program drove it: it stands until that switches the motors on.
     """
 
     robot: str
@@ -52,11 +47,7 @@ async def stop_all(
 ) -> tuple[Stopped, ...]:
     """Connect to all `robots` side by side and stop them; return their answers in this order.
 
-    Args:
-        robots: Of the fleet.
-        connect: Connects to one.
-        emergency: Whether to stop as hard as they can, and take the power from their motors.
-        patience: For each of them [s].
+    In an emergency they stop as hard as they can, without power. The patience is for each [s].
     """
     return tuple(
         await asyncio.gather(
@@ -102,8 +93,7 @@ async def _stop(
 async def _confirmed(driven: Driven, *, emergency: bool) -> None:
     """Tell the robot to stop until its reports say for :data:`HELD` that it stands.
 
-    Raises:
-        LinkError: there will be no more reports.
+    LinkError tells that there will be no more reports.
     """
     stop = driven.emergency_stop if emergency else driven.stop
     stop()
@@ -113,7 +103,7 @@ async def _confirmed(driven: Driven, *, emergency: bool) -> None:
         async for snapshot in driven.snapshots(patience=inf):
             if snapshot.stamp <= told:
                 continue
-            if not _stands(snapshot) or (emergency and not driven.supervisor.without_power):
+            if not stands(snapshot) or (emergency and not driven.supervisor.without_power):
                 since = inf
             elif snapshot.stamp - (since := min(since, snapshot.stamp)) >= HELD:
                 return
@@ -131,22 +121,8 @@ def _trouble(driven: Driven, *, emergency: bool) -> str:
     snapshot = driven.snapshot
     if snapshot is None:
         return str(driven.why_not_moving() or "")
-    if not _stands(snapshot):
+    if not stands(snapshot):
         return "It moves: does another program drive it?"
-    return (
-        ""
-        if driven.supervisor.without_power or not emergency
-        else "Its emergency stop is not latched"
-    )
-
-
-def _stands(snapshot: Snapshot) -> bool:
-    twist = snapshot.odometry.twist
-    return abs(twist.v) < STANDING.v and abs(twist.w) < STANDING.w
-
-
-def exit_code(answers: Sequence[Stopped]) -> int:
-    """Return 0 if all stand, 1 if some have not confirmed it, 3 if none was reached."""
-    if all(answer.ok for answer in answers):
-        return 0
-    return 1 if any(answer.reached for answer in answers) else 3
+    if driven.supervisor.without_power or not emergency:
+        return ""
+    return "Its emergency stop is not latched"

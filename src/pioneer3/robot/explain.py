@@ -6,7 +6,7 @@ from enum import StrEnum
 from typing import final
 
 from pioneer3.robot.limits import limit
-from pioneer3.robot.pilot import REPORT_TIMEOUT, STANDING, Pilot
+from pioneer3.robot.pilot import REPORT_TIMEOUT, Pilot, stands
 from pioneer3.state import Snapshot
 
 
@@ -47,8 +47,7 @@ def why_not_moving(
     if snapshot is None:
         lost = f": {pilot.blocked}" if pilot.blocked else ""
         return Reason(ReasonKind.FAULT, f"No robot is connected{lost}.")
-    twist = snapshot.odometry.twist
-    if abs(twist.v) >= STANDING.v or abs(twist.w) >= STANDING.w:
+    if not stands(snapshot):
         return None
     return next(_reasons(pilot, snapshot, now, decided))
 

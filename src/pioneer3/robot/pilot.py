@@ -89,6 +89,12 @@ class MotionRequest:
     twist: Twist2 | None = None
 
 
+def stands(snapshot: Snapshot) -> bool:
+    """Whether a robot moves more slowly than :data:`STANDING`."""
+    measured = snapshot.odometry.twist
+    return abs(measured.v) < STANDING.v and abs(measured.w) < STANDING.w
+
+
 class Pilot:
     """Decides the motion of one robot, over all sessions with it.
 
@@ -323,10 +329,7 @@ class Pilot:
     @property
     def _at_rest(self) -> bool:
         """Whether the robot stood in the last snapshot."""
-        if self._snapshot is None:
-            return False
-        measured = self._snapshot.odometry.twist
-        return abs(measured.v) < STANDING.v and abs(measured.w) < STANDING.w
+        return self._snapshot is not None and stands(self._snapshot)
 
     def _update_motors(self, now: float) -> None:
         """Bring the motors to the wanted state; switching on has :data:`ENABLE_TRIES`."""

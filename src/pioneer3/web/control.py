@@ -26,7 +26,7 @@ from pioneer3.behaviors.actions import Hold
 from pioneer3.behaviors.modes import Goto, Mode
 from pioneer3.errors import Refusal
 from pioneer3.geometry import Pose2, Twist2
-from pioneer3.robot.pilot import STANDING, STOPPED
+from pioneer3.robot.pilot import STOPPED, stands
 from pioneer3.runtime.arbiter import GAMEPAD, KEYBOARD, WEB, Arbiter
 from pioneer3.runtime.robot import Robot
 from pioneer3.web import requests
@@ -388,8 +388,7 @@ class Control:
         snapshot = self._robot.snapshot
         if self._clock() >= self._stopping_until or snapshot is None:
             return None
-        twist = snapshot.odometry.twist
-        if abs(twist.v) < STANDING.v and abs(twist.w) < STANDING.w:
+        if stands(snapshot):
             self._stopping_until = float("-inf")
             return None
         return Refusal("the robot is still stopping")

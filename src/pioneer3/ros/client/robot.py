@@ -9,7 +9,7 @@ from typing import Final
 from pioneer3.errors import Refusal
 from pioneer3.geometry import STILL, Twist2
 from pioneer3.robot.explain import Reason, ReasonKind, why_not_moving
-from pioneer3.robot.pilot import STANDING, Pilot, VelocityCommand
+from pioneer3.robot.pilot import Pilot, VelocityCommand, stands
 from pioneer3.robot.supervisor import Connection, ConnectionStatus, Feed, RobotInfo
 from pioneer3.runtime.arbiter import Arbiter
 from pioneer3.runtime.driven import Driven
@@ -163,9 +163,7 @@ class TopicSupervisor:
 
     def _with_stall(self, snapshot: Snapshot, now: float) -> Snapshot:
         """Return `snapshot`, its wheels stalled if they have not moved as commanded."""
-        measured = snapshot.odometry.twist
-        moves = abs(measured.v) >= STANDING.v or abs(measured.w) >= STANDING.w
-        if moves or self._sent.is_zero or not snapshot.motors.enabled:
+        if not stands(snapshot) or self._sent.is_zero or not snapshot.motors.enabled:
             self._moved_at = now
         if now - self._moved_at < STUCK:
             return snapshot
