@@ -8,7 +8,7 @@ from inspect import getdoc
 from pathlib import Path
 
 from docs.reference.protocol_tables import table
-from pioneer3.fleet.columns import CLOCK, COLUMNS, LIVE_COLUMNS
+from pioneer3.fleet.columns import COLUMNS, LIVE_COLUMNS
 from pioneer3.fleet.network import FleetNetwork
 from pioneer3.fleet.spec import Defaults, FleetRobot, OperatorComputer
 from pioneer3.tables import keys
@@ -75,7 +75,8 @@ def defaults() -> str:
 
 def columns() -> str:
     """Return the columns of `fleet list`."""
-    rows = [(one.title, one.meaning) for one in (*COLUMNS, *LIVE_COLUMNS, CLOCK)]
+    rows = [(one.title, one.meaning) for one in COLUMNS]
+    rows += [(one.title, one.meaning) for one in LIVE_COLUMNS]
     return table(("column", "meaning"), rows)
 
 

@@ -13,7 +13,7 @@ import subprocess
 import sys
 import tarfile
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
@@ -33,13 +33,7 @@ _NOT_SHIPPED: Final = {"__pycache__"}
 
 @dataclass(frozen=True, slots=True)
 class Platform:
-    """The platform that packages have to fit.
-
-    Attributes:
-        machine: Processor, as `uname -m` says.
-        python: Version of Python, such as `(3, 11)`.
-        glibc: Version of the C library, such as `(2, 36)`.
-    """
+    """The platform that packages have to fit: the processor as `uname -m` says, and versions."""
 
     machine: str
     python: tuple[int, int]
@@ -82,12 +76,7 @@ def suits(ours: Platform, theirs: Platform) -> bool:
 
 
 class Bundler:
-    """Makes the archives of one deployment, each once.
-
-    Args:
-        folder: Where they are put.
-        extras: Optional parts, such as `nav`.
-    """
+    """Makes the archives of one deployment in `folder`, each once, with extras such as `nav`."""
 
     def __init__(self, folder: Path, extras: Sequence[str] = ()) -> None:
         self._folder, self._extras = folder, tuple(sorted(extras))
@@ -187,16 +176,10 @@ def _copy_own(tree: Path) -> None:
 
 
 def _load(platform: Platform, requirements: Sequence[str], tree: Path) -> None:
-    """Load wheels for another platform.
-
-    Raises:
-        ConfigError: There is no program that could, or no wheel.
-    """
+    """Load wheels for another platform; ConfigError if there are none, or nothing that could."""
     if platform.machine not in MACHINES:
-        known = ", ".join(MACHINES)
-        raise ConfigError(
-            f"there are no packages for its processor {platform.machine}; for {known}"
-        )
+        problem = f"there are no packages for its processor {platform.machine}"
+        raise ConfigError(f"{problem}; for {', '.join(MACHINES)}")
     python = ".".join(map(str, platform.python))
     levels = [level for level in MANYLINUX if level <= platform.glibc]
     uv = _uv()
@@ -230,14 +213,10 @@ def _uv() -> str | None:
 def _digest(tree: Path, platform: Platform) -> str:
     """Return a short digest of all files and the platform; the same files give the same."""
     digest = hashlib.sha256(repr(platform).encode())
-    for path in _files(tree):
+    for path in sorted(path for path in tree.rglob("*") if path.is_file()):
         digest.update(f"\0{path.relative_to(tree)}\0".encode())
         digest.update(path.read_bytes())
     return digest.hexdigest()[:8]
-
-
-def _files(tree: Path) -> Iterator[Path]:
-    yield from sorted(path for path in tree.rglob("*") if path.is_file())
 
 
 def _nobodys(item: tarfile.TarInfo) -> tarfile.TarInfo:

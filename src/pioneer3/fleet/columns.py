@@ -3,10 +3,12 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from math import inf
-from typing import Final
+from typing import Final, Generic, TypeVar
 
 from pioneer3.fleet.live import Live, SshAnswer
 from pioneer3.fleet.spec import FleetRobot
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,33 +20,12 @@ class TableCell:
 
 
 @dataclass(frozen=True, slots=True)
-class Column:
-    """A column of the table.
-
-    Attributes:
-        title: Above it.
-        meaning: For the reference.
-        of: Returns its cell for a robot.
-    """
+class Column(Generic[T]):
+    """A column of the table: title, meaning for the reference, and its cell of a robot."""
 
     title: str
     meaning: str
-    of: Callable[[FleetRobot], TableCell]
-
-
-@dataclass(frozen=True, slots=True)
-class LiveColumn:
-    """A column of the answers of a robot.
-
-    Attributes:
-        title: Above it.
-        meaning: For the reference.
-        of: Returns its cell for the answers of a robot.
-    """
-
-    title: str
-    meaning: str
-    of: Callable[[Live], TableCell]
+    of: Callable[[T], TableCell]
 
 
 NOTHING: Final = "-"
@@ -52,12 +33,14 @@ LEAST: Final = ("note", "model", "laser", "port", "ROS graph", "ROS", "host")
 """Columns that a narrow terminal can do without, the first of them first."""
 GAP: Final = 2
 """Between two columns."""
-COLUMNS: Final = (
+COLUMNS: Final[tuple[Column[FleetRobot], ...]] = (
     Column("name", "of the robot", lambda robot: TableCell(robot.name)),
     Column("host", "name of its computer, if another", lambda robot: TableCell(robot.host)),
     Column("address", "of its computer", lambda robot: TableCell(robot.address)),
     Column(
-        "port", "the robot's own, and that of its bridge", lambda robot: TableCell(_port(robot))
+        "port",
+        "the robot's own, and that of its bridge",
+        lambda robot: TableCell(f"{robot.port} {robot.bridge}" if robot.bridge else robot.port),
     ),
     Column("model", "its type", lambda robot: TableCell(robot.model)),
     Column("laser", "as `--laser` takes it", lambda robot: TableCell(robot.laser)),
@@ -66,48 +49,44 @@ COLUMNS: Final = (
 )
 
 
-def _port(robot: FleetRobot) -> str:
-    return f"{robot.port} {robot.bridge}" if robot.bridge else robot.port
-
-
-LIVE_COLUMNS: Final = (
-    LiveColumn(
+LIVE_COLUMNS: Final[tuple[Column[Live], ...]] = (
+    Column(
         "up",
         "its computer answers on TCP port 22, if only to refuse",
         lambda live: _answer(live.up),
     ),
-    LiveColumn("ssh", "its ssh server answers", lambda live: _answer(live.ssh)),
-    LiveColumn(
+    Column("ssh", "its ssh server answers", lambda live: _answer(live.ssh)),
+    Column(
         "driver",
         "its ROS node is on the graph and answers; else its own TCP port does",
         lambda live: _answer(live.driver),
     ),
-    LiveColumn("battery", "as the robot tells it", lambda live: _battery(live.battery)),
-    LiveColumn(
+    Column("battery", "as the robot tells it", lambda live: _battery(live.battery)),
+    Column(
         "motors",
         "whether they have power",
         lambda live: TableCell(NOTHING if live.motors is None else "on" if live.motors else "off"),
     ),
-    LiveColumn(
+    Column(
         "e-stop",
         "whether the emergency stop is latched or the robot's button pressed, as ROS 2 tells it",
         lambda live: _stopped(live.stopped),
     ),
-    LiveColumn(
+    Column(
         "age",
         "of its newest odometry over ROS 2, by its clock and this computer's",
         lambda live: _age(live.age),
     ),
-    LiveColumn(
+    Column(
         "ROS graph",
         "the master that answers, or the network of ROS 2",
         lambda live: _answer(live.ros),
     ),
-)
-CLOCK: Final = LiveColumn(
-    "clock",
-    "how far its clock is ahead of this computer's",
-    lambda live: _clock(live.clock),
+    Column(
+        "clock",
+        "how far its clock is ahead of this computer's",
+        lambda live: _clock(live.clock),
+    ),
 )
 WARN_VOLTAGE: Final = 11.5
 """Below it a 12 V battery wants its charger [V]."""
@@ -129,11 +108,9 @@ def _battery(voltage: float | None) -> TableCell:
 
 
 def _stopped(stopped: bool | None) -> TableCell:
-    return (
-        TableCell(NOTHING)
-        if stopped is None
-        else TableCell("STOP" if stopped else "no", not stopped)
-    )
+    if stopped is None:
+        return TableCell(NOTHING)
+    return TableCell("STOP" if stopped else "no", not stopped)
 
 
 def _age(seconds: float | None) -> TableCell:
@@ -152,22 +129,16 @@ def _clock(ahead: float | None) -> TableCell:
 def shown(
     robots: Sequence[FleetRobot], answers: Sequence[Live] | None, width: float = inf
 ) -> tuple[tuple[str, ...], tuple[tuple[TableCell, ...], ...]]:
-    """Return the titles and rows of the table.
+    """Return the titles and rows of the table, which has room for `width` characters.
 
     Columns in which no robot has anything are left out, and those of :data:`LEAST`, in their order,
-    until the rest fits.
-
-    Args:
-        robots: One row each.
-        answers: Of the same robots; `None` if nobody was asked.
-        width: Room for it [characters].
+    until the rest fits. `answers` are those of the same robots; `None` if nobody was asked.
     """
     columns = {one.title: [one.of(robot) for robot in robots] for one in COLUMNS}
     if all(robot.host == robot.name for robot in robots):
         del columns["host"]
     if answers is not None:
         columns |= {one.title: [one.of(told) for told in answers] for one in LIVE_COLUMNS}
-        columns[CLOCK.title] = [CLOCK.of(told) for told in answers]
     columns = {
         title: cells
         for title, cells in columns.items()
@@ -180,7 +151,7 @@ def shown(
 
 
 def _width(columns: Mapping[str, Sequence[TableCell]]) -> int:
-    widths = (
-        max(len(title), *(len(cell.text) for cell in cells)) for title, cells in columns.items()
+    return sum(
+        max(len(title), *(len(cell.text) for cell in cells)) + GAP
+        for title, cells in columns.items()
     )
-    return sum(width + GAP for width in widths)

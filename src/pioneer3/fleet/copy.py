@@ -27,8 +27,6 @@ if TYPE_CHECKING:
 
 BLOCK: Final = 1 << 18
 """Piece of a file that is read at once [bytes]."""
-
-
 MOST: Final = 4e9
 """No robot may send more at once [bytes]."""
 MOST_FILES: Final = 100_000
@@ -59,12 +57,8 @@ async def push(
 ) -> tuple[Outcome, ...]:
     """Copy files and folders to all computers at once.
 
-    Args:
-        robots: Whose computers.
-        files: Files and folders of this computer.
-        destination: File name or folder there, relative to the user's home; it is a folder if it
-            ends in a slash, is one already, or there are several `files`.
-        login: How to log in.
+    The destination there is relative to the user's home. It is a folder if it ends in a slash, is
+    one already, or there are several `files`.
 
     Raises:
         ConfigError: A file is missing here.
@@ -104,11 +98,8 @@ async def pull(
 ) -> tuple[Outcome, ...]:
     """Copy files and folders from all computers at once, each into a folder of its robot's name.
 
-    Args:
-        robots: Whose computers.
-        paths: Of files and folders there, relative to the user's home; with `*`, `?`, `[...]`.
-        folder: Here; that of each robot is made in it.
-        login: How to log in.
+    `paths` there are relative to the user's home, with `*`, `?`, `[...]`; robots' folders are made
+    in `folder` here.
     """
 
     async def work(robot: FleetRobot) -> Done:
@@ -159,11 +150,7 @@ async def _sftp(connection: "asyncssh.SSHClientConnection") -> "AsyncIterator[An
 
 
 async def _put(connection: Any, sftp: Any, source: Path, target: str) -> None:
-    """Copy one file there.
-
-    Raises:
-        RemoteError: It did not arrive; the file before it is unchanged.
-    """
+    """Copy one file there; raises as :func:`put_file` does."""
     ssh = asyncssh_module()
     place = PurePosixPath(target)
     temporary = str(place.with_name(f".{place.name}.{secrets.token_hex(4)}.part"))
@@ -172,9 +159,10 @@ async def _put(connection: Any, sftp: Any, source: Path, target: str) -> None:
     try:
         await sftp.makedirs(str(place.parent), exist_ok=True)
         async with sftp.open(temporary, "wb") as file:
-            async for block in _blocks(source):
-                digest.update(block)
-                await file.write(block)
+            with source.open("rb") as ours:
+                while block := await asyncio.to_thread(ours.read, BLOCK):
+                    digest.update(block)
+                    await file.write(block)
         await sftp.chmod(temporary, stat.S_IMODE(here.st_mode))
         await _check(connection, temporary, digest.hexdigest(), f"{target}: it was damaged")
         await sftp.posix_rename(temporary, target)
@@ -206,11 +194,7 @@ async def _why(sftp: Any, place: PurePosixPath, error: Exception, size: int) -> 
 
 
 async def _all(findings: Iterable[AsyncIterator[RemoteFile]]) -> list[RemoteFile]:
-    """Return all files that are found.
-
-    Raises:
-        RemoteError: They are too many, or too large.
-    """
+    """Return all files that are found; RemoteError if they are too many, or too large."""
     found: list[RemoteFile] = []
     total = 0
     for finding in findings:
@@ -225,22 +209,14 @@ async def _all(findings: Iterable[AsyncIterator[RemoteFile]]) -> list[RemoteFile
 
 
 def _part(name: str) -> str:
-    """Return a name that a robot tells, for a path here.
-
-    Raises:
-        RemoteError: It is none, or names a place.
-    """
+    """Return a name that a robot tells, for a path here; RemoteError if it names a place."""
     if name in {"", ".", ".."} or not {"/", os.sep, "\0"}.isdisjoint(name):
         raise RemoteError(f"it tells of a file of the name {name!r}: nothing is copied")
     return name
 
 
 def _place(root: Path, parts: Sequence[str]) -> Path:
-    """Return the place of a file of the robot whose folder is `root`.
-
-    Raises:
-        RemoteError: It would lie elsewhere.
-    """
+    """Return the place of a robot's file; RemoteError if it would not lie below `root`."""
     place = root.joinpath(*parts)
     if not place.parent.resolve().is_relative_to(root.resolve()):
         raise RemoteError(f"{place}: a link there leads out of {root}: nothing is copied")
@@ -248,11 +224,7 @@ def _place(root: Path, parts: Sequence[str]) -> Path:
 
 
 async def _get(connection: Any, sftp: Any, found: RemoteFile, target: Path) -> None:
-    """Copy one file here.
-
-    Raises:
-        RemoteError: It did not arrive; the file before it is unchanged.
-    """
+    """Copy one file here; RemoteError if it did not arrive, and the one before is unchanged."""
     path = found.path
     temporary = target.with_name(f".{target.name}.{secrets.token_hex(4)}.part")
     digest = hashlib.sha256()
@@ -280,10 +252,12 @@ async def _get(connection: Any, sftp: Any, found: RemoteFile, target: Path) -> N
 
 async def _found(sftp: Any, path: str) -> AsyncIterator[RemoteFile]:
     """Yield the files that `path` means there."""
-    has_pattern = any(letter in path for letter in "*?[")
-    matches = [each async for each in _matches(sftp, path)] if has_pattern else [path]
-    if not matches:
-        raise RemoteError(f"{path}: no such file there")
+    ssh, matches = asyncssh_module(), [path]
+    if any(letter in path for letter in "*?["):
+        try:
+            matches = await sftp.glob(path)
+        except (ssh.SFTPNoSuchFile, ssh.SFTPNoSuchPath):
+            raise RemoteError(f"{path}: no such file there") from None
     for match in matches:
         if not await sftp.exists(match):
             raise RemoteError(f"{path}: no such file there")
@@ -295,13 +269,6 @@ async def _found(sftp: Any, path: str) -> AsyncIterator[RemoteFile]:
                 yield below
         else:
             yield RemoteFile(match, (_part(name),), await sftp.getsize(match) or 0)
-
-
-async def _matches(sftp: Any, pattern: str) -> AsyncIterator[str]:
-    ssh = asyncssh_module()
-    with suppress(ssh.SFTPNoSuchFile, ssh.SFTPNoSuchPath):
-        for match in await sftp.glob(pattern):
-            yield match
 
 
 async def _below(sftp: Any, folder: str, parts: tuple[str, ...]) -> AsyncIterator[RemoteFile]:
@@ -320,20 +287,10 @@ async def _below(sftp: Any, folder: str, parts: tuple[str, ...]) -> AsyncIterato
 
 
 async def _check(connection: Any, path: str, sha256: str, problem: str) -> None:
-    """Compare a file there with the one here.
-
-    Raises:
-        RemoteError: They differ.
-    """
+    """Compare a file there with the one here; RemoteError if they differ."""
     line = await output_of(connection, f"sha256sum -- {shlex.quote(path)}")
     if line.lstrip("\\").split(" ", 1)[0] != sha256:
         raise RemoteError(f"{problem} while it was copied; try again")
-
-
-async def _blocks(path: Path) -> AsyncIterator[bytes]:
-    with path.open("rb") as file:
-        while block := await asyncio.to_thread(file.read, BLOCK):
-            yield block
 
 
 def _count(number: int) -> str:

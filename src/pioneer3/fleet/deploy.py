@@ -134,13 +134,7 @@ async def deploy(
     """Install this package on all computers at once.
 
     A version that is there already stays; one that does not start gives way to the one before it.
-
-    Args:
-        fleet: Of the robots.
-        robots: Whose computers.
-        login: How to log in.
-        extras: Optional parts of the package, such as `nav`.
-        service: Whether to install the service that drives the robot, too.
+    The package comes with `extras` such as `nav`, and with the service that drives the robot.
     """
     with tempfile.TemporaryDirectory(prefix="pioneer3-") as folder:
         bundler = Bundler(Path(folder), extras)
@@ -173,11 +167,7 @@ async def deploy(
 
 
 async def _ask(connection: "asyncssh.SSHClientConnection") -> _Target:
-    """Ask a computer for the facts that decide about an installation.
-
-    Raises:
-        RemoteError: The package cannot run there; names the possible ways.
-    """
+    """Ask a computer for the facts about an installation; RemoteError if none is possible."""
     answer = (await output_of(connection, _ASK.replace("@BASE@", BASE))).splitlines()
     home, machine, glibc, path, python, root, systemd, current = answer[-8:]
     version = version_pair(python)
@@ -242,8 +232,7 @@ async def _serve(
 ) -> str:
     """Let the service run this version; return a word about that.
 
-    Raises:
-        RemoteError: It does not start; the version before it runs again, if there is one.
+    If it does not start, the version before it runs again, and this raises RemoteError.
     """
     if not target.has_systemd:
         await _run(connection, _SWITCH, target, bundle)

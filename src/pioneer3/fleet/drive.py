@@ -18,14 +18,9 @@ from pioneer3.teleop.several import KeyRouter, numbers
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Manner:
-    """How keys drive.
+    """How keys drive [m/s, rad/s], below `max_speed` or `None` for the robot's own bound.
 
-    Attributes:
-        speed: Of the forward key [m/s].
-        turn_rate: Of the turning keys [rad/s].
-        max_speed: Keep below this [m/s], or `None` for the robot's own bound.
-        latch: One press keeps moving until another key.
-        patience: How long a latched key acts without a further one [s].
+    With `latch` one press keeps moving until another key, or for the `patience` without any [s].
     """
 
     speed: float = 0.1
@@ -38,17 +33,8 @@ class Manner:
 class FleetDrive:
     """Robots, those of them that are chosen, and the keys that drive them.
 
-    Args:
-        robots: Of the fleet; at least one.
-        connect: Connects to one.
-        manner: How keys drive.
-        together: The mode that the key `g` starts, if any.
-        lined_up: The robots stand so far apart [m], from left to right by their numbers.
-
-    Attributes:
-        board: Routes the keys.
-        group: Keeps the robots apart, and starts what they do together.
-        over: Set by the quit key.
+    The key `g` starts what they do `together`. Robots that are `lined_up` stand so far apart [m],
+    from left to right by their numbers. The quit key sets the event `over`.
     """
 
     def __init__(
@@ -105,9 +91,7 @@ class FleetDrive:
             patience=manner.patience,
         )
         driver = KeyboardDriver(driven, keyboard)
-        async with driver.driving(), self._places.of(robot.name, driven) as place:
-            with (
-                self.group.joined(robot.name, driven, place),
-                self.board.joined(robot.name, driver),
-            ):
+        name = robot.name
+        async with driver.driving(), self._places.of(name, driven) as place:
+            with self.group.joined(name, driven, place), self.board.joined(name, driver):
                 yield

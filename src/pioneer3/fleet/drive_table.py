@@ -18,13 +18,7 @@ OLD: Final = 0.5
 
 @dataclass(frozen=True, slots=True)
 class Look:
-    """A robot, and the choice of robots, at one instant.
-
-    Attributes:
-        member: The robot.
-        selection: Of the keys.
-        now: [s, monotonic].
-    """
+    """A robot, and the keys' choice of robots, at one instant [s, monotonic]."""
 
     member: Member
     selection: Selection
@@ -33,14 +27,7 @@ class Look:
 
 @dataclass(frozen=True, slots=True)
 class DriveColumn:
-    """A column.
-
-    Attributes:
-        title: Above it.
-        meaning: For the reference.
-        width: In characters; 0 for the room that is left.
-        of: Returns its cell.
-    """
+    """A column of so many characters; 0 for the room that is left."""
 
     title: str
     meaning: str
@@ -82,11 +69,7 @@ def _battery(look: Look) -> TableCell:
     told = look.member.told
     if told is None:
         return TableCell("-")
-    return (
-        TableCell(f"{told.voltage:.1f} LOW", False)
-        if told.low
-        else TableCell(f"{told.voltage:.1f}", True)
-    )
+    return TableCell(f"{told.voltage:.1f}{' LOW' if told.low else ''}", not told.low)
 
 
 def _why(look: Look) -> TableCell:

@@ -18,14 +18,7 @@ _BLOCK: Final = re.compile(rf"^{BEGIN}\b[^\n]*\n(?:.*?^{END}\b[^\n]*\n?)", re.DO
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """A file, and its new text.
-
-    Attributes:
-        path: Of the file.
-        old: Its text now; empty if there is none.
-        new: Its text afterwards.
-        mode: Permissions of a new file.
-    """
+    """A file with its old text, empty if there is none, and the new; `mode` is for a new file."""
 
     path: Path
     old: str
@@ -51,8 +44,7 @@ class Change:
     def apply(self) -> Path | None:
         """Write the file; whoever reads it meanwhile finds the old text or the new one.
 
-        Returns:
-            The backup of the old file; `None` if there was none, or nothing is to change.
+        Return the backup of the old file; `None` if there was none, or nothing is to change.
 
         Raises:
             FilePermissionError: This user may not.

@@ -19,24 +19,14 @@ log = logging.getLogger(__name__)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GroupKey:
-    """A mode that a key starts.
-
-    Attributes:
-        mode: Of all.
-        leader: Its name; `None` in a mode without one.
-    """
+    """A mode that a key starts, and the name of its leader; `None` in a mode without one."""
 
     mode: GroupMode
     leader: str | None = None
 
 
 class RobotGroup:
-    """The robots that are connected: they keep apart, and start a mode together.
-
-    Args:
-        names: Of all robots, also of those that are not connected.
-        together: The mode that the key starts, if any.
-    """
+    """The robots of some `names` that are connected: they keep apart, and start a mode together."""
 
     def __init__(self, names: Sequence[str], together: GroupKey | None) -> None:
         self.together = together
@@ -54,11 +44,6 @@ class RobotGroup:
                 yield
         finally:
             del self._connected[name]
-
-    @property
-    def key_help(self) -> str:
-        """The effect of the key in a few words, or nothing."""
-        return f"g: {self.together.mode.start.lower()}" if self.together else ""
 
     def start(self) -> None:
         """Let all robots that are connected begin; a refusal is logged as a warning."""

@@ -122,7 +122,8 @@ def check_own_name(patient: Patient) -> Iterator[Finding]:
         )
         return
     loopback = [each for each in facts.own_addresses if each.startswith("127.")]
-    if loopback and loopback == list(facts.own_addresses) and not _says_address(patient):
+    says_address = facts.environment.get("ROS_IP") or facts.environment.get("ROS_HOSTNAME")
+    if loopback and loopback == list(facts.own_addresses) and not says_address:
         yield Finding(
             check="own name",
             level=Level.WARN if robot.ros else Level.OK,
@@ -132,11 +133,6 @@ def check_own_name(patient: Patient) -> Iterator[Finding]:
         )
     else:
         yield Finding(check="own name", level=Level.OK, found=facts.hostname)
-
-
-def _says_address(patient: Patient) -> bool:
-    environment = patient.facts.environment
-    return bool(environment.get("ROS_IP") or environment.get("ROS_HOSTNAME"))
 
 
 def check_ros(patient: Patient) -> Iterator[Finding]:
@@ -155,8 +151,8 @@ def check_ros(patient: Patient) -> Iterator[Finding]:
             "you mean; not both ROS_IP and ROS_HOSTNAME.",
         )
     else:
-        shown = [f"{name}={facts.environment.get(name)}" for name in ROS_VARIABLES[:1]]
-        yield Finding(check="ROS variables", level=Level.OK, found=", ".join(shown))
+        master = f"{ROS_VARIABLES[0]}={facts.environment.get(ROS_VARIABLES[0])}"
+        yield Finding(check="ROS variables", level=Level.OK, found=master)
 
 
 def _wrong_variables(patient: Patient) -> Iterator[str]:

@@ -28,8 +28,6 @@ RUNTIME: Final = "XDG_RUNTIME_DIR=${XDG_RUNTIME_DIR:-/run/user/$(id -u)}"
 CLOCK_QUESTIONS: Final = 3
 REACHABLE: Final = 3.0
 """Longest wait for a connection to a free port there [s]."""
-
-
 LOGS: Final = (
     f"if [ -e {WITH_ROOT} ]; then journalctl -u {SERVICE} {{options}}; "
     f"else journalctl --user -u {SERVICE} {{options}}; fi"
@@ -47,30 +45,14 @@ def logs_command(lines: int, *, follow: bool) -> str:
 class HostFacts:
     """The facts about a robot's computer; facts that it did not tell are empty, or `None`.
 
-    Attributes:
-        hostname: Its own name for itself.
-        machine: Its processor, as `uname -m` says.
-        system: Name and version of its system.
-        glibc: Version of its C library, such as `2.36`.
-        python: Version of its `python3`.
-        up: Time since it was switched on [s].
-        load: Average number of running programs in the last minute.
-        free: Space left on the disk of the user's home [bytes].
-        groups: Of the user.
-        device: Whether the robot's serial port is there; `None` for a port in the network.
-        device_allowed: Whether the user may use that port.
-        ros: Names of the ROS distributions.
-        environment: ROS_MASTER_URI, ROS_IP, ROS_HOSTNAME of a terminal there.
-        names: Addresses there of the fleet's host names.
-        addresses: Host names there of the fleet's addresses.
-        own_addresses: Addresses there of its own name.
-        firewall: Whether ufw is switched on there.
-        open_ports: Whether we reach a port that a program opens there; `None` if not tried.
-        version: Of the deployed pioneer3; empty if there is none.
-        service: State of our service, such as `active`.
-        clock_offset: Of its clock against ours [s].
-        clock_error: Of that number, at most [s].
-        passwords: Whether it lets people in with a password; `None` if not asked.
+    It has been `up` for so long [s], runs `load` programs on average of the last minute, and has so
+    much space `free` on the disk of the user's home [bytes]. `device` says whether the robot's
+    serial port is there, and is `None` for a port in the network. `names` are the addresses there
+    of the fleet's host names, and `addresses` the names of its addresses. `environment` has
+    :data:`ROS_VARIABLES` of a terminal there. `open_ports` says whether we reach a port that a
+    program opens there, and `passwords` whether they let people in; `None` if not tried. `version`
+    is that of the deployed pioneer3, and `service` the state of our service, such as `active`. Its
+    clock is ahead of ours by `clock_offset`, with an error of `clock_error` at most [s].
     """
 
     hostname: str = ""

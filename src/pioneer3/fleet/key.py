@@ -37,12 +37,9 @@ _SALT: Final = 20
 
 
 def remember(path: Path, names: Sequence[str], public_key: str) -> None:
-    """Add a host key to the file `path` of known hosts; it is made where it is missing.
+    """Add a host key to the file `path` of known hosts, for some names and addresses.
 
-    Args:
-        path: Of the file.
-        names: Host names and addresses that the key is for.
-        public_key: In OpenSSH's format, without a host name.
+    The file is made where it is missing; the key is in OpenSSH's format, without a host name.
     """
     path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
     old = path.read_text(encoding="utf-8", errors="replace") if path.exists() else ""
@@ -154,13 +151,7 @@ async def install_key(
     """Let the owner of `key` log in on all computers, and try that.
 
     Host keys that are not known yet are asked about, one after the other, and remembered. The
-    password is asked for once, only if a computer does not accept the key already.
-
-    Args:
-        robots: Whose computers.
-        key: The public key.
-        asker: Asks the person at the terminal.
-        login: How to log in.
+    password is asked for once, only if a computer does not accept the public `key` already.
     """
     robots = tuple(robots)
     offered: dict[str, str | None] = {}
@@ -223,12 +214,7 @@ async def _introduced(robot: FleetRobot, key: str, asker: Asker) -> bool:
 
 
 async def _tried(robot: FleetRobot, login: Login, said: str) -> Done:
-    """Log in with the key.
-
-    Raises:
-        HostError: It is not accepted, or the computer cannot be reached.
-        RemoteError: The user has no shell there.
-    """
+    """Log in with the key; raises as :func:`connect` and :func:`output_of` do."""
     async with connect(robot, login) as connection:
         await output_of(connection, "true")
     return Done(said=said)

@@ -15,11 +15,11 @@ from pioneer3.doctor.probe_session import ProbeSession
 from pioneer3.errors import LinkError, NoRobotError, PioneerError
 from pioneer3.fleet.ros_graph import MASTER_PORT, MasterGraph, NodeAddress, RosGraphError
 from pioneer3.fleet.spec import FleetRobot
+from pioneer3.fleet.ssh_settings import SSH_PORT
 from pioneer3.links.stream import open_tcp
 from pioneer3.units import DECIVOLT
 
 log = logging.getLogger(__name__)
-SSH_PORT: Final = 22
 TIMEOUT: Final = 3.0
 """For each answer [s]."""
 LEEWAY: Final = 0.5
@@ -30,12 +30,7 @@ LONGEST_BANNER: Final = 255
 
 @dataclass(frozen=True, slots=True)
 class SshAnswer:
-    """An answer, or its absence.
-
-    Attributes:
-        ok: Whether it is the wanted one; `None` where nobody was asked.
-        said: For people, in a few words.
-    """
+    """An answer in a few words; `ok` if it is the wanted one, `None` where nobody was asked."""
 
     ok: bool | None
     said: str
@@ -43,20 +38,12 @@ class SshAnswer:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Live:
-    """The answers of a robot and its computer.
+    """The answers of a robot and its computer, which took some `seconds`.
 
-    Attributes:
-        robot: Its name.
-        up: Whether its computer answers at all.
-        ssh: Whether it can be logged in to.
-        driver: Whether the robot's own port answers, or its ROS node.
-        ros: The ROS master that knows the robot's node, or the network of ROS 2.
-        battery: [V]; `None` if nobody told.
-        motors: Whether they have power; `None` if nobody told.
-        stopped: Whether its emergency stop is latched or its button pressed; `None` if nobody told.
-        age: Of its newest odometry over ROS 2 [s]; `None` if nobody told.
-        clock: How far its clock is ahead of this computer's [s]; `None` if nobody told.
-        seconds: How long the answers took.
+    The `driver` is the robot's own port or its ROS node, and `ros` the ROS master that knows it, or
+    the network of ROS 2. What nobody told is `None`: the `battery` [V], whether the motors have
+    power, whether its emergency stop is latched or its button pressed, the `age` of its newest
+    odometry over ROS 2 [s], and how far its clock is ahead of this computer's [s].
     """
 
     robot: str
@@ -74,15 +61,9 @@ class Live:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OnTopics:
-    """The state of a robot by its topics of ROS 2; `None` for all that they have not told.
+    """The state of a robot by its topics of ROS 2, as in :class:`Live`, on a network.
 
-    Attributes:
-        network: Its network, for people.
-        battery: [V].
-        motors: Whether they have power.
-        stopped: Whether its emergency stop is latched or its button pressed.
-        age: Of its newest odometry, by its clock and this computer's [s].
-        nodes: Number of nodes of its name.
+    The `age` is by its clock and this computer's, and `nodes` the number of those of its name.
     """
 
     network: str
@@ -95,16 +76,11 @@ class OnTopics:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Questions:
-    """How robots are asked.
+    """How robots are asked, with a timeout for each answer [s].
 
-    Attributes:
-        timeout: For each answer [s].
-        masters: ROS masters that are asked before the robot's own.
-        addresses: Of hosts, by their names in lower case.
-        ros2: Asks a robot's topics of ROS 2; given the longest time for an answer [s], too.
-        clock: Returns how far a robot's clock is ahead [s]; `None` to leave clocks alone.
-        ssh_port: TCP port of ssh on all hosts.
-        master_port: TCP port of a robot's own ROS master.
+    ROS masters are asked before the robot's own, with the addresses of hosts by their names in
+    lower case. `ros2` asks a robot's topics, and is given the longest time for an answer [s], too;
+    `clock` returns how far a robot's clock is ahead [s], and is `None` to leave clocks alone.
     """
 
     timeout: float = TIMEOUT
@@ -243,12 +219,10 @@ async def _port(robot: FleetRobot, endpoint: tuple[str, int], questions: Questio
 
 @dataclass(frozen=True, slots=True)
 class AtPort:
-    """The report of a robot at its port.
+    """The report of a robot at its port: its battery [V], `None` if it reports nothing, and motors.
 
-    Attributes:
-        battery: [V]; `None` if it reports nothing.
-        motors: Whether they have power. At a port of its own a robot has them off, as the question
-            switches them off; over a bridge they have power if another program has the robot.
+    At a port of its own a robot has them off, as the question switches them off; over a bridge they
+    have power if another program has the robot.
     """
 
     battery: float | None

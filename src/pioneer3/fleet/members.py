@@ -29,13 +29,7 @@ log = logging.getLogger(__name__)
 PAUSES: Final = (0.5, 1.0, 2.0, 4.0, 8.0)
 """Before the next attempts to connect [s]; the last one repeats."""
 
-REFUSALS: Final = (
-    ConfigError,
-    PortPermissionError,
-    PortBusyError,
-    HungUpError,
-    TurnedAwayError,
-)
+REFUSALS: Final = (ConfigError, PortPermissionError, PortBusyError, HungUpError, TurnedAwayError)
 """Errors by which a robot that is there does not let this program in."""
 Connect = Callable[[FleetRobot], AbstractAsyncContextManager[Driven]]
 """Connects to a robot for the length of a block: at its port, or over topics."""
@@ -54,17 +48,10 @@ class Reached(StrEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MemberReport:
-    """The report of a robot that is connected.
+    """The report of a robot that is connected, and why it `stands`: `None` while it moves.
 
-    Attributes:
-        speed: [m/s].
-        turn_rate: [rad/s].
-        motors: Whether they have power.
-        voltage: Of the battery [V].
-        low: Whether that is too low.
-        stands: Why it stands, or `None` while it moves.
-        taken: Whether another program drives it, and only stops count here.
-        age: Of this report [s].
+    The battery's voltage [V] may be `low`. The robot is `taken` if another program drives it: then
+    only stops count here. The report has an age [s].
     """
 
     speed: float
@@ -79,15 +66,10 @@ class MemberReport:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Member:
-    """One robot at one instant.
+    """One robot at one instant, and the number that chooses it.
 
-    Attributes:
-        name: Of the robot.
-        number: That chooses it.
-        reached: Whether it is connected.
-        why: The trouble, in plain words; empty while it is connected.
-        since: When that began [s, monotonic].
-        told: Its own report, if it is connected.
+    `why` is the trouble in plain words, empty while it is connected, and began at `since`
+    [s, monotonic].
     """
 
     name: str
@@ -99,14 +81,7 @@ class Member:
 
 
 class Connector:
-    """Keeps one robot connected, again and again.
-
-    Args:
-        robot: Of the fleet.
-        number: That chooses it.
-        connect: Connects to it.
-        join: Lets it take part while it is connected.
-    """
+    """Keeps one robot connected, again and again."""
 
     def __init__(self, robot: FleetRobot, number: int, connect: Connect, join: Join) -> None:
         self.robot = robot
@@ -164,14 +139,7 @@ class Connector:
 
 
 class Members:
-    """All robots of one operator.
-
-    Args:
-        robots: Of the fleet.
-        numbers: Theirs, by name.
-        connect: Connects to one.
-        join: Lets one take part while it is connected.
-    """
+    """All robots of one operator, with their numbers by name."""
 
     def __init__(
         self, robots: Sequence[FleetRobot], numbers: Mapping[str, int], connect: Connect, join: Join
@@ -219,11 +187,7 @@ def connects(
 ) -> Connect:
     """Return the function that connects to a robot: over ROS if its node has it, or at its port.
 
-    Args:
-        fleet: Of the robots.
-        ros1: Connects over ROS 1.
-        ros2: Connects over ROS 2.
-        max_speed: Keep below this at ports [m/s].
+    At ports it keeps below `max_speed` [m/s].
     """
 
     def connect(robot: FleetRobot) -> AbstractAsyncContextManager[Driven]:

@@ -97,11 +97,7 @@ class FleetNetwork:
 
 
 def check_networks(source: Source, networks: Sequence[FleetNetwork]) -> None:
-    """Refuse two networks of one name, and keys that do not go together.
-
-    Raises:
-        ConfigError: Something is wrong; the first thing in the file.
-    """
+    """Raise ConfigError for two networks of one name, or keys that do not go together."""
     for index, network in enumerate(networks):
         place = f"network[{index}]"
         names = [other.name for other in networks[:index]]

@@ -28,9 +28,7 @@ MOVED = (
 class StartPlaces:
     """Where robots are, each at its first connection.
 
-    Args:
-        names: Of the robots, from left to right as they were lined up.
-        apart: From middle to middle [m]; `None` if nobody lined them up.
+    They were lined up from left to right, so far `apart` [m, from middle to middle], or `None`.
     """
 
     def __init__(self, names: Sequence[str], apart: float | None) -> None:

@@ -54,11 +54,7 @@ def row_strip(row: Sequence[TableCell], across: Sequence[int], style: Style) -> 
 
 
 class RobotTable(ScrollView, can_focus=False):
-    """One row for each robot; a click hands its name on.
-
-    Args:
-        clicked: Given the name.
-    """
+    """One row for each robot; a click hands its name on."""
 
     def __init__(self, clicked: Callable[[str], None]) -> None:
         super().__init__(id="table")
@@ -107,11 +103,7 @@ class RobotTable(ScrollView, can_focus=False):
 
 
 class FleetApp(App[None]):
-    """Shows a :class:`FleetDrive` and hands it the keys.
-
-    Args:
-        drive: Runs while the screen is there.
-    """
+    """Shows a :class:`FleetDrive`, which runs meanwhile, and hands it the keys."""
 
     ENABLE_COMMAND_PALETTE = False
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -134,11 +126,8 @@ class FleetApp(App[None]):
         self._drive = drive
         self._head, self._titles = ScreenPart(id="head"), ScreenPart(id="titles")
         self._table = RobotTable(self._click)
-        self._why, self._said, self._foot = (
-            ScreenPart(id="why"),
-            ScreenPart(id="said"),
-            ScreenPart(id="foot"),
-        )
+        self._why, self._said = ScreenPart(id="why"), ScreenPart(id="said")
+        self._foot = ScreenPart(id="foot")
         self._shown: dict[ScreenPart, str] = {}
         self._news: deque[tuple[float, str]] = deque(maxlen=2)
 
@@ -197,7 +186,8 @@ class FleetApp(App[None]):
         self._put(self._said, "\n".join(fresh))
         choosing = board.selection.marked is not None
         typed = f"   number: {board.selection.typed}_" if board.selection.typed else ""
-        more = f"   {self._drive.group.key_help}" if self._drive.group.key_help else ""
+        together = self._drive.group.together
+        more = f"   g: {together.mode.start.lower()}" if together else ""
         self._put(self._foot, (CHOOSING if choosing else KEYS + more) + typed)
 
     def _about_chosen(self, looks: Sequence[Look]) -> str:
@@ -211,13 +201,9 @@ class FleetApp(App[None]):
             who = f"{len(chosen)} robots"
         keyboard = next((k for m in chosen if (k := self._drive.board.keyboard(m.name))), None)
         speeds = f" [{keyboard.speed:.2f} m/s, {keyboard.turn_rate:.2f} rad/s]" if keyboard else ""
-        unwell = [member for member in chosen if member.told is None] or chosen
-        why = why_of(unwell[0])
-        return (
-            f"Keys drive {who}{speeds}\n{unwell[0].name}: {why}"
-            if why
-            else f"Keys drive {who}{speeds}"
-        )
+        unwell = next((member for member in chosen if member.told is None), chosen[0])
+        why = why_of(unwell)
+        return f"Keys drive {who}{speeds}" + (f"\n{unwell.name}: {why}" if why else "")
 
     def _put(self, part: ScreenPart, text: str) -> None:
         """Show a text in a part of the screen; the same one again costs nothing."""

@@ -41,12 +41,9 @@ _CLOSING: Final = 1.0
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Login:
-    """How to log in.
+    """How to log in: with a password in place of keys where it is not `None`; it is never stored.
 
-    Attributes:
-        patience: Longest time to connect and log in; a connection that is silent for so long is
-            lost [s].
-        password: In place of keys, where it is not `None`; never stored.
+    The patience is the longest time to log in, and after such a silence a connection is lost [s].
     """
 
     patience: float = PATIENCE
@@ -173,11 +170,7 @@ class _Attempt:
         self.known: Sequence[asyncssh.SSHKey] = ()
 
     async def connected(self) -> "asyncssh.SSHClientConnection":
-        """Log in.
-
-        Raises:
-            OSError: The network or the other computer does not let us; or asyncssh.Error.
-        """
+        """Log in; raise OSError or asyncssh.Error if network or computer do not let us."""
         login, with_keys = self.login, self._with_keys
         async with asyncio.timeout(login.patience):
             self.settings = settings = await settings_for(self.robot.name)
@@ -236,7 +229,8 @@ class _Attempt:
             case ssh.HostKeyNotVerifiable() | ssh.KeyExchangeFailed() if self.known:
                 words = self._changed_key()
             case ssh.HostKeyNotVerifiable():
-                words = self._unknown_key()
+                words = "its host key is not known here yet; to compare and keep it run: "
+                words += f"pioneer3 fleet key {self.robot.name}"
             case ssh.PermissionDenied():
                 words = self._refused()
             case ssh.KeyExchangeFailed():
@@ -293,36 +287,23 @@ class _Attempt:
             f"{forget}; then: pioneer3 fleet key {robot.name}"
         )
 
-    def _unknown_key(self) -> str:
-        return (
-            f"its host key is not known here yet; to compare and keep it run: "
-            f"pioneer3 fleet key {self.robot.name}"
-        )
-
     def _refused(self) -> str:
         who = f"{self.robot.user}@{self.robot.address}"
         todo = f"pioneer3 fleet key {self.robot.name}"
         if self.login.password is not None:
             return f"{who}: wrong password, or logins with one are switched off there"
-        locked = locked_keys()
-        if not plain_keys() and locked and not _agent_answers():
+        if plain_keys() or _agent_answers():
+            return f"{who} does not accept your key; to install it run: {todo}"
+        if locked := next(iter(_keys()), None):
             return (
-                f"your key {locked[0]} has a passphrase, and no agent holds it; run: "
-                f"ssh-add {locked[0]}"
+                f"your key {locked} has a passphrase, and no agent holds it; run: ssh-add {locked}"
             )
-        if not plain_keys() and not locked and not _agent_answers():
-            return f"you have no ssh key; to make one and install it run: {todo}"
-        return f"{who} does not accept your key; to install it run: {todo}"
+        return f"you have no ssh key; to make one and install it run: {todo}"
 
 
 def plain_keys() -> tuple[Path, ...]:
     """Return the user's keys that have no passphrase."""
     return tuple(path for path in _keys() if not _is_locked(path))
-
-
-def locked_keys() -> tuple[Path, ...]:
-    """Return the user's keys that have a passphrase."""
-    return tuple(path for path in _keys() if _is_locked(path))
 
 
 def _keys() -> tuple[Path, ...]:
@@ -367,8 +348,7 @@ def _client_keys(settings: SshSettings) -> tuple[str, ...]:
 def _known_keys(robot: FleetRobot, settings: SshSettings) -> tuple[list[Any], ...]:
     """Return the host keys to trust, authorities, revoked keys, and lists for X.509, empty.
 
-    Raises:
-        HostError: A file of known hosts is wrong.
+    HostError tells of a wrong file of known hosts.
     """
     ssh = asyncssh_module()
     data = b"\n".join(

@@ -38,13 +38,9 @@ _HARDENING_WITH_ROOT: Final = (
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SystemdUnit:
-    """The unit of one robot.
+    """The unit of one robot, with the path of the Python that has the package.
 
-    Attributes:
-        robot: The robot.
-        fleet: Its fleet.
-        python: Path of the Python that has the package.
-        with_root: Whether it belongs to the system, not to the user.
+    It belongs to the system `with_root`, else to the user.
     """
 
     robot: FleetRobot
@@ -71,10 +67,11 @@ class SystemdUnit:
         """Return the text of the file."""
         wants = ["Wants=network-online.target", "After=network-online.target"]
         who = [f"User={self.robot.user}", "SupplementaryGroups=dialout"]
+        does = "bridges" if self.robot.bridge else "drives"
         lines = [
             "# Written by: pioneer3 fleet deploy",
             "[Unit]",
-            f"Description=pioneer3 {self._purpose} the robot {self.robot.name}",
+            f"Description=pioneer3 {does} the robot {self.robot.name}",
             *(wants if self.with_root else []),
             "StartLimitIntervalSec=0",
             "",
@@ -124,10 +121,6 @@ class SystemdUnit:
         if not network.connect and network.backend != "rclpy":
             words += ["--interface", self.robot.address]
         return [*words, *(["--dds-services"] if network.dds_services else [])]
-
-    @property
-    def _purpose(self) -> str:
-        return "bridges" if self.robot.bridge else "drives"
 
     def _environment(self) -> list[str]:
         found = ["PYTHONUNBUFFERED=1"]
