@@ -25,13 +25,7 @@ ONE_PAUSED = "the teacher has paused this robot"
 
 @dataclass(frozen=True, slots=True)
 class Student:
-    """A student of a class.
-
-    Attributes:
-        session: Id of the session.
-        name: To show.
-        address: The network address that the student joined from.
-    """
+    """A student of a class, by the id of a session, who joined from a network address."""
 
     session: str
     name: str
@@ -39,15 +33,9 @@ class Student:
 
 
 class Roster:
-    """The seats of a class: one for each robot.
+    """The seats of a class: one for each robot, by number.
 
-    Args:
-        robots: Their numbers.
-
-    Attributes:
-        locked: Whether nobody else can join.
-        shared: Whether several students may join from one network address.
-        all_paused: Whether the teacher has paused all robots.
+    Nobody else can join one that is `locked`, and several a `shared` one from one network address.
     """
 
     def __init__(self, robots: Iterable[int]) -> None:
@@ -73,22 +61,11 @@ class Roster:
             raise CommandError("type your name: it is shown to your teacher")
         robot = self.robot_of(session)
         if robot is None:
-            robot = self._free_robot(address)
-        taken = {
-            student.name
-            for number, student in self._students.items()
-            if student is not None and number != robot
-        }
+            robot = self.free_robot(address)
+        others = (who for number, who in self._students.items() if number != robot)
+        taken = {who.name for who in others if who is not None}
         self._students[robot] = Student(session, free_name(wanted, taken), address)
         return robot
-
-    def check_room(self, address: str) -> None:
-        """Do nothing if one more student can join from a network address.
-
-        Raises:
-            CommandError: As :meth:`join` does.
-        """
-        self._free_robot(address)
 
     def free(self, robot: int) -> Student | None:
         """Take the robot from its student; return the student, `None` if it had none."""
@@ -108,14 +85,8 @@ class Roster:
 
     def robot_of(self, session: str) -> int | None:
         """Return the robot of a session, or `None`."""
-        return next(
-            (
-                robot
-                for robot, student in self._students.items()
-                if student is not None and student.session == session
-            ),
-            None,
-        )
+        students = self._students.items()
+        return next((robot for robot, who in students if who and who.session == session), None)
 
     def pause(self, robot: int | None = None, *, paused: bool) -> None:
         """Pause a robot, or all without a number; or let them go on.
@@ -142,7 +113,8 @@ class Roster:
             return ALL_PAUSED
         return ONE_PAUSED if robot in self._paused else ""
 
-    def _free_robot(self, address: str) -> int:
+    def free_robot(self, address: str) -> int:
+        """Return the first robot for one more student; raises as :meth:`join` does."""
         if self.locked:
             raise CommandError("nobody else can join now: ask your teacher to open the class")
         here = (student.address for student in self._students.values() if student is not None)

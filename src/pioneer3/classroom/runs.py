@@ -7,7 +7,6 @@ part of a path but the letters, digits, `_` and `-` of the name.
 import logging
 import os
 import re
-from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from itertools import count
@@ -27,16 +26,9 @@ NOT_WORDS = re.compile(r"[^\w]+")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Run:
-    """A run that was handed in.
+    """A run of so many seconds and bytes that was handed in `at` a Unix time [s].
 
-    Attributes:
-        file: Its name in the folder.
-        student: The student's name then.
-        session: The student's session.
-        robot: Number of the robot.
-        at: When it was handed in [s, Unix time].
-        seconds: Its length.
-        size: In bytes.
+    It has the name of the file in the folder, and that of the student then.
     """
 
     file: str
@@ -72,11 +64,7 @@ class Draft:
 class RunFolder:
     """The folder that runs are handed in to; it is made when the first run is recorded.
 
-    Args:
-        folder: The folder.
-
-    Attributes:
-        runs: Those handed in since the class began, by file name.
+    `runs` are those handed in since the class began, by file name.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -138,10 +126,6 @@ class RunFolder:
     def find(self, file: str) -> Path | None:
         """Return the path of a run that was handed in, `None` if there is none of that name."""
         return self.folder / file if file in self.runs else None
-
-    def runs_of(self, session: str) -> Iterator[Run]:
-        """Yield the runs of one student."""
-        return (run for run in self.runs.values() if run.session == session)
 
     def _new_file(self, student: str) -> Path:
         """Reserve the next free name of a student."""

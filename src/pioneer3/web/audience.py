@@ -11,19 +11,10 @@ SMALL_PERIOD = 0.18
 
 
 class Audience:
-    """Clients that see the same robots, each text made once for all of them.
+    """Clients that see the same robots, or one robot alone, each text made once for all of them.
 
-    Args:
-        robot: The only robot they see; `None` for all.
-        student: Whether they belong to the student of that robot.
-        small: Whether they get small snapshots, as the teacher's page of a class does.
-
-    Attributes:
-        clients: The connected ones.
-        retained: The robots, their connections, and the map.
-        snapshots: The newest snapshots.
-        scans: The newest sweeps of lasers.
-        world: The changes of the world; `None` without one.
+    They may belong to the student of that robot, or get small snapshots, as the teacher's page of a
+    class does. `retained` has the robots, their connections, and the map.
     """
 
     def __init__(
@@ -73,11 +64,7 @@ class Audience:
 
 
 class Audiences:
-    """The audiences of a page.
-
-    Attributes:
-        first: Sees all robots.
-    """
+    """The audiences of a page, of which the first sees all robots."""
 
     def __init__(self) -> None:
         self.first = Audience()

@@ -67,10 +67,8 @@ class RetainedChannel:
 class FrameChannel:
     """The newest part of each robot, in one frame for all clients that are equally up to date.
 
-    Args:
-        flushed: Called when there is a new frame.
-        empty: The message without parts; the last of its fields is the list of them.
-        period: Least time between two frames [s].
+    `flushed` is called when there is a new frame, at least a `period` after the last [s]. The last
+    field of the `empty` message is the list of parts.
     """
 
     def __init__(

@@ -43,10 +43,7 @@ class SendQueue:
     """Unsent texts of one client. Each is made just before it is sent, from the newest data.
 
     It stays small however slow the client is. Snapshots begin with the first one that comes: an old
-    one would look like a fresh one.
-
-    Attributes:
-        details: The channel that this client alone has subscribed to.
+    one would look like a fresh one. To `details` this client alone has subscribed.
     """
 
     def __init__(self, page: Page, audience: Audience, number: int) -> None:
@@ -134,11 +131,12 @@ class Client:
 
     def tell(self, news: str) -> None:
         """Show `news`; a client that reads too slowly misses the oldest."""
-        self._answer(Told(news))
+        self.show(Told(news))
 
     def show(self, message: Message) -> None:
         """Send `message` to this client alone."""
-        self._answer(message)
+        if self._queue is not None:
+            self._queue.answer(message)
 
     def wake(self) -> None:
         """Look for new texts."""
@@ -195,7 +193,7 @@ class Client:
             while True:
                 answer = await self._answer_next()
                 if answer is not None:
-                    self._answer(answer)
+                    self.show(answer)
 
     async def _answer_next(self) -> Message | None:
         """Receive one request and carry it out; return the answer, if there is one."""
@@ -205,21 +203,14 @@ class Client:
             return Refused("not understood: bytes, where text is expected")
         try:
             request = requests.decode(text)
-            self._keep_alive()
+            self.session.seen = asyncio.get_running_loop().time()
+            self._page.clients.keep_alive(self)
             self._fill_in_robot(request)
             return self._check_permission(request) or await self._carry_out(request)
         except (MsgspecError, CommandError) as error:
             return Refused(f"not understood: {error}")
         except MotionError as error:
             return Refused(str(error))
-
-    def _answer(self, message: Message) -> None:
-        if self._queue is not None:
-            self._queue.answer(message)
-
-    def _keep_alive(self) -> None:
-        self.session.seen = asyncio.get_running_loop().time()
-        self._page.clients.keep_alive(self)
 
     def _fill_in_robot(self, request: requests.AnyRequest) -> None:
         """Let a request without a number be about the only robot that this client sees."""

@@ -30,11 +30,9 @@ class PageClient(Operator, Subscriber, Protocol):
 
 
 class Clients:
-    """The connected clients of a page.
+    """The connected clients of a page, by number; a number is never used again.
 
-    Attributes:
-        connected: By number; a number is never used again.
-        version: Counts the changes of the clients and of the operators who have control.
+    The version counts the changes of the clients and of the operators who have control.
     """
 
     def __init__(self, robots: Mapping[int, RobotView]) -> None:
@@ -50,10 +48,6 @@ class Clients:
         number = next(self._count)
         self.connected[number] = client
         return number
-
-    def remove(self, number: int) -> PageClient:
-        """Remove a client; return it."""
-        return self.connected.pop(number)
 
     def update(self) -> bool:
         """Compare the clients with the last update; return whether anything has changed."""

@@ -85,13 +85,9 @@ class ConnectionPhase(IntEnum):
 
 
 class HttpConnection:
-    """A connection that is no WebSocket.
+    """A connection of an IP address that is no WebSocket.
 
-    Attributes:
-        address: IP address of the client.
-        phase: Its progress.
-        due: Time to close it unless something happens [s, loop time].
-        close: Closes it at once.
+    It is to be closed when it is `due`, unless something happens [s, loop time].
     """
 
     def __init__(self, address: str, due: float, close: Callable[[], object]) -> None:
@@ -154,8 +150,7 @@ class ConnectionPool:
 class ConnectionLimits:
     """The connections of one page and their limits, shared by its servers.
 
-    Args:
-        files: Number of files that this process can still open; `None` finds out.
+    The process can still open so many files; `None` finds out.
     """
 
     def __init__(self, files: int | None = None) -> None:
@@ -251,11 +246,7 @@ class HttpProtocol(H11Protocol):
 class Acceptor:
     """Accepts the connections of a listening socket; a silent one costs nothing but its socket.
 
-    Args:
-        listener: Not blocking.
-        limits: The pool of connections.
-        make: Returns the protocol of a connection.
-        context: For TLS; `None` without.
+    `make` returns the protocol of a connection. The listener does not block.
     """
 
     def __init__(

@@ -33,16 +33,7 @@ CONFIG_PERIOD = 5.0
 
 
 class RobotDetails:
-    """Describes one robot, once for all subscribers.
-
-    Args:
-        number: Of the robot, for the messages.
-        robot: The robot to describe.
-        scene: Its surroundings.
-
-    Attributes:
-        channel: The newest details and CONFIG.
-    """
+    """Describes one robot, once for all subscribers to the channel of details and CONFIG."""
 
     def __init__(self, number: int, robot: Robot, scene: RobotScene) -> None:
         self.channel = RetainedChannel()

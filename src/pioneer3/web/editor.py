@@ -33,11 +33,9 @@ Placing = requests.AddBox | requests.AddRobot | requests.MoveRequest
 class Editor:
     """Carries out edits.
 
-    Args:
-        view: The world.
-        take_control: Gives a client control of a robot by its number on the page, or of all robots
-            without a number, if that is free; returns whether the client has it.
-        stop: Stops a driven robot; commands that are held must be let go before they count again.
+    `take_control` gives a client control of a robot by its number on the page, or of all robots
+    without a number, if that is free; it returns whether the client has it. `stop` stops a driven
+    robot; commands that are held must be let go before they count again.
     """
 
     def __init__(
@@ -149,11 +147,7 @@ class Editor:
         return self._view.driven.get(item) if isinstance(item, SimulatedRobot) else None
 
     def _take(self, client: object, number: int, item: Item) -> None:
-        """Take the lease of `item` for `client`.
-
-        Raises:
-            CommandError: another client has it.
-        """
+        """Take the lease of `item` for `client`; CommandError if another client has it."""
         if (own := self._own(item)) is not None:
             if not self._take_control(client, own):
                 raise CommandError("somebody else drives")

@@ -23,16 +23,9 @@ def start(
 ) -> Refusal | None:
     """Start a mode of several robots.
 
-    All robots begin or none does. Control of each is taken by itself; the leader is left to
-    whoever drives it.
-
-    Args:
-        page: Has the robots.
-        operator: The one that starts it.
-        mode: Of all.
-        robots: Their numbers.
-        leader: Number of the leader, one of them; `None` in a mode without one.
-        waits: Whether the mode ends when nothing is heard of the operator, as of a page.
+    All robots begin or none does. Control of each is taken by itself; the leader, the number of one
+    of them or `None`, is left to whoever drives it. With `waits` the mode ends when nothing is
+    heard of the operator, as of a page.
 
     Raises:
         CommandError: There is no such robot.

@@ -31,21 +31,9 @@ RETRY_PERIOD = 5.0
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ConnectTarget:
-    """A robot to connect to.
+    """A robot to connect to, at a URL or by `open`, in a scene, as :func:`connect_async` does.
 
-    Attributes:
-        url: Its address.
-        open: Opens the link to it in place of the address; `None` uses that.
-        scene: Its surroundings.
-        name: Shown to people; empty for its own name.
-        baud: Serial speed to try first.
-        model: Its model, if somebody names one.
-        max_speed: Keep below this [m/s].
-        record: New file for every byte on the wire.
-        timing: Time limits of the link.
-        lasers: Its laser range finders.
-        camera: URL of the MJPEG stream of its camera.
-        settings: Those of its navigation.
+    People are shown the name; it is empty for the robot's own.
     """
 
     url: str
@@ -81,9 +69,7 @@ async def hosted(
     async with running(*(connection.keep_open() for connection in connections)):
         for connection in connections:
             await connection.tried.wait()
-        failures = [
-            connection.failure for connection in connections if connection.failure is not None
-        ]
+        failures = [each.failure for each in connections if each.failure is not None]
         if len(failures) == len(connections):
             raise failures[0]
         for failure in failures:
@@ -94,9 +80,7 @@ async def hosted(
 class RobotConnection:
     """Connects to one robot, and again if that fails; `number` is its number on the page.
 
-    Attributes:
-        tried: Set after the first attempt.
-        failure: The error of that attempt, `None` if it succeeded.
+    After the first attempt `tried` is set, and `failure` is its error, `None` if it succeeded.
     """
 
     def __init__(

@@ -29,15 +29,9 @@ Answer = Callable[[messages.Message], None]
 
 
 class MapEditor:
-    """Carries out edits of a map.
+    """Carries out edits of the map that robots drive on; `publish` is given each new draft's text.
 
-    Args:
-        page_map: The map that robots drive on.
-        publish: Called with the text of each new draft.
-
-    Attributes:
-        folder: Maps are saved there.
-        in_thread: Runs what takes long.
+    Maps are saved in a folder. What takes long runs `in_thread`.
     """
 
     def __init__(self, page_map: PageMap, publish: Callable[[str], None]) -> None:
@@ -118,7 +112,8 @@ class MapEditor:
             self._forget()
             return
         relief, version = self._relief_of(before), self._version + 1
-        self._take(before, await self.in_thread(_text_of, before, relief, version, self._count))
+        text = await self.in_thread(_text_of, before, relief, version, len(self._steps))
+        self._take(before, text)
 
     async def _save(self, request: requests.SaveMap, used: LineMap, answer: Answer) -> None:
         from pioneer3.navigation.map_files import free_path, left_out, save_map
@@ -147,10 +142,6 @@ class MapEditor:
         """Return the heights of a draft."""
         used = self._page_map.in_use
         return self._page_map.relief.carried(used or line_map, line_map)
-
-    @property
-    def _count(self) -> int:
-        return len(self._steps)
 
     def _take(self, draft: LineMap, text: str) -> None:
         self._version += 1

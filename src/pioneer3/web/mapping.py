@@ -30,21 +30,11 @@ LONGEST = 7200.0
 
 
 class RobotMapping:
-    """Makes maps with one robot.
+    """Makes maps with one robot of the page, and saves them in a folder.
 
-    Args:
-        number: Of the robot on the page.
-        robot: The robot.
-        scene: Its surroundings.
-        control: Decides who drives it.
-        tell: Called with an operator and a sentence.
-        publish: Called with the state, and with `None` when the robot leaves the page.
-
-    Attributes:
-        drawing: The map that is being made, as drawn last; `None` while none is.
-        drawing_text: The message for it.
-        folder: Maps are saved there.
-        in_thread: Runs what takes long.
+    `publish` is called with the state, and with `None` when the robot leaves the page. The drawing
+    is the map that is being made, as drawn last, `None` while none is, and `drawing_text` the
+    message for it. What takes long runs `in_thread`.
     """
 
     def __init__(

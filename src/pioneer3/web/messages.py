@@ -669,19 +669,7 @@ class ClassRobots(Message, tag="class_robots", frozen=True):
 
 EVERY = (
     *(Hello, Status, Robots, Scans, Map, MapDraft, WorldChanges, People, Class, ClassRobots),
-    *(
-        PlannedWay,
-        Navigation,
-        GoalProgress,
-        Mapping,
-        Told,
-        Refused,
-        EditRefused,
-        Added,
-        Pong,
-        Details,
-        NoDetails,
-        ConfigMessage,
-    ),
+    *(PlannedWay, Navigation, GoalProgress, Mapping, Told, Refused, EditRefused, Added, Pong),
+    *(Details, NoDetails, ConfigMessage),
 )
 """All messages."""

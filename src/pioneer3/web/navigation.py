@@ -56,22 +56,11 @@ CRUISE = 0.7
 
 
 class RobotNavigation:
-    """Plans ways for one robot, and starts it on them.
+    """Plans ways for one robot of the page, and starts it on them.
 
-    Args:
-        number: Of the robot on the page.
-        robot: The robot.
-        scene: Its map, and where it is if a simulator tells.
-        control: Decides who drives it.
-        show: Called with an operator and a message.
-        publish: Called with the state, and with `None` when there is none.
-        traffic: The other robots of the page.
-        name: Of the robot, for the drivers of the others.
-
-    Attributes:
-        goals: Carries out the goals of pages and scripts. It outlives the navigators, one for each
-            map, whose own goal servers have nothing to do here.
-        in_thread: Runs what takes long.
+    `goals` outlives the navigators, one for each map; their own goal servers do nothing here.
+    `publish` is called with the state, and with `None` when there is none. The drivers of other
+    robots are told the name. What takes long runs `in_thread`.
     """
 
     def __init__(

@@ -34,19 +34,10 @@ UPDATE_PERIOD = 0.1
 
 
 class Page:
-    """The robots and their clients. Robots are added with :meth:`hosting`.
+    """The robots by number, and their clients. Robots are added with :meth:`hosting`.
 
-    Attributes:
-        robots: The robots by number.
-        clients: The connected clients.
-        audiences: Sets of clients that are sent the same.
-        access: Decides who is let in.
-        map: The map that is shown and driven on.
-        map_editor: Edits it.
-        world: The world of simulated robots, which can be changed; `None` without.
-        traffic: The places of the robots, by which they keep apart.
-        classroom: The class that the robots belong to; `None` without one.
-        closed: Set when clients are to go.
+    The world is that of simulated robots, which can be changed; robots keep apart by the places in
+    `traffic`. When clients are to go, `closed` is set.
     """
 
     def __init__(self, access: Access | None = None) -> None:
@@ -71,11 +62,7 @@ class Page:
     ) -> AsyncIterator[RobotView]:
         """Show `robot` to all clients, and let them drive it, while the block lasts.
 
-        Args:
-            robot: A connected robot.
-            scene: Its surroundings.
-            name: Shown to people; empty for the robot's own name.
-            number: Identifies it in requests; 0 for the next.
+        People see the name, empty for the robot's own; requests have the number, 0 for the next.
         """
         number = number or next(self._count)
         taken = {view.name for view in self.robots.values()}
@@ -171,7 +158,7 @@ class Page:
 
     def leave(self, number: int, audience: Audience) -> None:
         """Remove a client of `audience`: robots that it drives stop at once."""
-        client = self.clients.remove(number)
+        client = self.clients.connected.pop(number)
         self.clients.release_control(client)
         audience.clients.discard(client)
         audience.scans.subscribe(number, on=False)

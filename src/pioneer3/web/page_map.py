@@ -14,15 +14,9 @@ NOWHERE = RobotScene()
 
 
 class PageMap:
-    """The map of a page's robots.
+    """The map of a page's robots, by number; `changed` is called when robots use another one.
 
-    Args:
-        robots: The robots by number.
-        changed: Called when robots use another map.
-
-    Attributes:
-        simulated: A scene in the simulated world of the page, whose map comes first; `None` without
-            one.
+    The map of `simulated` comes first, a scene in the simulated world of the page, if there is one.
     """
 
     def __init__(self, robots: Mapping[int, RobotView], changed: Callable[[], None]) -> None:

@@ -34,18 +34,9 @@ class ConnectedClients(Protocol):
 
 
 class RobotView:
-    """A robot of the page.
+    """A robot of the page, with a number and a name of its own; numbers are never used again.
 
-    Attributes:
-        number: Identifies it in requests and paths; never used again.
-        name: No two robots of a page have the same.
-        label: Shown to people: its name, or that of the student who has it.
-        robot: The driver of the robot.
-        control: Decides who drives it.
-        scene: The map around it.
-        navigation: Takes it to places of the map.
-        mapping: Makes maps with it.
-        details: Told to clients that subscribe to them.
+    People see the label: its name, or that of the student who has it.
     """
 
     def __init__(

@@ -31,16 +31,8 @@ class RemoteWorld:
     """The world of a simulator in another program; empty for a real robot.
 
     A simulator names its map; it is drawn if a map of that name ships, or lies in this program's
-    folder. No other files are read for it.
-
-    Args:
-        robot: The driver.
-        line_map: The map, whatever the simulator says; `None` takes the simulator's.
-        tell: Called with a sentence if there is no map of the simulator's name.
-
-    Attributes:
-        map: The map, `None` while none is known.
-        relief: Its heights.
+    folder, else `tell` is called with a sentence. No other files are read for it. A `line_map` that
+    is given counts whatever the simulator says.
     """
 
     def __init__(self, robot: Robot, line_map: LineMap | None, tell: Callable[[str], None]) -> None:
@@ -99,11 +91,9 @@ class RemoteWorld:
 
 @dataclass(slots=True)
 class Located:
-    """A robot's place on the map, found by navigation.
+    """A robot's place on the map, found by navigation: the pose of odometry's frame [m, rad].
 
-    Attributes:
-        odom_in_map: Returns the pose of odometry's frame [m, rad], or `None` while it is not known.
-        unsure: Returns the reason not to act upon it, or nothing.
+    It is `None` while it is not known; `unsure` returns the reason not to act upon it, or nothing.
     """
 
     odom_in_map: Callable[[], Pose2 | None] = lambda: None
@@ -112,15 +102,10 @@ class Located:
 
 @dataclass(frozen=True, slots=True)
 class RobotScene:
-    """The surroundings of a robot.
+    """The surroundings of a robot: a map, and the odometry's origin in it [m, rad].
 
-    Attributes:
-        map: Walls, or `None` where none are known.
-        odom_in_map: Where the odometry's origin lies in the map [m, rad].
-        truth: Returns the true pose in the map, where a simulator knows it.
-        simulated: A simulation in this program and the robot in it, or `None`.
-        remote: The world of a simulator in another program, if the robot is of one.
-        located: The robot's place as far as navigation knows.
+    A robot is `simulated` in this program, where `truth` returns its true pose in the map, or in
+    `remote`, the world of a simulator in another; it is `located` as far as navigation knows.
     """
 
     map: LineMap | None = None
@@ -155,12 +140,9 @@ class RobotScene:
     def place(self, snapshot: Snapshot) -> SharedPlace | str:
         """Return the place of odometry in a frame that is shared by robots of the same world.
 
-        Returns:
-            The reason that it is not known, where no simulator tells it and the robot is not sure.
+        Where no simulator tells it and the robot is not sure, return the reason.
         """
-        frame: Hashable = "no map"
-        if self.map_now is not None:
-            frame = frame_of(self.map_now)
+        frame: Hashable = "no map" if self.map_now is None else frame_of(self.map_now)
         remote = self.remote is not None and self.remote.pose is not None
         if self.remote is not None and remote:
             frame = self.remote.frame

@@ -50,10 +50,8 @@ SHADE = 85
 class WorldView:
     """Numbers the things of a simulation; a number is never used again.
 
-    Attributes:
-        simulation: The simulation.
-        driven: The robots that the page drives, each with its number on the page.
-        urls: Of robots that hosts reach elsewhere than the simulation says.
+    `driven` has the robots that the page drives, each with its number on the page, and `urls` has
+    those of robots that hosts reach elsewhere than the simulation says.
     """
 
     def __init__(self, simulation: RunningSimulation) -> None:
@@ -187,7 +185,8 @@ class WorldChannel:
         if changed:
             self.version = next_
             self._texts.clear()
-            self._forget_long_gone()
+        while len(self._gone) > MOST_GONE:
+            self._complete_since = self._gone.pop(next(iter(self._gone)))
         return changed
 
     def since(self, seen: int) -> list[str]:
@@ -220,19 +219,9 @@ class WorldChannel:
             return False
         return True
 
-    def _forget_long_gone(self) -> None:
-        while len(self._gone) > MOST_GONE:
-            number = next(iter(self._gone))
-            self._complete_since = self._gone.pop(number)
-
 
 def map_message(line_map: LineMap | None, relief: Relief = FLAT) -> Map:
-    """Return the message for a map; it leaves out walls that outline cells.
-
-    Args:
-        line_map: The map, or `None`.
-        relief: Of the map.
-    """
+    """Return the message for a map; it leaves out walls that outline cells."""
     if line_map is None:
         return Map(None)
     lines = line_map.lines.round(3).tolist()

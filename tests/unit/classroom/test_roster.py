@@ -62,7 +62,7 @@ def test_nobody_joins_a_locked_class() -> None:
     roster = Roster([1])
     roster.locked = True
     with pytest.raises(CommandError, match="nobody else can join"):
-        roster.check_room("10.0.0.9")
+        roster.free_robot("10.0.0.9")
 
 
 @pytest.mark.parametrize("name", ["", "  \t", "\x00\x1b"])

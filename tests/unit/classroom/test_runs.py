@@ -26,7 +26,7 @@ def test_runs_are_numbered_for_each_student(tmp_path: Path) -> None:
     files = [hand_in(runs, name).file for name in ("Anna", "Anna", "Bob")]
     assert files == ["Anna-1.txt", "Anna-2.txt", "Bob-1.txt"]
     assert sorted(path.name for path in (tmp_path / "class").iterdir()) == files
-    assert [run.file for run in runs.runs_of("Anna")] == files[:2]
+    assert [run.file for run in runs.runs.values() if run.session == "Anna"] == files[:2]
 
 
 def test_a_file_of_an_earlier_class_is_left_alone(tmp_path: Path) -> None:

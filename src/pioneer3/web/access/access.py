@@ -37,9 +37,9 @@ DEVICES = (("iPad", "tablet"), ("Tablet", "tablet"), ("Mobi", "phone"), ("Mozill
 
 
 class RateLimiter:
-    """Counts attempts, per key and in all. `clock` returns the time [s, monotonic].
+    """Counts attempts, per key and in all, in leaky buckets: each drains by one per pause.
 
-    Each count drains by one per pause, a leaky bucket.
+    `clock` returns the time [s, monotonic].
     """
 
     def __init__(
@@ -68,14 +68,9 @@ class RateLimiter:
 class Access:
     """Decides who is let in. `clock` returns the time [s, monotonic].
 
-    Attributes:
-        here: The session of all requests from this machine, which need no token.
-        authority: Certificate of the authority that signed ours; `None` where there is none.
-        urls: Addresses of the page for other machines, the best first; empty where only this
-            machine can reach it.
-        sessions: The sessions of other machines.
-        invitations: The tokens that open them.
-        pairing_limiter: Slows down attempts to guess tokens.
+    All requests from this machine belong to the session `here`, and need no token. `urls` are
+    addresses of the page for other machines, the best first, and `authority` is the certificate of
+    the one that signed ours, if there is one.
     """
 
     def __init__(self, clock: Callable[[], float]) -> None:

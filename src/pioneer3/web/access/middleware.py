@@ -74,10 +74,7 @@ TOO_MUCH = ErrorResponse(429, "too many requests from your address; stops are co
 class AccessMiddleware:
     """Refuses requests by DNS rebinding, of other pages and above the rate; finds their sessions.
 
-    Args:
-        app: The application behind it; it finds the session with :func:`session_of`.
-        access: Knows the sessions.
-        names: Host names of this server.
+    The application behind it finds the session with :func:`session_of`; `names` are this server's.
     """
 
     def __init__(self, app: ASGIApp, access: Access, names: frozenset[str]) -> None:

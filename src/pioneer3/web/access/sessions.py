@@ -44,15 +44,10 @@ class SessionKind(StrEnum):
 
 @dataclass(slots=True, eq=False, kw_only=True)
 class LoginSession:
-    """The login of one browser or one script.
+    """The login of one browser or one script; its id is shown to people, and no secret.
 
-    Attributes:
-        id: Shown to people; it is no secret.
-        name: Shown to all.
-        parent: Id of the session that made this one, empty for none.
-        robot: Number of a student's robot; `None` of others.
-        seen: Time of its last use [s, monotonic].
-        ended: Set when it is revoked: its connections must close.
+    It was last `seen` at a time [s, monotonic]. `parent` is the id of the session that made this
+    one, empty for none. When it is revoked, `ended` is set and its connections must close.
     """
 
     id: str
@@ -66,12 +61,9 @@ class LoginSession:
 
 
 class LoginSessions:
-    """Opens, finds and ends sessions. They are kept in memory only.
+    """Opens, finds and ends sessions; `on_end` is called with each. They are kept in memory only.
 
     `clock` returns the time [s, monotonic].
-
-    Attributes:
-        on_end: Called with each session that ends.
     """
 
     def __init__(self, clock: Callable[[], float]) -> None:
@@ -146,9 +138,8 @@ class LoginSessions:
                 self._end(session)
 
     def _end(self, session: LoginSession) -> None:
-        self._by_fingerprint = {
-            key: s for key, s in self._by_fingerprint.items() if s is not session
-        }
+        known = self._by_fingerprint.items()
+        self._by_fingerprint = {key: one for key, one in known if one is not session}
         session.ended.set()
         self.on_end(session)
 

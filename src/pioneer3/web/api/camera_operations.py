@@ -7,8 +7,6 @@ can take one.
 from collections.abc import AsyncGenerator, Callable
 from contextlib import aclosing
 
-from starlette.responses import StreamingResponse
-
 from pioneer3 import mjpeg
 from pioneer3.errors import DeviceError
 from pioneer3.web.access.middleware import ErrorResponse
@@ -53,12 +51,6 @@ async def _parts(
                 return
             goes_on()
             yield mjpeg.part(picture.jpeg, picture.view)
-
-
-def respond_with(stream: PictureStream) -> StreamingResponse:
-    """Return the response that sends a stream."""
-    kind = f"{mjpeg.MULTIPART}; boundary={mjpeg.BOUNDARY}"
-    return StreamingResponse(stream.parts, media_type=kind)
 
 
 CAMERA = (

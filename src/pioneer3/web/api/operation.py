@@ -35,16 +35,10 @@ PERMISSIONS = {
 
 @dataclass(slots=True, kw_only=True)
 class ApiRequest:
-    """One request to the API.
+    """One request to the API, with the parameters in its path, and the robot that this names.
 
-    Attributes:
-        page: The page that it is sent to.
-        session: The caller's session; `None` where a caller needs none.
-        scope: The ASGI scope.
-        path: The parameters in the path.
-        named: The robot that the path names, `None` where it names none.
-        address: IP address of the caller.
-        cookie: The Set-Cookie header of the answer, `None` for none.
+    The session is the caller's, `None` where a caller needs none, and the address that of the
+    network. The answer has a `cookie` as its Set-Cookie header, `None` for none.
     """
 
     page: Page
@@ -101,14 +95,9 @@ MEDIA = {TextFile: PLAIN, Jpeg: "image/jpeg", PictureStream: MULTIPART}
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Operation:
-    """A method on a path.
+    """A method on a path; `act` carries out a request, for which a caller `needs` a role.
 
-    Attributes:
-        act: Carries out a request.
-        needs: Role that a caller needs, `None` for no session.
-        body: Type of the request's body, `None` for none.
-        answer: Type of the answer, `NoneType` for none.
-        errors: Statuses of its error responses.
+    A request has a body of some type, or `None`, and the answer one, or `NoneType`.
     """
 
     method: Method
@@ -222,11 +211,9 @@ def _content(schema: Json, media_type: str = "application/json") -> Json:
 
 
 def _errors(one: Operation, schema: Json) -> Json:
+    content = _content(schema, MEDIA_TYPE)
     return {
-        str(status): {
-            "description": HTTPStatus(status).phrase,
-            "content": _content(schema, MEDIA_TYPE),
-        }
+        str(status): {"description": HTTPStatus(status).phrase, "content": content}
         for status in one.errors
     }
 

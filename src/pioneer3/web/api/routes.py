@@ -5,15 +5,16 @@ from inspect import isawaitable
 
 import msgspec
 from starlette.requests import Request
-from starlette.responses import FileResponse, Response
+from starlette.responses import FileResponse, Response, StreamingResponse
 from starlette.routing import BaseRoute, Route
 
 from pioneer3.errors import CommandError
+from pioneer3.mjpeg import BOUNDARY, MULTIPART
 from pioneer3.web.access.middleware import ErrorResponse, respond, session_of
 from pioneer3.web.access.sessions import LoginSession, Role
 from pioneer3.web.api.access_operations import ACCESS
 from pioneer3.web.api.body_operations import BODIES
-from pioneer3.web.api.camera_operations import CAMERA, respond_with
+from pioneer3.web.api.camera_operations import CAMERA
 from pioneer3.web.api.class_operations import CLASS, NO_CLASS
 from pioneer3.web.api.navigation_operations import NAVIGATION
 from pioneer3.web.api.operation import (
@@ -30,7 +31,6 @@ from pioneer3.web.api.operation import (
 from pioneer3.web.api.robot_operations import ROBOTS
 from pioneer3.web.page import Page
 from pioneer3.web.requests import NOT_YOURS, ONLY_DRIVERS, ONLY_TEACHERS
-from pioneer3.web.robot_view import RobotView
 
 OPERATIONS = (*ROBOTS, *CAMERA, *BODIES, *NAVIGATION, *CLASS, *ACCESS)
 LONGEST_BODY = 16_384
@@ -65,16 +65,17 @@ async def _serve(page: Page, operation: Operation, request: Request) -> Response
         return respond(refused)
     if operation in CLASS and page.classroom is None:
         return respond(NO_CLASS)
+    number = request.path_params.get("robot", "")  # as it is written in the list of robots
     call = ApiRequest(
         page=page,
         session=session,
         scope=request.scope,
         path=request.path_params,
-        named=_named(page, request.path_params),
+        named={str(n): view for n, view in page.robots.items()}.get(number),
         address=request.client.host if request.client else "",
     )
-    if "robot" in call.path and call.named is None:
-        return respond(ErrorResponse(404, f"there is no robot {call.path['robot'][:20]}"))
+    if number and call.named is None:
+        return respond(ErrorResponse(404, f"there is no robot {number[:20]}"))
     result = await _carry_out(operation, call, request)
     if isawaitable(result):
         result = await result
@@ -91,17 +92,11 @@ def _response(result: object, cookie: str | None) -> Response:
             return FileResponse(path, media_type=PLAIN, filename=path.name)
         case Jpeg(data):
             return Response(data, media_type=MEDIA[Jpeg])
-        case PictureStream():
-            return respond_with(result)
+        case PictureStream(parts):
+            return StreamingResponse(parts, media_type=f"{MULTIPART}; boundary={BOUNDARY}")
         case None:
             return Response(status_code=204, headers=headers)
     return Response(msgspec.json.encode(result), headers=headers, media_type=JSON)
-
-
-def _named(page: Page, path: Mapping[str, str]) -> RobotView | None:
-    """Return the robot of the number in `path`, if it is written as in the list of robots."""
-    by_number = {str(number): view for number, view in page.robots.items()}
-    return by_number.get(path.get("robot", ""))
 
 
 async def _carry_out(operation: Operation, call: ApiRequest, request: Request) -> object:

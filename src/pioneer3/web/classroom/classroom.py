@@ -11,7 +11,7 @@ Rules, besides those of :mod:`pioneer3.classroom.roster`:
 
 import asyncio
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from hmac import compare_digest
 from secrets import choice
 from typing import Protocol
@@ -61,22 +61,10 @@ class ClassPage(Protocol):
 
 
 class Classroom:
-    """The class that the robots of `page` belong to.
+    """The class that the robots of `page` belong to, by number.
 
-    Args:
-        page: The page.
-        robots: All robots, by number.
-        runs: Keeps what is handed in.
-        clock: Returns the Unix time [s].
-
-    Attributes:
-        roster: The students.
-        robots: All robots, by number.
-        runs: What was handed in.
-        limiter: Slows down attempts to guess the token.
-        token: Lets students in, as long as the class lasts.
-        join_url: The address for students.
-        lan: Whether other devices can reach it.
+    The token lets students in as long as the class lasts, and other devices can reach the address
+    for students in a `lan`. The clock returns the Unix time [s].
     """
 
     def __init__(
@@ -120,10 +108,7 @@ class Classroom:
     ) -> tuple[LoginSession, str | None]:
         """Let a student in; return the session, and its secret if it is new.
 
-        Args:
-            name: As typed.
-            address: The network address of the caller.
-            session: The caller's. A student's is kept, and only the name changes.
+        The caller's session is kept if it is a student's, and only the name changes.
 
         Raises:
             CommandError: There is no room, or no name.
@@ -131,7 +116,7 @@ class Classroom:
         """
         secret = None
         if session is None or self.roster.robot_of(session.id) is None:
-            self.roster.check_room(address)
+            self.roster.free_robot(address)
             session, secret = self._page.access.sessions.open(
                 name, Role.STUDENT, SessionKind.BROWSER
             )
@@ -196,9 +181,11 @@ class Classroom:
                 case requests.FreeSeat(robot):
                     self.free(robot)
                 case requests.LockJoining(locked):
-                    self.lock(locked=locked)
+                    self.roster.locked = locked
+                    self.update()
                 case requests.ShareAddresses(shared):
-                    self.share_addresses(shared=shared)
+                    self.roster.shared = shared
+                    self.update()
                 case requests.RecordRun(step, robot):
                     self.record(robot, step)
         except (CommandError, ConfigError) as error:
@@ -252,16 +239,6 @@ class Classroom:
             raise CommandError(f"{self.name_of(robot)}: nobody has this robot")
         self._page.access.sessions.revoke(student.session)
 
-    def lock(self, *, locked: bool) -> None:
-        """Let no more students join, or let them again."""
-        self.roster.locked = locked
-        self.update()
-
-    def share_addresses(self, *, shared: bool) -> None:
-        """Let several students join from one network address, or one from each."""
-        self.roster.shared = shared
-        self.update()
-
     def record(self, robot: int | None, step: str) -> Run | None:
         """Take a step of the recording of a robot's run; return what was handed in.
 
@@ -295,7 +272,7 @@ class Classroom:
         """Tell pages the changes, and let programs have robots that no teacher drives any more."""
         for robot in self.robots.values():
             self._follow(robot)
-        seats = {number: self._seat(robot) for number, robot in self.robots.items()}
+        seats = {number: self.seat(number) for number in self.robots}
         for audience in self._page.audiences:
             audience.put("class", messages.encode(self.message(audience, seats)))
             if audience.small and audience.clients:
@@ -306,7 +283,7 @@ class Classroom:
     ) -> messages.Class:
         """Return the message about the class for an audience."""
         if seats is None:
-            seats = {number: self._seat(robot) for number, robot in self.robots.items()}
+            seats = {number: self.seat(number) for number in self.robots}
         own = audience.robot if audience.student else None
         return messages.Class(
             paused=self.roster.all_paused,
@@ -320,19 +297,28 @@ class Classroom:
 
     def handed_in(self, robot: int | None = None) -> tuple[messages.HandedIn, ...]:
         """Return the runs of the student of a robot, or all without a number."""
-        runs: Sequence[Run] = list(self.runs.runs.values())
-        if robot is not None:
-            student = self.roster.student(robot)
-            runs = list(self.runs.runs_of(student.session)) if student else []
-        return tuple(map(describe, runs))
+        student = None if robot is None else self.roster.student(robot)
+        return tuple(
+            describe(run)
+            for run in self.runs.runs.values()
+            if robot is None or (student is not None and run.session == student.session)
+        )
 
-    def seat(self, robot: int) -> messages.Seat:
-        """Return the part of a message for a robot.
-
-        Raises:
-            CommandError: The class has no such robot.
-        """
-        return self._seat(self._robot(robot))
+    def seat(self, number: int) -> messages.Seat:
+        """Return the part of a message for a robot; CommandError if there is none of the number."""
+        robot, student = self._robot(number), self.roster.student(number)
+        program, paused = robot.program, self.roster.pause_of(number)
+        taken = PROGRAM if program is not None else TEACHER if robot.bridge.reserved_for else ""
+        return messages.Seat(
+            robot=number,
+            name=student.name if student else None,
+            online=self._page.clients.of_session(student.session) if student else 0,
+            program=program,
+            paused=bool(paused),
+            refusal=paused or taken,
+            recording=robot.recording.message() if robot.recording else None,
+            url=robot.url,
+        )
 
     def _stop(self, number: int, why: str) -> None:
         """Stop a robot, and end what drives it from the page; a program may drive it on."""
@@ -365,26 +351,6 @@ class Classroom:
             robot.bridge.reserved_for = ""
         if failure := robot.check_recording():
             self._tell_student(robot.number, f"the recording has ended: {failure}; hand it in")
-
-    def _seat(self, robot: ClassRobot) -> messages.Seat:
-        student = self.roster.student(robot.number)
-        program, paused = robot.program, self.roster.pause_of(robot.number)
-        return messages.Seat(
-            robot=robot.number,
-            name=student.name if student else None,
-            online=self._page.clients.of_session(student.session) if student else 0,
-            program=program,
-            paused=bool(paused),
-            refusal=paused or self._taken(robot),
-            recording=robot.recording.message() if robot.recording else None,
-            url=robot.url,
-        )
-
-    def _taken(self, robot: ClassRobot) -> str:
-        """Return the reason to refuse a student a robot that is not paused; empty for none."""
-        if robot.program is not None:
-            return PROGRAM
-        return TEACHER if robot.bridge.reserved_for else ""
 
     def _tell_small(self, audience: Audience) -> None:
         for number, view in self._page.robots.items():

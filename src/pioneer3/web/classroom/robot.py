@@ -30,10 +30,7 @@ class StartPlace:
 class RunRecording:
     """A run that is being recorded, or has ended and waits to be handed in.
 
-    Attributes:
-        draft: Its file.
-        seconds: Its length; `None` while it goes on.
-        failure: The reason why it has ended by itself, or empty.
+    Its length [s] is `None` while it goes on, and the failure the reason why it ended by itself.
     """
 
     draft: Draft
@@ -46,18 +43,9 @@ class RunRecording:
 
 
 class ClassRobot:
-    """A robot of a class.
+    """A robot of a class, with a label while nobody has it; programs connect to its `url`.
 
-    Args:
-        number: On the page.
-        label: Its name while nobody has it.
-        bridge: Reaches it.
-        url: Where programs connect to it.
-        start: Where it began; `None` of a real one.
-        clock: Returns the Unix time [s].
-
-    Attributes:
-        recording: The run of its student, `None` without one.
+    A real one has no `start`. The clock returns the Unix time [s].
     """
 
     def __init__(
@@ -134,13 +122,7 @@ class ClassRobot:
 def small_snapshot(
     view: RobotView, program: str | None, is_student: Callable[[Operator], bool]
 ) -> messages.SmallSnapshot:
-    """Return the message part for a robot.
-
-    Args:
-        view: The robot.
-        program: The address of the program that has it, `None` without one.
-        is_student: Whether an operator belongs to a student.
-    """
+    """Return the message part for a robot; `program` is the address of the one that has it."""
     robot = view.robot
     now, latest = robot.supervisor.snapshot, robot.supervisor.snapshots.latest
     pose = view.scene.robot_in_map(latest.odometry.robot_in_odom) if latest else Pose2()
