@@ -7,6 +7,7 @@ from statistics import median
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import map_coordinates
 from scipy.spatial import cKDTree
 
 from pioneer3.geometry import Pose2
@@ -124,7 +125,9 @@ def wall_shares(grid: OccupancyGrid, align: Alignment, truth: LineMap, echoes: F
         echoes: The ends of beams, as the map has them [m], shape (N, 2).
     """
     drawn = align(samples(line_map_of(grid, truth.name).walls, SAMPLE / 2))
-    off = DistanceField.of(truth.walls, truth.bounds, SAMPLE, 0.3).at(drawn)
+    field = DistanceField.of(truth.walls, truth.bounds, SAMPLE, 0.3)
+    at = field.raster.in_cells(drawn).T[::-1] - 0.5
+    off = map_coordinates(field.distances, at, order=1, mode="constant", cval=field.reach)
     true = samples(truth.walls, SAMPLE)
     times = cKDTree(align(echoes)).query_ball_point(true, SEEN, return_length=True)
     missed = cKDTree(drawn).query(true[times >= SEEN_TIMES])[0]

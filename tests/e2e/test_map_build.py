@@ -23,9 +23,8 @@ from pioneer3.navigation.connect import connect_async
 from pioneer3.navigation.log_files import chosen_log, is_recording
 from pioneer3.navigation.map_builder import MapBuilder, whereabouts
 from pioneer3.navigation.map_files import files_of, load_survey, save_map, save_survey
-from pioneer3.navigation.map_logs import map_log, map_recording
+from pioneer3.navigation.map_logs import FastTimeLoop, map_log, map_recording
 from pioneer3.robot.devices.laser import Laser
-from pioneer3.runtime.fast_time import FastTimeLoop
 from pioneer3.runtime.robot import Robot
 from pioneer3.sim.realism import Realism
 from pioneer3.sim.worldfile import load_map

@@ -331,13 +331,11 @@ def _play(
 ) -> int:
     """Add the map of a recording to `made`; return the exit code."""
     from pioneer3.navigation.connect import require_navigation
-    from pioneer3.runtime.fast_time import FastTimeLoop
 
     require_navigation()
+    from pioneer3.navigation.map_logs import FastTimeLoop, map_recording
 
     async def play() -> None:
-        from pioneer3.navigation.map_logs import map_recording
-
         await _prepare()
         made.append(await map_recording(source, progress, link.lasers.laser, settings))
 

@@ -32,7 +32,6 @@ loops             finds places again
 graph             poses from the ways that were measured between them
 mapper            makes a map: poses of a robot, live, from scans and odometry
 rendering         draws the map of a survey: which cells are free, and which are walls
-survey_arrays     a survey as arrays, to be written to a file and read again
 frontiers         where a map ends: places from which a robot sees what is unknown
 exploring         chooses the edge of a map that a robot looks at next, until none is left
 logged            readings of logs, and scans that wait for the odometry of their time

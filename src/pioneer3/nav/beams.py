@@ -3,12 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pioneer3.arrays import Float
 from pioneer3.geometry import Pose2, wrap
 from pioneer3.state import Scan
-
-Float = NDArray[np.float64]
 
 CLEAR_RANGE = 8.0
 """Longest way that is free where nothing echoes [m]. A URG-04LX tells 5.6 m and hears to 4.095 m.

@@ -3,12 +3,9 @@
 from math import atan2, hypot
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pioneer3.arrays import Bool, Float, Int
 from pioneer3.geometry import wrap
-
-Float = NDArray[np.float64]
-Int = NDArray[np.int64]
 
 JOIN_DISTANCE = 0.45
 """Distance below which two echoes are of one thing [m]: the legs of somebody who walks."""
@@ -37,7 +34,7 @@ def middle_of(points: Float, origin: Float) -> tuple[float, float]:
     return x + share * dx, y + share * dy
 
 
-def has_company(points: Float) -> NDArray[np.bool_]:
+def has_company(points: Float) -> Bool:
     """Return which of the points (N, 2) have a neighbour in the scan's order near them."""
     close = np.hypot(*np.diff(points, axis=0).T) < COMPANY
     company = np.zeros(len(points), dtype=np.bool_)
@@ -49,11 +46,8 @@ def has_company(points: Float) -> NDArray[np.bool_]:
 def is_whole(points: Float, origin: Float, limit: Float, expected: tuple[float, float]) -> bool:
     """Return whether the laser sees all of a thing: no part of it is beyond the edge of its view.
 
-    Args:
-        points: Of the thing [m], shape (N, 2).
-        origin: Of the laser [m], shape (2,).
-        limit: Bearing of the laser [rad] and half of its field of view [rad], shape (2,).
-        expected: Where the middle of the thing should be [m].
+    The thing has `points` (N, 2), its middle should be at `expected`; `limit` (2,) is the bearing
+    of the laser and half of its field of view [rad].
     """
     bearings = np.arctan2(points[:, 1] - origin[1], points[:, 0] - origin[0])
     off = (bearings - limit[0] + np.pi) % (2 * np.pi) - np.pi
@@ -79,9 +73,4 @@ def clusters(points: Float) -> list[Int]:
         return []
     apart = np.hypot(*np.diff(points, axis=0).T) > JOIN_DISTANCE
     parts = np.split(np.arange(len(points)), np.flatnonzero(apart) + 1)
-    small = []
-    for part in parts:
-        size = np.ptp(points[part], axis=0)
-        if hypot(size[0], size[1]) < WIDEST_PERSON:
-            small.append(part)
-    return small
+    return [part for part in parts if hypot(*np.ptp(points[part], axis=0)) < WIDEST_PERSON]

@@ -5,8 +5,8 @@ from math import cos, inf, sin
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pioneer3.arrays import Bool, Float, Float32
 from pioneer3.geometry import Pose2
 from pioneer3.jit import fast
 from pioneer3.maps import Extent, LineMap
@@ -16,10 +16,6 @@ from pioneer3.nav.kernels import CACHE
 from pioneer3.nav.kernels.fields import nearest_wall
 from pioneer3.nav.raster import Raster
 from pioneer3.nav.settings import AS_SHIPPED, PlannerSettings
-
-Float = NDArray[np.float64]
-Float32 = NDArray[np.float32]
-Bool = NDArray[np.bool_]
 
 COST_CELL = 0.05
 """Side of a cell [m]."""
@@ -42,12 +38,10 @@ class CostMap:
     """Costs for the centre of one robot.
 
     Attributes:
-        raster: The cells.
         clearance: Distance to the nearest wall, forbidden line or obstacle [m], up to `reach`,
             shape (H, W).
         closed: Where the robot must not be, whatever its clearance: in forbidden areas, outside of
             all that is known, shape (H, W).
-        forbidden: Areas of the map that robots must not enter.
         sectors: Areas that they may cross one way, or may enter for a goal in them alone.
         busy: Share of `PEOPLE_COST` that each place costs, as people come there, shape (H, W), or
             `None`.
@@ -55,7 +49,6 @@ class CostMap:
         needed: The clearance that the robot needs to pass [m].
         turning: The clearance that it needs to turn to any heading [m].
         top_speed: Of the robot [m/s].
-        settings: What a detour is worth, and the room that is kept.
     """
 
     raster: Raster

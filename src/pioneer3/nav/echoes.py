@@ -7,13 +7,9 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from pioneer3.geometry import Pose2
+from pioneer3.arrays import Bool, Float, Int
 from pioneer3.nav.costs import CostMap
-
-Float = NDArray[np.float64]
-Int = NDArray[np.int64]
 
 WALL_ECHO = 0.12
 """Distance to a wall of the map within which an echo is of that wall [m]."""
@@ -46,10 +42,9 @@ NOWHERE: Float = np.empty((0, 2))
 
 
 class SonarEcho(NamedTuple):
-    """One echo.
+    """One echo, and when it was heard [s].
 
     Attributes:
-        when: [s].
         middle: Where it came from if it came along the axis [m], shape (2,).
         points: From where it may have come [m], shape (N, 2).
         bodies: Middles of bodies that may have sent it back [m], shape (B, 2).
@@ -62,11 +57,7 @@ class SonarEcho(NamedTuple):
 
 
 class Echoes:
-    """The echoes of the last moments, and the cells of a map that they came from.
-
-    Args:
-        costs: Of the map alone, for its cells and clearances.
-    """
+    """The echoes of the last moments, and the cells of a map alone that they came from."""
 
     def __init__(self, costs: CostMap) -> None:
         self._raster, self._clearance = costs.raster, costs.clearance
@@ -137,7 +128,7 @@ class Echoes:
             each for each, is_gone in zip(self._echoes, gone, strict=True) if not is_gone
         ]
 
-    def _cells(self, points: Float) -> tuple[Int, Int, NDArray[np.bool_]]:
+    def _cells(self, points: Float) -> tuple[Int, Int, Bool]:
         """Return rows and columns of points (..., 2) [m], and whether they are on the map."""
         raster = self._raster
         flat = np.floor(raster.in_cells(points.reshape(-1, 2))).astype(int)
@@ -148,13 +139,7 @@ class Echoes:
     def often(self, now: float, age: float, *, people: bool) -> Float:
         """Return the times at which cells were heard within `age` [s], so often that plans care.
 
-        Args:
-            now: [s].
-            age: [s].
-            people: Whether the echoes may be of people, who go on.
-
-        Returns:
-            Times [s], 0 for none, shape (H, W).
+        If they may be of `people`, who go on, those are recent ones. Times are 0 for none, (H, W).
         """
         since = now - min(age, HEARD_AMONG_PEOPLE if people else HEARD_AGE)
         return np.where((self._counts >= HEARD_TIMES) & (self._times >= since), self._times, 0.0)
@@ -177,19 +162,6 @@ class Echoes:
     def forget(self) -> None:
         """Forget everything."""
         self._times[:], self._counts[:], self._echoes = 0.0, 0, []
-
-
-def transducers_in_map(mounts: Float, robot_in_map: Pose2) -> Float:
-    """Return x, y [m] and direction [rad] of transducers in the map.
-
-    Args:
-        mounts: The same on the robot, shape (F, 3).
-        robot_in_map: The robot's pose.
-    """
-    c, s = np.cos(robot_in_map.theta), np.sin(robot_in_map.theta)
-    x = robot_in_map.x + c * mounts[:, 0] - s * mounts[:, 1]
-    y = robot_in_map.y + s * mounts[:, 0] + c * mounts[:, 1]
-    return np.stack([x, y, robot_in_map.theta + mounts[:, 2]], axis=1)
 
 
 def _directions(bearings: Float) -> Float:

@@ -5,11 +5,9 @@ from math import hypot, inf, sqrt
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pioneer3.arrays import Float
 from pioneer3.geometry import Pose2
-
-Float = NDArray[np.float64]
 
 CHI_SQUARED = 5.991
 """Quantile of the chi-squared distribution in two dimensions, at 95 %."""
@@ -30,8 +28,7 @@ class Estimate:
         covariance: Of x, y and heading in the map's frame [m, rad], shape (3, 3).
         sure: Whether the robot may act upon it.
         agreement: Share of the readings that agree with the map there, 0 to 1.
-        stage: The progress.
-        reason: The same for people, one sentence without a full stop.
+        reason: The stage for people, one sentence without a full stop.
     """
 
     robot_in_map: Pose2 | None
@@ -61,11 +58,7 @@ class Estimate:
 
 
 def deviation_of(covariance: Float) -> float:
-    """Return the standard deviation of a position in its worst direction [m].
-
-    Args:
-        covariance: Of x and y, and of more, shape (2+, 2+).
-    """
+    """Return the largest standard deviation of a position [m] by its covariance (2+, 2+)."""
     if not np.isfinite(covariance).all():
         return inf
     (xx, xy), (_, yy) = covariance[:2, :2].tolist()

@@ -10,7 +10,7 @@ from pioneer3.maps import OccupancyGrid
 from pioneer3.maps.line_map import FREE
 from pioneer3.nav.costs import COST_CELL, CostMap
 from pioneer3.nav.frontiers import Frontier, find_frontiers
-from pioneer3.nav.planner import NoWay, Way, plan
+from pioneer3.nav.planner import Way, plan
 from pioneer3.nav.settings import AS_SHIPPED, MapperSettings
 
 SAME_EDGE = 0.5
@@ -23,12 +23,7 @@ MOST_TRIED = 8
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FrontierTarget:
-    """An edge that the robot drives to.
-
-    Attributes:
-        frontier: The edge.
-        way: To where the robot sees it from.
-    """
+    """An edge, and the way to where the robot sees it from."""
 
     frontier: Frontier
     way: Way
@@ -36,11 +31,9 @@ class FrontierTarget:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class GivenUp:
-    """An edge that the robot could not look behind.
+    """An edge that the robot could not look behind, and the reason for people.
 
-    Attributes:
-        frontier: The edge.
-        why: In words, for people; empty where it was seen from near and stayed as it was.
+    That is empty where it was seen from near and stayed as it was.
     """
 
     frontier: Frontier
@@ -49,12 +42,7 @@ class GivenUp:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Outlook:
-    """The part of a map that is left to explore.
-
-    Attributes:
-        target: The edge to drive to, or `None` where none is left.
-        left: Number of edges that are left.
-    """
+    """The edge to drive to, `None` where none is left; and the number of edges that are left."""
 
     target: FrontierTarget | None
     left: int
@@ -62,12 +50,7 @@ class Outlook:
 
 @dataclass(slots=True, eq=False)
 class Exploration:
-    """The edges of a map that a robot has been to, and those that it gave up.
-
-    Attributes:
-        settings: How long the robot tries to get to an edge.
-        given_up: In the order in which they were.
-    """
+    """The edges of a map that a robot has been to, and those that it gave up, in their order."""
 
     settings: MapperSettings = AS_SHIPPED.mapper
     given_up: list[GivenUp] = field(default_factory=list)
@@ -92,11 +75,7 @@ class Exploration:
     ) -> Outlook:
         """Return the edge to drive to: the present one as long as it is there, or the next.
 
-        Args:
-            grid: The map.
-            costs: Of the map, with all that is in the way.
-            robot_in_map: Where the robot is.
-            now: [s].
+        The `costs` are those of the map with all that is in the way.
         """
         self._watch(grid, now)
         left = self._find(grid, costs, robot_in_map)
@@ -117,7 +96,7 @@ class Exploration:
                 self._target = frontier
                 return Outlook(target=FrontierTarget(frontier, way), left=len(left) - tried)
             self._target = frontier
-            self.give_up(_why(way))
+            self.give_up(way.why.replace("the goal", "the place to see it from"))
             if tried == MOST_TRIED:
                 return Outlook(target=None, left=len(left) - tried)
         self._target = None
@@ -144,7 +123,3 @@ class Exploration:
 def _same(a: Frontier, b: Frontier) -> bool:
     off = a.points[:, None, :] - b.points[None, :, :]
     return bool((np.hypot(off[..., 0], off[..., 1]) < SAME_EDGE).any())
-
-
-def _why(way: NoWay) -> str:
-    return way.why.replace("the goal", "the place to see it from")

@@ -4,19 +4,15 @@ from dataclasses import dataclass
 from math import atan2, ceil, inf
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import ndimage
 
+from pioneer3.arrays import Bool, Float, Int, UInt8
 from pioneer3.geometry import Pose2
 from pioneer3.jit import fast
 from pioneer3.maps import OccupancyGrid
 from pioneer3.maps.line_map import FREE, OCCUPIED, UNKNOWN
 from pioneer3.nav.kernels import CACHE
 from pioneer3.nav.kernels.fields import ways_from
-
-Float = NDArray[np.float64]
-Int = NDArray[np.int64]
-Flags = NDArray[np.bool_]
 
 SHORTEST_FRONTIER = 0.4
 """Length below which a frontier is a gap between beams [m]."""
@@ -43,7 +39,6 @@ class Frontier:
 
     Attributes:
         points: The middles of its cells [m], shape (N, 2).
-        length: [m].
         view: Where the robot looks at it from, and its heading there [m, rad].
         end: The part of it that the robot looks at [m], shape (2,).
         way: To that place [m].
@@ -124,7 +119,7 @@ def find_frontiers(
     return tuple(sorted(found, key=lambda frontier: frontier.cost))
 
 
-def _leave_out(edge: Flags, places: Float, radius: float) -> None:
+def _leave_out(edge: Bool, places: Float, radius: float) -> None:
     """Take the cells around places [cells] out of an edge."""
     cells = np.argwhere(edge)
     for x, y in places.tolist():
@@ -132,13 +127,11 @@ def _leave_out(edge: Flags, places: Float, radius: float) -> None:
         edge[cells[near, 0], cells[near, 1]] = False
 
 
-def _ways(passable: Flags, at: Float, begin: float) -> Float | None:
+def _ways(passable: Bool, at: Float, begin: float) -> Float | None:
     """Return the ways from a place to all cells that a robot gets to, `None` if it is at none.
 
-    Args:
-        passable: Whether it can be at each cell, shape (H, W); at none of the edges.
-        at: The place [cells], x and y.
-        begin: The nearest of these cells may be farther than that by so much [cells].
+    It can be at cells that are `passable` (H, W), at none of the edges. The nearest of these may be
+    farther than the place by `begin` [cells].
     """
     cells = np.argwhere(passable)
     if not len(cells):
@@ -161,7 +154,7 @@ def _extent(cells: Int) -> float:
     return float(np.hypot(*sides))
 
 
-def _first_in_sight(states: NDArray[np.uint8], places: Int, ends: Int, cost: Float) -> int | None:
+def _first_in_sight(states: UInt8, places: Int, ends: Int, cost: Float) -> int | None:
     """Return the number of the cheapest place that sees its end, if there is one."""
     for number in np.argsort(cost)[:200].tolist():
         steps = ceil(2 * float(np.abs(ends[number] - places[number]).max())) + 1

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pioneer3.arrays import Float, Int32, UInt8
 from pioneer3.geometry import Pose2
 from pioneer3.jit import fast
 from pioneer3.nav.hypotheses import Hypotheses
@@ -14,10 +15,6 @@ from pioneer3.nav.kernels import CACHE
 from pioneer3.nav.kernels.fields import score_places
 from pioneer3.nav.likelihood import ScanLikelihood
 from pioneer3.nav.raster import DistanceField
-
-Float = NDArray[np.float64]
-Int32 = NDArray[np.int32]
-UInt8 = NDArray[np.uint8]
 
 SEARCH_CELL = 0.1
 """Distance from one place to the next [m]."""
@@ -37,11 +34,9 @@ SLICE = 20_000
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CandidatePoses:
-    """The places of a map where a robot may be.
+    """The places of a map where a robot may be, in cells that begin at `x` and `y` [m].
 
     Attributes:
-        x: Left edge of the cells [m].
-        y: Lower edge [m].
         scores: Of the end of a beam, 255 at a wall, shape (H, W).
         free: Rows and columns of the places, shape (N, 2).
     """
@@ -64,12 +59,7 @@ class CandidatePoses:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Candidates:
-    """The result of a search.
-
-    Attributes:
-        robot_in_odom: Where the robot was at the scan, by odometry.
-        hypotheses: Where it may have been on the map; `None` if nowhere.
-    """
+    """The robot at a scan, by odometry, and where it may have been on the map; `None`: nowhere."""
 
     robot_in_odom: Pose2
     hypotheses: Hypotheses | None
@@ -77,13 +67,7 @@ class Candidates:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class GlobalSearch:
-    """A search for a robot's place by one scan. It changes nothing, so any thread may run it.
-
-    Attributes:
-        likelihood: Of the scan.
-        places: Of the map.
-        robot_in_odom: Of the robot at the scan.
-    """
+    """A search for a robot's place by one scan. It changes nothing, so any thread may run it."""
 
     likelihood: ScanLikelihood
     places: CandidatePoses
@@ -134,11 +118,7 @@ def _highest(scores: NDArray[Any], count: int) -> NDArray[np.intp]:
 
 
 def _first_in_blocks(found: Int32) -> Int32:
-    """Return the best of those in each block of two rows, two columns and two headings.
-
-    Args:
-        found: Row, column, number of the heading, score, shape (N, 4).
-    """
+    """Return the best of those in each block of two rows, two columns and two headings, (N, 4)."""
     best_first = found[np.argsort(-found[:, 3], kind="stable")]
     first = np.unique(best_first[:, :3] // 2, axis=0, return_index=True)[1]
     chosen: Int32 = best_first[first]

@@ -3,15 +3,13 @@
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.linalg import splu
 
+from pioneer3.arrays import Float, Int
 from pioneer3.geometry import Pose2, wrap
 from pioneer3.nav.frames import Edge
-
-Float = NDArray[np.float64]
-Int = NDArray[np.int64]
+from pioneer3.nav.particles import rows_of
 
 PHI = 10.0
 """Squared error above which a loop is taken for partly wrong [squared sigmas]."""
@@ -58,14 +56,6 @@ class _Graph:
         return first, second
 
 
-def squared_errors(poses: Sequence[Pose2], edges: Sequence[Edge]) -> Float:
-    """Return how far poses are from what the edges say [squared sigmas], shape (E,)."""
-    graph = _Graph(edges)
-    errors = graph.errors(_array(poses))
-    squared: Float = np.einsum("ei,eij,ej->e", errors, graph.information, errors)
-    return squared
-
-
 def optimized(
     poses: Sequence[Pose2],
     edges: Sequence[Edge],
@@ -77,16 +67,10 @@ def optimized(
     """Return the likeliest poses; the first stays where it is.
 
     Loops are weighted by dynamic covariance scaling (Agarwal et al., 2013), so that a wrong one
-    does little harm.
-
-    Args:
-        poses: Guesses; an unbroken chain of edges that are no loops leads to each from the first.
-        edges: Ways between them.
-        plain: In so many rounds all loops count in full.
-        rounds: At most.
-        small: Steps below this end the search [m, rad].
+    does little harm; in `plain` rounds all count in full. An unbroken chain of edges that are no
+    loops leads to each pose from the first. Steps below `small` [m, rad] end the search.
     """
-    graph, result = _Graph(edges), _array(poses)
+    graph, result = _Graph(edges), rows_of(poses)
     if len(result) < 2:
         return tuple(poses)
     for number in range(rounds):
@@ -125,10 +109,6 @@ def _step(graph: _Graph, poses: Float, *, robust: bool) -> Float:
 def _numbers(index: Int) -> Int:
     """Return the numbers of the three unknowns of each pose, shape (E, 3)."""
     return 3 * index[:, None] + np.arange(3)
-
-
-def _array(poses: Sequence[Pose2]) -> Float:
-    return np.array([(pose.x, pose.y, pose.theta) for pose in poses]).reshape(-1, 3)
 
 
 def _turned(vectors: Float, angles: Float) -> Float:

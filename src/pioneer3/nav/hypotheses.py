@@ -11,11 +11,11 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
+from pioneer3.arrays import Float
 from pioneer3.geometry import Pose2
 from pioneer3.nav.likelihood import Agreement, ScanLikelihood
 from pioneer3.nav.particles import MotionErrors, moved, wrapped
 
-Float = NDArray[np.float64]
 Int = NDArray[np.intp]
 
 ONE_PLACE = 0.2
@@ -47,12 +47,9 @@ TRACK_SCALES = (0.4, 0.3, 0.2, 0.1, 0.05)
 
 
 class Hypotheses:
-    """Poses on the map with the logarithms of their weights; the best is the first.
+    """Poses (H, 3) [m, rad] on the map with the logarithms of their weights; the best is the first.
 
-    Attributes:
-        poses: [m, rad], shape (H, 3).
-        logs: Logarithms of the weights, shape (H,).
-        verdict: How the latest scan agreed with each.
+    The `verdict` tells how the latest scan agreed with each.
     """
 
     def __init__(self, poses: Float, logs: Float, verdict: Agreement) -> None:
@@ -62,10 +59,7 @@ class Hypotheses:
     def found(cls, poses: Float, likelihood: ScanLikelihood, most: int = MOST_HYPOTHESES) -> Self:
         """Return those of `poses` (P, 3) that remain after a scan was brought into line with each.
 
-        Args:
-            poses: Wrong by some decimeters and degrees at most.
-            likelihood: Of the scan.
-            most: Number of hypotheses.
+        They are wrong by some decimeters and degrees at most.
         """
         loose = np.diag([0.15**-2, 0.15**-2, 0.08**-2])
         best, _ = likelihood.refined(poses, loose)

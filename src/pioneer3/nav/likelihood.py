@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pioneer3.arrays import Bool, Float, Int32
 from pioneer3.jit import fast
 from pioneer3.maps import LineMap, OccupancyGrid
 from pioneer3.maps.line_map import OCCUPIED
@@ -14,9 +14,6 @@ from pioneer3.nav.beams import Beams
 from pioneer3.nav.kernels import CACHE
 from pioneer3.nav.kernels.scans import judge_poses, number_walls, refine_poses, weigh_poses
 from pioneer3.nav.raster import DistanceField
-
-Float = NDArray[np.float64]
-Int32 = NDArray[np.int32]
 
 FIELD_CELL = 0.025
 """Side of a cell of the distances for lasers [m]."""
@@ -46,12 +43,10 @@ SHORT_WEIGHT = 0.5
 
 @dataclass(frozen=True, slots=True, eq=False)
 class WallField:
-    """Walls, and for each place of the map the nearest one and how far it is.
+    """Walls (W, 4) [m], and for each place of the map the nearest one and how far it is.
 
     Attributes:
-        walls: Segments [m], shape (W, 4).
         facing: Their free sides, of length 1; (0, 0) where both are free; shape (W, 2).
-        field: Distances to them.
         numbers: The wall nearest to each cell, -1 beyond the reach of `field`, shape (H, W).
     """
 
@@ -120,7 +115,6 @@ class ScanLikelihood:
     """The likelihood of one scan on a map.
 
     Attributes:
-        walls: Of the map.
         points: Of the scan, in the robot's frame [m], shape (N, 2).
         clear: Ends of the free part of beams that met nothing [m], shape (M, 2).
         origin: Of the beams [m], shape (2,).
@@ -165,14 +159,9 @@ class ScanLikelihood:
     ) -> tuple[Float, Float]:
         """Return the poses (P, 3) near `poses` at which the scan fits best, and their information.
 
-        Args:
-            poses: Where to begin [m, rad].
-            information: That the beginnings have, shape (3, 3).
-            scales: Distances at which points lose their weight, step by step [m].
-            all_points: Use all points, not a few.
-
-        Returns:
-            Poses, shape (P, 3), and information, shape (P, 3, 3).
+        The beginnings have the `information` (3, 3), the results some of shape (P, 3, 3). Points
+        lose their weight at the distances `scales` [m], step by step; a few of them are looked at,
+        or `all_points`.
         """
         best, out = poses.copy(), np.empty((len(poses), 3, 3))
         walls, points = self.walls, self.points if all_points else self.weighed
@@ -221,7 +210,7 @@ def free_sides(walls: Float, line_map: LineMap) -> Float:
     return sides
 
 
-def _occupied(grid: OccupancyGrid, points: Float) -> NDArray[np.bool_]:
+def _occupied(grid: OccupancyGrid, points: Float) -> Bool:
     """Return whether `points` (N, 2) [m] are in occupied cells, shape (N,)."""
     c, s = np.cos(grid.origin.theta), np.sin(grid.origin.theta)
     off = points - (grid.origin.x, grid.origin.y)

@@ -5,17 +5,14 @@ from math import ceil, cos, radians
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pioneer3.arrays import Float, UInt16
 from pioneer3.geometry import Pose2
 from pioneer3.jit import fast
 from pioneer3.maps import LineMap
 from pioneer3.nav.kernels import CACHE
 from pioneer3.nav.kernels.pings import expected_ranges, weigh_ranges
 from pioneer3.nav.likelihood import WallField
-
-Float = NDArray[np.float64]
-UInt16 = NDArray[np.uint16]
 
 SONAR_CELL = 0.05
 """Side of a cell of the distances for sonars [m]."""
@@ -68,9 +65,7 @@ class Pings:
 class EchoMap:
     """The ranges that transducers are expected to have on a map.
 
-    Attributes:
-        walls: Of the map.
-        known: Those that have been computed [mm], 0 for the others, shape (H, W, `SECTORS`).
+    Those `known` have been computed [mm], 0 for the others, shape (H, W, `SECTORS`).
     """
 
     walls: WallField
@@ -98,12 +93,7 @@ class EchoMap:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PingLikelihood:
-    """The likelihood of pings on a map.
-
-    Attributes:
-        echoes: Of the map.
-        pings: Places, axes and ranges in the robot's frame [m, rad], shape (F, 4).
-    """
+    """The likelihood of pings: places, axes and ranges in the robot's frame [m, rad], (F, 4)."""
 
     echoes: EchoMap
     pings: Float

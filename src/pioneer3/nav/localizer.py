@@ -6,8 +6,8 @@ from math import hypot, inf
 
 import numpy as np
 from numpy.random import Generator
-from numpy.typing import NDArray
 
+from pioneer3.arrays import Float
 from pioneer3.geometry import Pose2
 from pioneer3.maps import LineMap
 from pioneer3.models import RobotModel
@@ -20,8 +20,6 @@ from pioneer3.nav.likelihood_sonar import EchoMap, Pings
 from pioneer3.nav.particles import MotionErrors, array_of, pose_of
 from pioneer3.nav.settings import AS_SHIPPED, LocalizerSettings
 from pioneer3.nav.tracking import Fix, LaserTrack, SonarTrack, is_known
-
-Float = NDArray[np.float64]
 
 LOOK_PERIOD = 1.0
 """Time between two looks whether the map still agrees, even if the robot stands [s]."""
@@ -69,18 +67,14 @@ class _Progress:
     """Everything since the last start or search.
 
     Attributes:
-        stage: Of the localization.
-        reason: For people.
         start: Pose that somebody told and its standard deviations, before the first reading.
         hypotheses: While several places are compared.
         laser: While scans track the robot.
         sonar: While pings do.
         at: Odometry at the last reading that counted.
         told: Whether somebody told where the robot is.
-        driven: Way [m].
         low: Readings in turn that contradicted the map.
         looked: When the map was last looked at [s].
-        fix: The latest pose, if any.
     """
 
     stage: Stage
@@ -102,15 +96,6 @@ class Localizer:
 
     Give it all scans, or all pings, with :meth:`take` or :meth:`take_sonar`. While
     :attr:`wants_search`, run :meth:`search` in a thread and give the result to :meth:`adopt`.
-
-    Args:
-        line_map: The map.
-        model: Of the robot.
-        rng: Draws all that is random.
-        settings: How many particles track it, and how exactly the map has to agree.
-
-    Attributes:
-        line_map: The same.
     """
 
     def __init__(
@@ -134,21 +119,12 @@ class Localizer:
     def prepare(self, *, sonar: bool = False) -> None:
         """Compute what takes long, up to some seconds, so that no reading waits for it.
 
-        Call it in a thread before anything else.
-
-        Args:
-            sonar: For pings, not for scans.
+        Call it in a thread before anything else; with `sonar` for pings, not for scans.
         """
         _ = self._echoes if sonar else self._places
 
     def start(self, pose: Pose2, spread: float = 0.3, turn_spread: float = 0.15) -> None:
-        """Begin near a pose that somebody tells.
-
-        Args:
-            pose: Of the robot on the map.
-            spread: Standard deviation of its position in each direction [m].
-            turn_spread: The same of its heading [rad].
-        """
+        """Begin near a pose that somebody tells, with its standard deviations [m, rad]."""
         start = array_of(pose), np.array([spread, spread, turn_spread])
         self._now = _Progress(
             stage="looking", reason="has not looked around yet", start=start, told=True

@@ -5,14 +5,13 @@ from dataclasses import dataclass
 from math import hypot
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pioneer3.arrays import Float
 from pioneer3.geometry import Pose2
 from pioneer3.nav.frames import Edge, Survey
 from pioneer3.nav.graph import optimized
 from pioneer3.nav.matching import Cloud, Match, Prior, Submap, rotation
-
-Float = NDArray[np.float64]
+from pioneer3.nav.particles import rows_of
 
 RECENT_FRAMES = 30
 """Key frames that scans are matched against live; older ones make loops."""
@@ -81,15 +80,7 @@ MATCH_FLOOR = np.diag([0.01, 0.01, 0.003]) ** 2
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Improvement:
-    """An improvement of a map.
-
-    Attributes:
-        poses: Of the key frames that were there.
-        edges: All of them, with the loops found.
-        looked: Number of the key frame to look for next.
-        waiting: Loops that nothing else agrees with so far.
-        loops: How many were found.
-    """
+    """An improvement of a :class:`MapSnapshot`: poses, and all edges with the `loops` found."""
 
     poses: tuple[Pose2, ...]
     edges: tuple[Edge, ...]
@@ -102,10 +93,8 @@ class Improvement:
 class MapSnapshot:
     """A map at one instant, for a thread of its own.
 
-    Attributes:
-        survey: The map.
-        looked: Number of the first key frame that has not been looked for.
-        waiting: Loops that nothing else agrees with so far.
+    Key frames from the number `looked` on have not been looked for; with the loops that are
+    `waiting` nothing else agrees so far.
     """
 
     survey: Survey
@@ -248,18 +237,16 @@ class _Search:
     def _seen_from_all(self) -> Float:
         """Return the middle of what each key frame sees, shape (N, 2)."""
         views = np.array([frame.view for frame in self._frames]).reshape(-1, 2)
-        x, y, theta = np.array([(p.x, p.y, p.theta) for p in self._poses]).reshape(-1, 3).T
+        x, y, theta = rows_of(self._poses).T
         c, s = np.cos(theta), np.sin(theta)
         across, along = views[:, 1], views[:, 0]
         return np.stack([x + c * along - s * across, y + s * along + c * across], axis=1)
 
 
 def certainty(match: Match, prior: Float) -> Float:
-    """Return the information of an edge that a match gives, in the frame of the second robot.
+    """Return the information of an edge by a match of its second robot, in that one's frame.
 
-    Args:
-        match: Of the second robot's scan.
-        prior: Information of what is known besides, in the frame of the match.
+    The `prior` is information of what is known besides, in the frame of the match.
     """
     turn = np.eye(3)
     turn[:2, :2] = rotation(match.pose.theta)

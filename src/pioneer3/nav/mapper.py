@@ -6,22 +6,19 @@ poses, and :meth:`Mapper.apply` takes the result, whatever has been added meanwh
 """
 
 from collections.abc import Mapping
-from dataclasses import replace
 from math import cos, hypot, pi, sin
 from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pioneer3.arrays import Float
 from pioneer3.geometry import ORIGIN, Pose2
 from pioneer3.nav.beams import Beams
-from pioneer3.nav.frames import Edge, KeyFrame, Survey
+from pioneer3.nav.frames import Edge, KeyFrame, Survey, arrays_of, survey_of
 from pioneer3.nav.loops import RECENT_FRAMES, Improvement, MapSnapshot, certainty
 from pioneer3.nav.matching import Cloud, Match, Prior, Submap
 from pioneer3.nav.settings import AS_SHIPPED, MapperSettings
-from pioneer3.nav.survey_arrays import arrays_of, survey_of
-
-Float = NDArray[np.float64]
 
 BEND = 0.05
 """Turn that odometry does not tell, by the way [rad/m]: that of wheels one of which is 2 % larger.
@@ -100,12 +97,7 @@ class _Mounting:
 
 
 class Mapper:
-    """Makes a map from scans and odometry.
-
-    Args:
-        start: Where the robot begins, in the map.
-        settings: Which scans are kept, and how far odometry is trusted.
-    """
+    """Makes a map from scans and odometry; the robot begins at `start` in it."""
 
     def __init__(self, start: Pose2 = ORIGIN, settings: MapperSettings = AS_SHIPPED.mapper) -> None:
         self._settings = settings
@@ -128,12 +120,9 @@ class Mapper:
         start: Pose2 | None = None,
         settings: MapperSettings = AS_SHIPPED.mapper,
     ) -> Self:
-        """Return a mapper that goes on with a map.
+        """Return a mapper that goes on with the map of a :attr:`state`.
 
-        Args:
-            state: As of :attr:`state`.
-            start: Where the robot is now, roughly; if not given, where it was last.
-            settings: Of the mapper.
+        The robot is now at `start`, roughly; if that is not given, where it was last.
         """
         survey, looked, waiting = survey_of(state)
         mapper = cls(start or (survey.poses[-1] if survey.poses else ORIGIN), settings)
@@ -296,24 +285,6 @@ class Mapper:
             [survey.frames[number].cloud for number in numbers],
             [survey.poses[number] for number in numbers],
         )
-
-
-def prepare() -> None:
-    """Compile the kernels, or load them: seconds once, which no tick has to spare."""
-    angles = np.linspace(-1.5, 1.5, 60)
-    wall = 2.0 * np.stack([np.ones_like(angles), np.tan(angles)], axis=1)
-    beams = Beams(
-        stamp=0.0,
-        robot_in_odom=ORIGIN,
-        points=wall,
-        clear=np.empty((0, 2)),
-        origin=np.zeros(2),
-        far=10.0,
-    )
-    mapper = Mapper()
-    for number in range(3):
-        mapper.add(replace(beams, robot_in_odom=Pose2(0.2 * number)))
-    Mapper.of(mapper.state).add(beams)
 
 
 def _expected(begin: Pose2, odometry: Pose2, sigma: float, sigma_theta: float) -> Prior:

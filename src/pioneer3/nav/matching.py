@@ -7,18 +7,14 @@ from math import ceil, cos, sin
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pioneer3.arrays import Float, Int, UInt8
 from pioneer3.geometry import Pose2, wrap
 from pioneer3.jit import fast
 from pioneer3.nav.beams import Beams
 from pioneer3.nav.kernels import CACHE
 from pioneer3.nav.kernels.matching import align, search, smear, sort_into
 from pioneer3.nav.kernels.normals import normals_of, thinned
-
-Float = NDArray[np.float64]
-Int = NDArray[np.int64]
-Bytes = NDArray[np.uint8]
 
 POINT_RANGE = 30.0
 """Range beyond which points are too sparse to show walls [m]."""
@@ -57,11 +53,9 @@ SHIFT_COST = 0.15
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Cloud:
-    """The points of a scan, with the walls that they lie on.
+    """The points of a scan (N, 2) [m] in the robot's frame, with the walls that they lie on.
 
-    Attributes:
-        points: [m] in the robot's frame, shape (N, 2).
-        normals: Of the walls; zeros where none was found, shape (N, 2).
+    The normals of these (N, 2) are zeros where none was found.
     """
 
     points: Float
@@ -112,12 +106,7 @@ class Match:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Prior:
-    """A pose that is expected, and how surely.
-
-    Attributes:
-        pose: In the frame of the submap.
-        information: Shape (3, 3).
-    """
+    """A pose that is expected in the frame of a submap, and its information (3, 3)."""
 
     pose: Pose2
     information: Float
@@ -130,31 +119,22 @@ class Prior:
     def joined(self, other: Self) -> Self:
         """Return the two combined."""
         both = self.information + other.information
-        off = np.array(
-            [
-                other.pose.x - self.pose.x,
-                other.pose.y - self.pose.y,
-                wrap(other.pose.theta - self.pose.theta),
-            ]
-        )
-        x, y, theta = np.linalg.solve(both, other.information @ off).tolist()
+        x, y, theta = np.linalg.solve(both, other.information @ self._off(other.pose)).tolist()
         pose = Pose2(self.pose.x + x, self.pose.y + y, wrap(self.pose.theta + theta))
         return type(self)(pose, both)
 
     def squared_error(self, pose: Pose2) -> float:
         """Return how far a pose is from the expected one [squared sigmas]."""
-        mean = self.pose
-        off = np.array([pose.x - mean.x, pose.y - mean.y, wrap(pose.theta - mean.theta)])
+        off = self._off(pose)
         return float(off @ self.information @ off)
+
+    def _off(self, pose: Pose2) -> Float:
+        mean = self.pose
+        return np.array([pose.x - mean.x, pose.y - mean.y, wrap(pose.theta - mean.theta)])
 
 
 class Submap:
-    """The points of some scans, to match others against.
-
-    Args:
-        clouds: Of the scans.
-        poses: Of the robot at each.
-    """
+    """The points of some scans, seen from the robot's pose at each, to match others against."""
 
     def __init__(self, clouds: Sequence[Cloud], poses: Sequence[Pose2]) -> None:
         moved = [cloud.moved(pose) for cloud, pose in zip(clouds, poses, strict=True)]
@@ -168,7 +148,7 @@ class Submap:
         order = np.empty(len(points), dtype=np.int64)
         fast(sort_into, CACHE)(cells, self._starts, order)
         self._targets = np.concatenate([points, normals[straight]], axis=1)[order]
-        self._rasters: tuple[Float, Bytes, Bytes] | None = None
+        self._rasters: tuple[Float, UInt8, UInt8] | None = None
 
     def match(self, cloud: Cloud, guess: Pose2, prior: Prior) -> Match:
         """Return where a scan fits near `guess`."""
@@ -222,7 +202,7 @@ class Submap:
         )
         return found, float(worth) / max(1.0, full)
 
-    def _smeared(self) -> tuple[Float, Bytes, Bytes]:
+    def _smeared(self) -> tuple[Float, UInt8, UInt8]:
         """Return the grid of the rasters of a search, and the rasters."""
         profile = _profile()
         margin = FINE_CELL * len(profile)
@@ -262,10 +242,10 @@ def _cells(points: Float, cell: float, margin: float = 0.0) -> tuple[Float, Int,
 
 
 @lru_cache
-def _profile() -> Bytes:
+def _profile() -> UInt8:
     """Return the likelihood around a point, 255 at most."""
     half = ceil(2.5 * SEARCH_BLUR / FINE_CELL)
     off = FINE_CELL * np.arange(-half, half + 1)
     squared = off[:, None] ** 2 + off**2
-    values: Bytes = np.rint(255 * np.exp(-squared / (2 * SEARCH_BLUR**2))).astype(np.uint8)
+    values: UInt8 = np.rint(255 * np.exp(-squared / (2 * SEARCH_BLUR**2))).astype(np.uint8)
     return values

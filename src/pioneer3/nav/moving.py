@@ -7,8 +7,8 @@ that has come some way is a walker from then on, also when it stands.
 from math import atan2, hypot, inf
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pioneer3.arrays import Bool, Float, Int
 from pioneer3.geometry import Pose2
 from pioneer3.nav.clusters import (
     FIELD_EDGE,
@@ -21,9 +21,6 @@ from pioneer3.nav.clusters import (
     middle_of,
 )
 from pioneer3.nav.mover import COASTS, HIDDEN, MISSED, OFTEN, Mover
-
-Float = NDArray[np.float64]
-Int = NDArray[np.int64]
 
 FOLLOWED_RANGE = 5.0
 """Range beyond which things are not followed [m]."""
@@ -60,7 +57,6 @@ class Movers:
     """All things that may move.
 
     Attributes:
-        things: These.
         met: When somebody was among them last [s].
         doubtful: Echoes that may be of legs, as somebody is or was beside them [m], shape (D, 2).
     """
@@ -72,16 +68,10 @@ class Movers:
         self._lost: list[tuple[float, float, float]] = []
 
     def take(self, points: Float, origin: Float, limit: Float, now: float) -> Int:
-        """Take the echoes of a scan that no wall explains.
+        """Take the echoes of a scan that no wall explains; return the indices of walkers' ones.
 
-        Args:
-            points: In the map's frame [m], in the scan's order, shape (N, 2).
-            origin: Of the laser there, shape (2,).
-            limit: Bearing of the laser [rad] and half of its field of view [rad], shape (2,).
-            now: [s].
-
-        Returns:
-            The indices of the points that are of walkers.
+        Echoes (N, 2) are in the map's frame [m], in the scan's order, as is the laser's `origin`
+        (2,); `limit` (2,) is the bearing of the laser and half of its field of view [rad].
         """
         away = np.hypot(*(points - origin).T)
         near = np.flatnonzero((away < FOLLOWED_RANGE) & has_company(points))
@@ -125,20 +115,17 @@ class Movers:
         owner[off.min(axis=1) > GATE] = -1
         return owner
 
-    def _doubted(self, points: Float, owner: Int, now: float) -> NDArray[np.bool_]:
+    def _doubted(self, points: Float, owner: Int, now: float) -> Bool:
         """Return which echoes (N, 2) may be of somebody's legs, though they do not look so, (N,).
 
-        Args:
-            points: Echoes that no wall explains.
-            owner: Numbers of the things that they are of, -1 for none, shape (N,).
-            now: [s].
+        The `owner` (N,) of each is the number of the thing that it is of, -1 for none.
         """
         self._lost = [each for each in self._lost if each[2] > now - BELIEF_TIME]
         places = [thing.at(now) for thing in self.things if thing.is_person]
         places += [(x, y) for x, y, _ in self._lost]
         about = now - self.met < ABOUT_TIME
         new = np.array([*(about and thing.times < NEW_TIMES for thing in self.things), False])
-        doubted: NDArray[np.bool_] = new[owner]  # -1, for none, is the last
+        doubted: Bool = new[owner]  # -1, for none, is the last
         if places and len(points):
             off = np.hypot(*(points[:, None] - np.array(places)[None]).transpose(2, 0, 1))
             doubted = doubted | (off.min(axis=1) < PARTING)
@@ -217,10 +204,7 @@ class Movers:
     def hear(self, transducer: Pose2, metres: float, now: float) -> None:
         """Forget people out of sight whom a sonar does not hear where they should be.
 
-        Args:
-            transducer: Place and direction in the map's frame [m, rad].
-            metres: Up to its echo [m]; `inf` where nothing echoed.
-            now: [s].
+        The transducer is in the map's frame [m, rad]; `metres` are `inf` where nothing echoed.
         """
         for thing in self.things:
             if thing.is_person and now - thing.seen > COASTS:

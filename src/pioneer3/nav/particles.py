@@ -1,30 +1,22 @@
 """Poses as arrays, how odometry moves them, and particles: weighed guesses of one pose."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import hypot
 
 import numpy as np
 from numpy.random import Generator
-from numpy.typing import NDArray
 
+from pioneer3.arrays import Float
 from pioneer3.geometry import Pose2, wrap
-
-Float = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MotionErrors:
-    """Standard deviations of a motion by odometry.
+    """Standard deviations of a motion by odometry: of its way [m], and of its turn [rad, rad/m].
 
     The slip of skid-steered wheels is no noise: a P3-AT loses 5 % of every turn. Particles have to
     reach so far each time.
-
-    Attributes:
-        way: Of the way [m].
-        way_share: As a share of the way.
-        turn: Of the turn [rad].
-        turn_share: As a share of the turn.
-        turn_per_way: [rad/m].
     """
 
     way: float = 0.008
@@ -47,6 +39,11 @@ def array_of(pose: Pose2) -> Float:
     return np.array([pose.x, pose.y, pose.theta])
 
 
+def rows_of(poses: Sequence[Pose2]) -> Float:
+    """Return poses as the rows of an array, shape (N, 3)."""
+    return np.array([(pose.x, pose.y, pose.theta) for pose in poses]).reshape(-1, 3)
+
+
 def pose_of(values: Float) -> Pose2:
     """Return the pose of an array (3,)."""
     x, y, theta = values.tolist()
@@ -61,6 +58,14 @@ def moved(poses: Float, motion: Pose2) -> Float:
     return np.stack([x, y, wrapped(poses[:, 2] + motion.theta)], axis=1)
 
 
+def moved_by(frame: Pose2, poses: Float) -> Float:
+    """Return `poses` (N, 3) that are given in `frame` in the frame around that."""
+    c, s = np.cos(frame.theta), np.sin(frame.theta)
+    x = frame.x + c * poses[:, 0] - s * poses[:, 1]
+    y = frame.y + s * poses[:, 0] + c * poses[:, 1]
+    return np.stack([x, y, poses[:, 2] + frame.theta], axis=1)
+
+
 def wrapped(angles: Float) -> Float:
     """Return angles [rad] between -pi and pi."""
     inside: Float = (angles + np.pi) % (2 * np.pi) - np.pi
@@ -68,17 +73,7 @@ def wrapped(angles: Float) -> Float:
 
 
 class Particles:
-    """Weighed guesses of one pose on the map.
-
-    Args:
-        poses: [m, rad], shape (N, 3).
-        rng: Draws motions and the guesses that stay.
-        errors: Of the odometry.
-
-    Attributes:
-        poses: [m, rad], shape (N, 3).
-        weights: They sum to 1, shape (N,).
-    """
+    """Weighed guesses of one pose on the map: `poses` (N, 3) [m, rad], `weights` (N,) of sum 1."""
 
     def __init__(self, poses: Float, rng: Generator, errors: MotionErrors) -> None:
         self.poses = poses
@@ -89,15 +84,7 @@ class Particles:
     def around(
         cls, mean: Float, deviations: Float, count: int, rng: Generator, errors: MotionErrors
     ) -> "Particles":
-        """Return `count` normally distributed particles.
-
-        Args:
-            mean: Pose [m, rad], shape (3,).
-            deviations: Standard deviations [m, rad], shape (3,).
-            count: Number of particles.
-            rng: Draws them, and all that is drawn later.
-            errors: Of the odometry.
-        """
+        """Return `count` particles around a mean pose (3,), with standard deviations (3,)."""
         return cls(mean + deviations * rng.standard_normal((count, 3)), rng, errors)
 
     def move(self, motion: Pose2) -> None:
@@ -110,20 +97,14 @@ class Particles:
         self.poses[:, 2] += turn / 2 * noise[:, 2]
 
     def weigh(self, costs: Float) -> None:
-        """Multiply the weights by likelihoods.
-
-        Args:
-            costs: Their negative logarithms, shape (N,).
-        """
+        """Multiply the weights by likelihoods, of which `costs` (N,) are negative logarithms."""
         weights = self.weights * np.exp(costs.min() - costs)
         self.weights = weights / weights.sum()
 
     def resample(self, count: int, fresh: Float | None = None) -> None:
         """Draw `count` particles by their weights, if these have become too unequal.
 
-        Args:
-            count: Number of particles that are to be.
-            fresh: Poses that take the places of some of them, shape (F, 3).
+        Poses that are `fresh` (F, 3) take the places of some of them.
         """
         enough = 1 / (self.weights**2).sum() > 0.5 * len(self.weights)
         if enough and count == len(self.weights):

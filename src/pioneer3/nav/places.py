@@ -16,12 +16,9 @@ HOME = "home"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Destination:
-    """A place in the map's frame, to drive to.
+    """A place in the map's frame [m], to drive to, and the heading to turn to there [rad].
 
     Attributes:
-        x: [m].
-        y: [m].
-        heading: To turn to there [rad], or `None`.
         name: On the map, or empty.
         charges: Whether it is a dock.
     """

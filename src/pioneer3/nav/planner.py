@@ -5,8 +5,8 @@ from math import cos, inf, isfinite, sin
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pioneer3.arrays import Bool, Float, Float32
 from pioneer3.jit import fast
 from pioneer3.maps.line_map import MapObject
 from pioneer3.nav.costs import CostMap, inside
@@ -14,9 +14,6 @@ from pioneer3.nav.kernels import CACHE
 from pioneer3.nav.kernels.fields import NOT_WAITING, march
 from pioneer3.nav.kernels.ways import descend
 from pioneer3.nav.raster import Raster
-
-Float = NDArray[np.float64]
-Float32 = NDArray[np.float32]
 
 GET_OUT_WAY = 0.8
 """Way from its start through places where the robot does not fit at most [m]."""
@@ -30,13 +27,9 @@ MOST_BUCKETS = 10_000
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CostToGo:
-    """The cost of the cheapest way to a goal.
+    """The cost of the cheapest way to a goal at `x`, `y` [m].
 
-    Attributes:
-        raster: The cells.
-        values: [m in the open], shape (H, W); `inf` where no way leads to the goal.
-        x: The goal [m].
-        y: [m].
+    The values are [m in the open], shape (H, W); `inf` where no way leads to the goal.
     """
 
     raster: Raster
@@ -48,10 +41,7 @@ class CostToGo:
     def of(cls, costs: Float32, raster: Raster, x: float, y: float) -> Self | None:
         """Return the costs to a goal, or `None` if that is outside of the raster."""
         cell = raster.cell_of(x, y)
-        if cell is None:
-            return None
-        values = _cheapest(costs, *cell)
-        return cls(raster, values, x, y)
+        return None if cell is None else cls(raster, _cheapest(costs, *cell), x, y)
 
     def at(self, x: float, y: float) -> float:
         """Return the cost from a place [m]; `inf` without a way."""
@@ -66,7 +56,6 @@ class Way:
     Attributes:
         points: From start to goal [m] in the map's frame, shape (N, 2), N at least 2.
         to_go: Way that is left at each point [m], shape (N,).
-        cost_to_go: From every place.
     """
 
     points: Float
@@ -87,10 +76,9 @@ class Way:
 
 @dataclass(frozen=True, slots=True)
 class NoWay:
-    """There is none.
+    """There is no way; `why` is for people.
 
     Attributes:
-        why: In words, for people.
         where: The place that closes the way [m], if it is one.
         free: The way that there would be without things that are not on the map, if they close it.
     """
@@ -101,12 +89,9 @@ class NoWay:
 
 
 def plan(costs: CostMap, start: tuple[float, float], goal: tuple[float, float]) -> Way | NoWay:
-    """Return the cheapest way for the robot of `costs`.
+    """Return the cheapest way for the robot of `costs`, with all that is known besides the map.
 
-    Args:
-        costs: Of the map, with all that is known besides.
-        start: Where the robot is [m]; it may be where it does not fit, and gets out.
-        goal: [m].
+    It may `start` where it does not fit, and gets out.
     """
     raster = costs.raster
     if raster.cell_of(*goal) is None:
@@ -207,13 +192,13 @@ def _cheapest(costs: Float32, row: int, column: int) -> Float32:
     return np.ascontiguousarray(values.reshape(padded.shape)[1:-1, 1:-1])
 
 
-def _fits(costs: CostMap, points: Float) -> NDArray[np.bool_]:
+def _fits(costs: CostMap, points: Float) -> Bool:
     """Return whether the robot fits at each of `points` (N, 2) [m], less half a cell."""
     raster = costs.raster
     columns, rows = np.floor(raster.in_cells(points)).astype(int).T
     columns, rows = columns.clip(0, raster.width - 1), rows.clip(0, raster.height - 1)
     enough = costs.clearance[rows, columns] >= costs.needed - raster.cell / 2
-    fits: NDArray[np.bool_] = enough & ~costs.closed[rows, columns]
+    fits: Bool = enough & ~costs.closed[rows, columns]
     return fits
 
 

@@ -5,15 +5,13 @@ from math import ceil, floor
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pioneer3.arrays import Float, Float32
 from pioneer3.errors import ConfigError
 from pioneer3.jit import fast
 from pioneer3.maps import Extent
 from pioneer3.nav.kernels import CACHE
-from pioneer3.nav.kernels.fields import interpolate_all, nearest_wall
-
-Float = NDArray[np.float64]
+from pioneer3.nav.kernels.fields import nearest_wall
 
 MOST_CELLS = 64_000_000
 """Cells at most: 400 by 400 m at 5 cm."""
@@ -23,12 +21,7 @@ MOST_CELLS = 64_000_000
 class Raster:
     """Rows and columns of square cells in the map's frame; row 0 is the lowest.
 
-    Attributes:
-        x: Left edge [m].
-        y: Lower edge [m].
-        cell: Side of a cell [m].
-        height: Number of rows.
-        width: Number of columns.
+    The left edge is at `x`, the lower one at `y`; `cell` is the side of a cell [m].
     """
 
     x: float
@@ -76,20 +69,12 @@ class Raster:
         return self.x + (column + 0.5) * self.cell, self.y + (row + 0.5) * self.cell
 
 
-Float32 = NDArray[np.float32]
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class DistanceField:
-    """The distance to the nearest wall: exact in the middles of cells, interpolated between them.
+    """The distance to the nearest wall from the middle of each cell [m], shape (H, W).
 
     Distances to segments have no bias. A field that counts from cells has one of half a cell, five
-    times the error of a laser.
-
-    Attributes:
-        raster: Its cells.
-        distances: [m], shape (H, W).
-        reach: Distances end here [m]: farther away, and outside, it is this.
+    times the error of a laser. Distances end at `reach` [m].
     """
 
     raster: Raster
@@ -103,9 +88,3 @@ class DistanceField:
         distances = np.full(raster.shape, reach, dtype=np.float32)
         fast(nearest_wall, CACHE)(walls, raster.x, raster.y, cell, distances)
         return cls(raster, distances, reach)
-
-    def at(self, points: Float) -> Float:
-        """Return the distances [m] at `points` (N, 2) [m], shape (N,)."""
-        out = np.empty(len(points))
-        fast(interpolate_all, CACHE)(self.distances, self.raster.in_cells(points), self.reach, out)
-        return out

@@ -6,9 +6,9 @@ from functools import lru_cache
 from math import ceil
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import ndimage
 
+from pioneer3.arrays import Bool, Float
 from pioneer3.geometry import Pose2
 from pioneer3.jit import fast
 from pioneer3.maps import LineMap, MapObject, OccupancyGrid
@@ -20,8 +20,6 @@ from pioneer3.nav.kernels import CACHE
 from pioneer3.nav.kernels.rays import hit_cells, passed_cells
 from pioneer3.nav.matching import lines_at, rotation
 from pioneer3.nav.settings import AS_SHIPPED
-
-Float = NDArray[np.float64]
 
 WALL_HITS = 2
 """Scans that end in a cell from which on it is a wall: people who walked by were in a cell for a
@@ -55,13 +53,12 @@ SPARE_GROUND = 5.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Strokes:
-    """The drawn part of a key frame, in the robot's frame.
+    """The drawn part of a key frame, in the robot's frame [m].
 
     Attributes:
         points: The echoes [m], moved onto the lines through their neighbours, shape (N, 2).
         lines: Normals there, shape (N, 3).
         ends: Of the rays, as far as they are known to be clear [m], shape (M, 2).
-        origin: Of the rays [m].
     """
 
     points: Float
@@ -87,11 +84,7 @@ class _Strokes:
 
 
 class MapRenderer:
-    """Draws a map, and again what has changed in it.
-
-    Args:
-        cell: Side of a cell [m].
-    """
+    """Draws a map with cells of side `cell` [m], and again what has changed in it."""
 
     def __init__(self, cell: float = AS_SHIPPED.mapper.cell) -> None:
         self._cell = cell
@@ -168,11 +161,8 @@ class MapRenderer:
         """Add cells where points [cells] lie outside of those that there are."""
         low = np.floor(points.min(axis=0)).astype(np.int64)[::-1]
         high = np.floor(points.max(axis=0)).astype(np.int64)[::-1] + 1
-        old, shape, spare = (
-            self._corner,
-            np.array(self._hits.shape),
-            ceil(SPARE_GROUND / self._cell),
-        )
+        old, shape = self._corner, np.array(self._hits.shape)
+        spare = ceil(SPARE_GROUND / self._cell)
         if shape.all():
             if (low >= old).all() and (high <= old + shape).all():
                 return
@@ -204,27 +194,15 @@ def drawn(
     name: str = "map",
     objects: Sequence[MapObject] = (),
 ) -> LineMap:
-    """Return the map of a survey.
-
-    Args:
-        survey: The survey.
-        room: Of what is free around the robot's places [m].
-        cell: Side of a cell [m].
-        name: Of the map.
-        objects: Of the map.
-    """
+    """Return the map of a survey; within `room` [m] of the robot's places it is free."""
     return line_map_of(trodden(render(survey, cell), survey.poses, room), name, objects)
 
 
 def trodden(grid: OccupancyGrid, places: Sequence[Pose2], radius: float) -> OccupancyGrid:
     """Return a grid that is not turned with what is unknown around `places` free.
 
-    A robot stood there, though its laser did not see it: it looks ahead.
-
-    Args:
-        grid: The grid.
-        places: Of the robot.
-        radius: Of what is free around the robot [m].
+    A robot stood there, though its laser did not see it: it looks ahead. So much is free within the
+    `radius` [m] of each place.
     """
     cell, corner = grid.resolution, np.array([grid.origin.x, grid.origin.y])
     if not places:
@@ -245,9 +223,9 @@ def trodden(grid: OccupancyGrid, places: Sequence[Pose2], radius: float) -> Occu
 
 
 @lru_cache
-def _disk(reach: int, radius: float) -> NDArray[np.bool_]:
+def _disk(reach: int, radius: float) -> Bool:
     off = np.arange(1 - reach, reach)
-    disk: NDArray[np.bool_] = np.hypot(off[:, None], off) <= radius
+    disk: Bool = np.hypot(off[:, None], off) <= radius
     return disk
 
 

@@ -94,13 +94,7 @@ class MapperSettings:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NavigationSettings:
-    """All settings of navigation.
-
-    Attributes:
-        planner: Of ways, and of the drives along them.
-        localizer: Of the search for the robot's place on a map.
-        mapper: Of maps that are made.
-    """
+    """All settings of navigation."""
 
     planner: PlannerSettings = field(default_factory=PlannerSettings)
     localizer: LocalizerSettings = field(default_factory=LocalizerSettings)
@@ -123,10 +117,9 @@ class NavigationSettings:
         )
 
     def with_values(self, values: Mapping[str, float | str]) -> "NavigationSettings":
-        """Return these settings with others.
+        """Return these settings with others, by names such as `planner.margin`.
 
-        Args:
-            values: By names such as `planner.margin`: numbers [SI], or texts with a unit.
+        Values are numbers [SI], or texts with a unit.
 
         Raises:
             ConfigError: There is no such setting, or the value is out of range.
@@ -145,13 +138,9 @@ class NavigationSettings:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Setting:
-    """One setting, as people meet it.
+    """One setting, as people meet it, with its group in the name and values [SI].
 
     Attributes:
-        name: With its group, such as `planner.margin`.
-        default: Used unless given [SI].
-        low: Smallest value.
-        high: Largest value.
         quantity: Kind of the number; `None` for a number without a unit.
         meaning: A few words, without a final stop.
     """

@@ -4,21 +4,19 @@ from dataclasses import replace
 from math import hypot, inf, pi, sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pioneer3.arrays import Float, Int
 from pioneer3.geometry import Pose2, wrap
 from pioneer3.jit import fast
 from pioneer3.nav.beams import Beams
 from pioneer3.nav.clusters import has_company
 from pioneer3.nav.costs import CostMap
-from pioneer3.nav.echoes import UNSURE_END, WALL_ECHO, Echoes, transducers_in_map
+from pioneer3.nav.echoes import UNSURE_END, WALL_ECHO, Echoes
 from pioneer3.nav.kernels import CACHE
-from pioneer3.nav.kernels.sightings import clear_beams, mark_echoes
+from pioneer3.nav.kernels.rays import clear_beams, mark_echoes
 from pioneer3.nav.mover import COASTS
 from pioneer3.nav.moving import PARTING, PERSON_RADIUS, Movers
-
-Float = NDArray[np.float64]
-Int = NDArray[np.int64]
+from pioneer3.nav.particles import moved_by
 
 SEEN_RANGE = 6.0
 """Range beyond which things are not noted [m]."""
@@ -53,11 +51,8 @@ RING_POINTS = 12
 class Sightings:
     """The cells of a map in which something unknown to it was seen last.
 
-    Args:
-        costs: Of the map alone, for its cells and clearances.
-
     Attributes:
-        costs: The same.
+        costs: Of the map alone, for its cells and clearances.
         movers: People, and all else that may move; those who walk leave no cells behind.
         echoes: What sonars alone notice.
     """
@@ -75,9 +70,7 @@ class Sightings:
     def take(self, beams: Beams, robot_in_map: Pose2) -> None:
         """Note the echoes of a scan, and forget the things that it sees past.
 
-        Args:
-            beams: The scan.
-            robot_in_map: The robot's pose at the scan's last reading.
+        The robot's pose is that at the scan's last reading.
         """
         raster, now = self._raster, max(beams.stamp, 1e-9)
         beams = self._without_strays(beams, robot_in_map)
@@ -130,15 +123,11 @@ class Sightings:
         return min(ODOMETRY_DELAY * turned / passed, TURNING_DOUBT)
 
     def hear(self, mounts: Float, ranges: Float, robot_in_map: Pose2, now: float) -> None:
-        """Take the ranges of sonars.
+        """Take the ranges (F,) of sonars that fired [m], `inf` where nothing echoed.
 
-        Args:
-            mounts: x, y [m] and direction [rad] on the robot of those that fired, shape (F, 3).
-            ranges: That they measured [m]; `inf` where nothing echoed, shape (F,).
-            robot_in_map: The robot's pose then.
-            now: [s].
+        The `mounts` (F, 3) are x, y [m] and direction [rad] on the robot.
         """
-        transducers = transducers_in_map(mounts, robot_in_map)
+        transducers = moved_by(robot_in_map, mounts)
         for (x, y, theta), metres in zip(transducers.tolist(), ranges.tolist(), strict=True):
             self.movers.hear(Pose2(x, y, theta), metres, now)
         people = [each for each in self.movers.people() if now - each.seen < COASTS]
@@ -248,9 +237,7 @@ class Sightings:
     def legs(self, people: Float, now: float) -> Float:
         """Return echoes of the last scan that may be of legs, but of people who are alone, (N, 2).
 
-        Args:
-            people: Their x, y [m], velocity [m/s] and radius [m], shape (W, 5).
-            now: [s].
+        Of `people` there are x, y [m], velocity [m/s] and radius [m], shape (W, 5).
         """
         legs = self.movers.doubtful if self.latest(now) is not None else np.empty((0, 2))
         for n, (x, y, _, _, radius) in enumerate(people.tolist()):

@@ -4,15 +4,13 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.random import Generator
-from numpy.typing import NDArray
 
+from pioneer3.arrays import Float
 from pioneer3.geometry import Pose2
 from pioneer3.nav.estimate import deviation_of
 from pioneer3.nav.likelihood import LAST_SCALES, Agreement, ScanLikelihood
 from pioneer3.nav.likelihood_sonar import EchoMap, PingLikelihood, Pings
-from pioneer3.nav.particles import MotionErrors, Particles, array_of
-
-Float = NDArray[np.float64]
+from pioneer3.nav.particles import MotionErrors, Particles, moved_by
 
 POSITION_FLOOR = 0.004
 """Standard deviation that no estimate is below [m]: the errors of maps."""
@@ -36,13 +34,7 @@ UNHEARD_AGREEMENT = 0.4
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Fix:
-    """A pose on the map.
-
-    Attributes:
-        pose: [m, rad], shape (3,).
-        covariance: Shape (3, 3).
-        agreement: Share of the readings that agree with the map there, 0 to 1.
-    """
+    """A pose on the map [m, rad], its covariance, and the share of readings that agree there."""
 
     pose: Float
     covariance: Float
@@ -50,13 +42,7 @@ class Fix:
 
 
 class LaserTrack:
-    """Particles that scans weigh; the pose is refined by the walls around it.
-
-    Args:
-        poses: Where the robot may be [m, rad], one for each particle, shape (N, 3).
-        rng: Draws all that is random.
-        errors: Of the odometry.
-    """
+    """Particles (N, 3) [m, rad] that scans weigh; the pose is refined by the walls around it."""
 
     def __init__(self, poses: Float, rng: Generator, errors: MotionErrors) -> None:
         self._count, self._rng = len(poses), rng
@@ -84,12 +70,8 @@ class LaserTrack:
 class SonarTrack:
     """Particles that pings weigh, a few reports at a time.
 
-    Args:
-        echoes: Of the map.
-        start: Where the robot is, roughly, and the standard deviations [m, rad], both (3,).
-        count: Number of particles that track a laser.
-        rng: Draws all that is random.
-        errors: Of the odometry.
+    The `start` is where the robot is, roughly, and the standard deviations [m, rad], both (3,);
+    `count` is the number of particles that track a laser.
     """
 
     def __init__(
@@ -108,7 +90,7 @@ class SonarTrack:
     def listen(self, pings: Pings) -> None:
         """Keep pings until the robot has moved."""
         if len(pings.ranges):
-            at = moved_by(array_of(pings.robot_in_odom), pings.mounts)
+            at = moved_by(pings.robot_in_odom, pings.mounts)
             self._pings.append(np.column_stack([at, pings.ranges]))
 
     def take(self, motion: Pose2, robot_in_odom: Pose2) -> Fix:
@@ -118,7 +100,7 @@ class SonarTrack:
         likelihood = None
         if self._pings:
             pings = np.concatenate(self._pings)
-            pings[:, :3] = moved_by(array_of(robot_in_odom.inverse()), pings[:, :3])
+            pings[:, :3] = moved_by(robot_in_odom.inverse(), pings[:, :3])
             self._pings.clear()
             likelihood = PingLikelihood(self._echoes, np.ascontiguousarray(pings))
             particles.weigh(likelihood.cost(particles.poses))
@@ -140,11 +122,3 @@ def is_known(covariance: Float) -> bool:
     """Return whether a place with this covariance (3, 3) counts as known by sonar."""
     turn = float(covariance[2, 2]) ** 0.5
     return deviation_of(covariance) < SONAR_DEVIATION and turn < SONAR_TURN_DEVIATION
-
-
-def moved_by(frame: Float, poses: Float) -> Float:
-    """Return `poses` (N, 3) that are given in `frame` (3,) in the frame around that."""
-    c, s = np.cos(frame[2]), np.sin(frame[2])
-    x = frame[0] + c * poses[:, 0] - s * poses[:, 1]
-    y = frame[1] + s * poses[:, 0] + c * poses[:, 1]
-    return np.stack([x, y, poses[:, 2] + frame[2]], axis=1)

@@ -5,16 +5,13 @@ from dataclasses import dataclass, replace
 from math import inf
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pioneer3.arrays import Bool, Float
 from pioneer3.geometry import Pose2
 from pioneer3.nav.beams import Beams
 from pioneer3.nav.costs import CostMap
 from pioneer3.nav.giving_way import nearest_place
 from pioneer3.nav.planner import CostToGo
-
-Float = NDArray[np.float64]
-Bool = NDArray[np.bool_]
 
 PASSING_ROOM = 0.2
 """Room between two robots that pass each other [m]."""
@@ -28,11 +25,9 @@ POINT_STRIDE = 4
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Traveller:
-    """A robot among others.
+    """A robot among others, and its pose in the map's frame [m, rad].
 
     Attributes:
-        name: For people.
-        robot_in_map: Where it is [m, rad].
         corner: From its middle to its farthest corner [m].
         way: The rest of its way [m] in the map's frame, shape (N, 2); empty where it stays.
         since: When it set out [s]; of two robots the one that set out first goes first.
@@ -62,10 +57,7 @@ class Traveller:
 def without_robots(beams: Beams, robot_in_map: Pose2, others: Iterable[Traveller]) -> Beams:
     """Return a scan without the echoes of other robots: nobody has to remember where they were.
 
-    Args:
-        beams: The scan.
-        robot_in_map: The robot's pose at the scan's last reading.
-        others: Those robots.
+    The robot's pose is that at the scan's last reading.
     """
     keep = np.ones(len(beams.points), dtype=np.bool_)
     for other in others:
@@ -97,10 +89,7 @@ def meeting(mine: Traveller, other: Traveller) -> float | None:
 def passing_place(costs: CostMap, mine: Traveller, others: Sequence[Traveller]) -> CostToGo | None:
     """Return the way to the nearest place where a robot is in the way of none of the others.
 
-    Args:
-        costs: Of the map, with all that is seen.
-        mine: The robot that lets the others pass.
-        others: Those.
+    The `costs` are those of the map with all that is seen.
     """
     around = costs.with_obstacles(np.concatenate([other.body for other in others]))
 

@@ -12,7 +12,6 @@ from pioneer3.geometry import ORIGIN, Pose2, Twist2
 from pioneer3.limits import Limits
 from pioneer3.maps import LineMap
 from pioneer3.models import load_model
-from pioneer3.nav import mapper
 from pioneer3.nav.beams import Beams
 from pioneer3.nav.costs import CostMap
 from pioneer3.nav.follower import Follower
@@ -20,6 +19,7 @@ from pioneer3.nav.frontiers import find_frontiers
 from pioneer3.nav.kernels import CACHE
 from pioneer3.nav.localizer import Localizer
 from pioneer3.nav.manoeuvre import find_manoeuvre
+from pioneer3.nav.mapper import Mapper
 from pioneer3.nav.planner import Way, plan
 from pioneer3.nav.rendering import MapRenderer, trodden
 from pioneer3.nav.sightings import Sightings
@@ -58,15 +58,16 @@ def warm_up() -> None:
     obstacles = np.pad(seen, ((0, 0), (0, 3)))
     follower.step(ORIGIN, Twist2(), obstacles)
     find_manoeuvre(ORIGIN, model, obstacles, way.cost_to_go)
-    mapper.prepare()
-    _draw()
+    _make_map()
     CACHE.complete()
 
 
-def _draw() -> None:
-    """Draw a map of the room, and look where it ends."""
-    made, renderer = mapper.Mapper(), MapRenderer()
-    made.add(_beams(ORIGIN, 0.0))
+def _make_map() -> None:
+    """Make a map of the room, go on with it, draw it, and look where it ends."""
+    made, renderer = Mapper(), MapRenderer()
+    for step in range(3):
+        made.add(_beams(Pose2(0.2 * step), float(step)))
+    Mapper.of(made.state).add(_beams(ORIGIN, 3.0))
     renderer.update(made.survey)
     find_frontiers(trodden(renderer.grid, made.survey.poses, 0.4), ORIGIN, 0.3)
 

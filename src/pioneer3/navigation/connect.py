@@ -150,11 +150,7 @@ async def prepare_navigation(
     """Import and compile navigation while the event loop goes on.
 
     Kernels are compiled in a process of their own, once after each installation; where nothing can
-    be kept, in a thread.
-
-    Args:
-        in_thread: Runs what takes long.
-        tell: Told that kernels are compiled, if they are.
+    be kept, in a thread. If they are, `tell` is told.
 
     Raises:
         ConfigError: The extra `nav` is missing.

@@ -3,7 +3,7 @@
 import asyncio
 import logging
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from math import inf
 
 import numpy as np
@@ -38,7 +38,6 @@ class Drive:
 
     Attributes:
         legs: Ways that are left to drive, the present one among them; `inf` without an end.
-        mode: It and its guards.
         closed_since: When its way was first found closed [s].
         closed: The reason, as it is now.
         arrived: When the robot came to the present place [s], if there are more.
@@ -53,9 +52,9 @@ class Drive:
     way: Way
     since: float
     at: int = 0
-    closed_since: float | None = field(default=None)
+    closed_since: float | None = None
     closed: str = ""
-    arrived: float | None = field(default=None)
+    arrived: float | None = None
     skipped: int = 0
     aside: bool = False
 
@@ -76,12 +75,7 @@ class Drive:
 
 
 class Drives:
-    """The drives of one robot, one at a time.
-
-    Args:
-        in_thread: Runs what takes long.
-        name: Of the robot, for the drivers of the others.
-    """
+    """The drives of one robot, one at a time; by its `name` the drivers of others know it."""
 
     def __init__(
         self,
@@ -169,7 +163,9 @@ class Drives:
         here = mine.robot_in_map
         onward = replace(mine, way=drive.way.rest_from(here.x, here.y).points)
         met = {other: meeting(onward, other) for other in self._traffic.ahead_of(self)}
-        stop = WAITING_GAP + self._braking_distance()
+        snapshot, limits = self.robot.snapshot, self.robot.info.limits
+        speed = snapshot.odometry.twist.v if snapshot else 0.0
+        stop = WAITING_GAP + speed * speed / (2 * limits.deceleration)
         near = [other for other, way in met.items() if way is not None and way < stop]
         drive.action.waits = f"lets {near[0].name} pass" if near and not drive.aside else ""
         if not near:
@@ -189,11 +185,6 @@ class Drives:
             drive.aside, drive.action.waits = True, ""
             beside = Destination(x=place.x, y=place.y)
             drive.action.send_on(self._follower(beside, place), last=False)
-
-    def _braking_distance(self) -> float:
-        snapshot = self.robot.snapshot
-        speed = snapshot.odometry.twist.v if snapshot else 0.0
-        return speed * speed / (2 * self.robot.info.limits.deceleration)
 
     async def _replan(self, drive: Drive) -> None:
         now, settings = self._clock(), self._costs.settings
@@ -265,11 +256,7 @@ class Drives:
     ) -> Stack:
         """Begin a drive along `way`, to one place after the other; return its mode.
 
-        Args:
-            places: In their order.
-            way: To the first.
-            speed: At most [m/s].
-            rounds: How often it is driven to all.
+        It is as fast as `speed` [m/s] at most, and is driven to all so many `rounds`.
         """
         limits = self.robot.info.limits
         legs = rounds * len(places)

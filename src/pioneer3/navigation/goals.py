@@ -68,10 +68,6 @@ class GoalStatus(Enum):
         return self not in (GoalStatus.ACCEPTED, GoalStatus.EXECUTING)
 
 
-def _nobody(goal: "NavigationGoal") -> None:
-    """Tell nobody."""
-
-
 @dataclass(slots=True, kw_only=True, eq=False)
 class NavigationGoal:
     """A request to drive to places of the map, or to look around.
@@ -84,7 +80,6 @@ class NavigationGoal:
         begin: Starts the mode for who asked, or returns a refusal; `None` for a program, which may
             always drive.
         told: Called after each change.
-        status: Its progress.
         text: The reason of its end, or of a wait on the way.
         progress: Published with each status.
         found: The way, or the reason that it is closed; `None` while it is not known.
@@ -95,7 +90,7 @@ class NavigationGoal:
     speed: float | None = None
     rounds: float = 1
     begin: Callable[[Stack], Refusal | None] | None = None
-    told: Callable[["NavigationGoal"], None] = _nobody
+    told: Callable[["NavigationGoal"], None] = lambda goal: None
     status: GoalStatus = GoalStatus.ACCEPTED
     text: str = ""
     progress: Feed[GoalStatus] = field(default_factory=Feed)
@@ -134,12 +129,8 @@ class Planning(Protocol):
 class GoalServer:
     """Carries out the goals of one robot. :meth:`run` does the work.
 
-    Args:
-        navigator: Returns its navigator, which may take a while to be ready.
-        patience: Longest wait for news of a robot on its way [s].
-
-    Attributes:
-        current: The goal that is not over, or `None`.
+    Its `navigator` may take a while to be ready; `patience` is the longest wait for news of a robot
+    on its way [s]; `current` is the goal that is not over, or `None`.
     """
 
     def __init__(

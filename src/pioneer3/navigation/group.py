@@ -17,13 +17,9 @@ from pioneer3.units import LENGTH
 def stacks_of(
     mode: GroupMode, robots: Mapping[str, Driven], leader: str | None, traffic: Traffic
 ) -> dict[str, Stack]:
-    """Return a fresh stack for each robot of a group; the leader has none.
+    """Return a fresh stack for each robot of a group, by name; the leader, if any, has none.
 
-    Args:
-        mode: Of all.
-        robots: By name; all have joined `traffic`.
-        leader: One of them; `None` in a mode without a leader.
-        traffic: Tells them where the others are.
+    All have joined `traffic`.
 
     Raises:
         MotionError: They cannot drive together; see the message.

@@ -51,9 +51,7 @@ class Localizable(Driven, Protocol):
 class Localization:
     """Tells a localizer all that a robot senses. :meth:`take` and :meth:`search` do the work.
 
-    Args:
-        in_thread: Runs what takes long.
-        by_laser: Whether it looks; else it listens to its sonars.
+    The robot looks, `by_laser`, or else listens to its sonars.
     """
 
     def __init__(
@@ -177,7 +175,6 @@ class UntilSure(Action):
     _began: float | None = field(default=None, init=False)
 
     def decide(self, situation: Situation) -> Desire | None:
-        """Look whether it knows now."""
         estimate = self.estimate()
         self.done = estimate.sure
         if self._began is None:

@@ -6,10 +6,9 @@ map are made in a thread, again and again.
 
 import asyncio
 import gc
-from collections.abc import Awaitable, Callable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import hypot, inf
-from typing import Any
 
 from pioneer3.behaviors.action import Action, Desire, Goal, Situation, Stack
 from pioneer3.errors import MotionError
@@ -28,7 +27,7 @@ from pioneer3.nav.planner import Way
 from pioneer3.nav.rendering import MapRenderer, drawn, line_map_of, trodden
 from pioneer3.nav.sightings import Sightings
 from pioneer3.navigation.follow_way import FollowWay, follow_way, stand_unsure
-from pioneer3.navigation.localization import Localizable
+from pioneer3.navigation.localization import InThread, Localizable
 from pioneer3.navigation.navigator import Navigator
 from pioneer3.robot.supervisor import Feed
 from pioneer3.runtime.motions import run_mode
@@ -38,12 +37,11 @@ from pioneer3.tasks import running
 
 @dataclass(slots=True, kw_only=True)
 class ExploreMap(Action):
-    """Drives one way after the other; between them the robot stands.
+    """Drives one way after the other; between them the robot stands, until no edge is left.
 
     Attributes:
         unsure: Returns the reason that nobody knows where the robot is, or `None`.
         leg: The present way, or `None` while the next one is looked for.
-        done: Whether no edge is left.
     """
 
     unsure: Callable[[], str | None]
@@ -86,12 +84,8 @@ class MapState:
 
     Attributes:
         line_map: As drawn last; `None` before the first scan.
-        robot_in_map: Where the robot is.
-        odom_in_map: Pose of odometry's frame.
         driven: Way since the beginning of the map [m].
         area: Of the free ground [m^2].
-        loops: Places that were recognized.
-        exploring: Whether the robot drives by itself.
         edges: Number of edges that are left to look behind; `None` before they are known.
         way: To the next edge, or `None`.
     """
@@ -130,16 +124,8 @@ class _Trip:
 class MapBuilder:
     """Makes a map with one robot. :meth:`run` does the work.
 
-    Args:
-        robot: The robot.
-        mapper: Of a map that is continued; without it a new one begins where the robot is.
-        name: Of the map.
-        objects: Of the map.
-        in_thread: Runs what takes long.
-
-    Attributes:
-        mapper: All that the map is made of.
-        state: Published with each snapshot.
+    Without a `mapper`, of a map that is continued, a new one begins where the robot is. The `state`
+    is published with each snapshot.
     """
 
     def __init__(
@@ -149,7 +135,7 @@ class MapBuilder:
         *,
         name: str = "map",
         objects: Sequence[MapObject] = (),
-        in_thread: Callable[..., Awaitable[Any]] = asyncio.to_thread,
+        in_thread: InThread = asyncio.to_thread,
     ) -> None:
         self.mapper = mapper or Mapper(settings=robot.settings.mapper)
         self.state: Feed[MapState] = Feed()
@@ -174,8 +160,7 @@ class MapBuilder:
     async def explore(self, speed: float | None = None) -> tuple[GivenUp, ...]:
         """Drive until the map has no edges; return those that the robot did not get to.
 
-        Args:
-            speed: At most [m/s].
+        It drives at `speed` [m/s] at most.
 
         Raises:
             MotionError: A stop or another mode ended it, or the link was lost; see the message.
@@ -318,10 +303,7 @@ class MapBuilder:
         if leg is not None and not leg.done and not leg.failed:
             x, y, _ = leg.follower.goal
             if hypot(view.x - x, view.y - y) < SAME_GOAL:
-                leg.follower.cost_to_go, leg.follower.goal = (
-                    way.cost_to_go,
-                    (view.x, view.y, view.theta),
-                )
+                leg.follower.cost_to_go, leg.follower.goal = way.cost_to_go, goal
                 leg.renew(walls, sightings)
                 return
         info = self._robot.info
@@ -340,17 +322,11 @@ async def whereabouts(
     robot: Localizable,
     line_map: LineMap,
     patience: float,
-    in_thread: Callable[..., Awaitable[Any]] = asyncio.to_thread,
+    in_thread: InThread = asyncio.to_thread,
 ) -> Pose2:
     """Return where a robot is on a map: at its home, or else where it is found.
 
     To be found it has to be driven a metre meanwhile.
-
-    Args:
-        robot: The robot.
-        line_map: The map.
-        patience: Longest wait for a robot that is not at home [s].
-        in_thread: Runs what takes long.
 
     Raises:
         MotionError: It is not at the map's home, and was not found within `patience` [s].

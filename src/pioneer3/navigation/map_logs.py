@@ -1,6 +1,7 @@
 """Makes maps of logs and recordings."""
 
 import asyncio
+import selectors
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from math import hypot
@@ -131,13 +132,10 @@ async def map_recording(
     lasers: Sequence[str] = (),
     settings: NavigationSettings = AS_SHIPPED,
 ) -> LogMap:
-    """Return the map of a recording; for a :class:`.FastTimeLoop`.
+    """Return the map of a recording of the robot's bytes; for a :class:`.FastTimeLoop`.
 
-    Args:
-        path: Of the robot's bytes; those of its laser lie beside it, unless they are in the same.
-        tell: Called with the progress.
-        lasers: Other recordings of lasers, as `replay:FILE`.
-        settings: Of the mapper.
+    Those of its laser lie beside it, unless they are in the same file, or in other recordings: the
+    `lasers`, as `replay:FILE`.
 
     Raises:
         ConfigError: The file is no recording.
@@ -170,3 +168,28 @@ async def map_recording(
         )
     builder.mapper.apply(builder.mapper.snapshot.improve())
     return LogMap(mapper=builder.mapper, places=(), source="a recording", notes=())
+
+
+class _Jumping(selectors.DefaultSelector):
+    """Jumps to the next timer where nothing can be read."""
+
+    now = 0.0
+
+    def select(self, timeout: float | None = None) -> list[Any]:
+        """Return the files that are ready now; wait only where no timer is set."""
+        ready = super().select(None if timeout is None else 0)
+        if not ready and timeout is not None and timeout > 0:
+            self.now += timeout
+        return ready
+
+
+class FastTimeLoop(asyncio.SelectorEventLoop):
+    """An event loop whose clock jumps from timer to timer, to play recordings without waiting."""
+
+    def __init__(self) -> None:
+        self._jumping = _Jumping()
+        super().__init__(self._jumping)
+
+    def time(self) -> float:
+        """Return the time [s]."""
+        return self._jumping.now

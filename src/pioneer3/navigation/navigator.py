@@ -37,14 +37,9 @@ from pioneer3.tasks import running
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class NavigatorState:
-    """The state of a navigator.
+    """Where a robot is and goes, its way as planned last, and its top speed there [m/s].
 
-    Attributes:
-        estimate: Where the robot is.
-        goal: Where it goes, or `None`.
-        way: Its way as planned last, or `None`.
-        top_speed: On the way [m/s].
-        problem: The reason that it does not come on, or empty.
+    The `problem` is the reason that it does not come on, or empty.
     """
 
     estimate: Estimate
@@ -57,18 +52,7 @@ class NavigatorState:
 class Navigator:
     """Navigates one robot on one map. :meth:`run` does the work.
 
-    Args:
-        robot: The robot.
-        costs: Of the map for it.
-        localization: On the map.
-        in_thread: Runs what takes long.
-        traffic: The other robots.
-        name: Of the robot, for the drivers of the others.
-
     Attributes:
-        line_map: The map.
-        state: Published with each snapshot.
-        costs: The same.
         goals: Carries out the goals of programs, of the command line and of ROS; a robot of the
             page has a server that outlives its navigators (:mod:`pioneer3.web.navigation`).
     """
@@ -113,16 +97,8 @@ class Navigator:
     ) -> Self:
         """Return the navigator of a robot on a map.
 
-        A robot without a laser is found by its sonars.
-
-        Args:
-            robot: The robot.
-            line_map: The map.
-            start: Where the robot is, if anybody knows; `None` has it found.
-            rng: Draws all that is random.
-            in_thread: Runs what takes long.
-            traffic: The other robots of this program, for which it makes way.
-            name: Of the robot, for the drivers of the others.
+        Without a `start` the robot is found; without a laser by its sonars. It makes way for the
+        other robots of `traffic`, whose drivers know it by its `name`.
         """
         await in_thread(warm_up)
         costs = await in_thread(CostMap.of, line_map, robot.info.model, robot.settings.planner)

@@ -25,8 +25,7 @@ LOCAL = "localhost"
 class TruePose:
     """Asks the simulator of a robot for its pose, at every connection.
 
-    Args:
-        period: Pause between two questions [s]; `None` asks for a pose with each report.
+    Between two questions passes the `period` [s]; `None` asks for a pose with each report.
 
     Attributes:
         pose: In the simulated world [m, rad]; `None` while none is told, as by a real robot.

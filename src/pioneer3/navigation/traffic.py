@@ -52,12 +52,9 @@ def frame_of(line_map: "LineMap") -> Hashable:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Participant:
-    """A robot of this program.
+    """A robot of this program; no two have the same name.
 
-    Attributes:
-        name: For people; no two have the same.
-        robot: The robot.
-        place: Returns its place by its newest snapshot, or the reason that it is not known.
+    `place` returns its place by its newest snapshot, or the reason that it is not known.
     """
 
     name: str
@@ -83,12 +80,7 @@ class Navigating(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class _News:
-    """Where a robot was last.
-
-    Attributes:
-        place: By which it is known.
-        peer: The robot as others know it, in that frame.
-    """
+    """Where a robot was last, and the robot as others know it in that frame."""
 
     place: SharedPlace
     peer: Peer
@@ -135,11 +127,9 @@ class Traffic:
         self._news.pop(name, None)
 
     def peers_of(self, name: str, within: float = inf) -> list[Peer]:
-        """Return the other robots as one knows them, in its odometry's frame.
+        """Return the others `within` [m] of a robot as it knows them, in its odometry's frame.
 
-        Args:
-            name: Of the robot; while its own place is not known, it knows no others.
-            within: Leaves out those that are farther away [m].
+        While its own place is not known, it knows no others.
         """
         participant = self._participants.get(name)
         mine = self._note(participant) if participant else None

@@ -5,8 +5,8 @@ from collections.abc import Callable
 from math import hypot
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pioneer3.arrays import Float
 from pioneer3.errors import MotionError
 from pioneer3.geometry import Pose2
 from pioneer3.nav.costs import CostMap
@@ -22,7 +22,6 @@ HELD_UP_WAY = 1.0
 AVOIDED = 120.0
 """Time for which ways keep out of that place [s]."""
 
-Float = NDArray[np.float64]
 NOWHERE: Float = np.empty((0, 2))
 
 
@@ -40,12 +39,7 @@ def to_drive(found: Way | NoWay) -> Way:
 
 
 class Ways:
-    """Plans the ways of one robot.
-
-    Args:
-        clock: Returns the time [s].
-        in_thread: Runs what takes long.
-    """
+    """Plans the ways of one robot."""
 
     def __init__(
         self,
@@ -78,13 +72,7 @@ class Ways:
         self._avoided.append((x, y, now))
 
     async def to(self, place: Destination, here: Pose2, robots: Float) -> Way | NoWay:
-        """Return a way around all that was seen.
-
-        Args:
-            place: Where to.
-            here: Where from.
-            robots: Outlines of other robots that stay where they are [m], shape (N, 2).
-        """
+        """Return a way around all that was seen, and `robots` that stay: points (N, 2) [m]."""
         now = self._clock()
         self._avoided = [each for each in self._avoided if now - each[2] < AVOIDED]
         seen, things = (self._sightings.points(now, people=people) for people in (True, False))

@@ -11,6 +11,5 @@ motions    moves, turns and modes that are waited for
 signals    signals end a program, and stop its robot
 facade     an asynchronous object without `await`
 blocking   the robot and its lasers without `await`
-fast_time  an event loop whose time jumps, for work without a robot
 =========  =======================================================================================
 """

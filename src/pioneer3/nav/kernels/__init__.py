@@ -7,12 +7,11 @@ fields      distances and ways over a raster of cells: from walls, to goals, bet
 ways        ways down a field of costs
 arcs        the motions that a robot can begin now, and what each would meet
 manoeuvres  short drives to and fro, found by a search over places and headings
-rays        rays through the cells of a map
+rays        rays through the cells of a map, and cells in which unknown things were seen
 scans       how well scans fit the walls of a map, and the poses at which they fit best
 pings       how well the pings of sonars fit the walls of a map
 normals     directions of walls at the points of a scan
 matching    points of a scan against the points of others
-sightings   cells in which things were seen that are not on the map
 ==========  ===============================================================================
 """
 

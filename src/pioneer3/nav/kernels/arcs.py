@@ -3,13 +3,10 @@
 from math import cos, floor, hypot, inf, sin, sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pioneer3.arrays import Float, Float32
 from pioneer3.jit import inlined, kernel
 from pioneer3.nav.kernels.ways import direction
-
-Float = NDArray[np.float64]
-Float32 = NDArray[np.float32]
 
 
 @inlined

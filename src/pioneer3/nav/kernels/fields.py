@@ -3,12 +3,9 @@
 from math import floor, inf, sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pioneer3.arrays import Bool, Float, Float32, Int, Int32, UInt8, UInt16
 from pioneer3.jit import inlined, kernel
-
-Float = NDArray[np.float64]
-Float32 = NDArray[np.float32]
 
 
 @inlined
@@ -27,12 +24,8 @@ def distance_to(wall: Float, x: float, y: float) -> float:
 def nearest_wall(walls: Float, x0: float, y0: float, cell: float, out: Float32) -> None:
     """Lower each of `out` (H, W) to the distance of its cell's middle from the nearest wall [m].
 
-    Args:
-        walls: Segments [m], shape (N, 4).
-        x0: Left edge of the raster [m].
-        y0: Lower edge [m].
-        cell: Side of a cell [m].
-        out: Bounds: only lower distances are written.
+    Walls are segments [m], shape (N, 4); the raster begins at `x0`, `y0`, with cells of side `cell`
+    [m]. Only lower distances are written.
     """
     height, width = out.shape
     reach = float(out.max())
@@ -49,36 +42,6 @@ def nearest_wall(walls: Float, x0: float, y0: float, cell: float, out: Float32) 
                 distance = distance_to(walls[i], x, y)
                 out[row, column] = min(out[row, column], distance)
 
-
-@inlined
-def interpolate(field: Float32, x: float, y: float, outside: float) -> float:
-    """Return the value at a point between four middles of cells.
-
-    Args:
-        field: Shape (H, W).
-        x: In cells from the left edge.
-        y: In cells from the lower edge.
-        outside: The value where there are no four cells around the point.
-    """
-    height, width = field.shape
-    u, v = x - 0.5, y - 0.5
-    column, row = floor(u), floor(v)
-    if not (0 <= column < width - 1 and 0 <= row < height - 1):
-        return outside
-    u, v = u - column, v - row
-    low = field[row, column] * (1.0 - u) + field[row, column + 1] * u
-    high = field[row + 1, column] * (1.0 - u) + field[row + 1, column + 1] * u
-    return float(low * (1.0 - v) + high * v)
-
-
-@kernel
-def interpolate_all(field: Float32, points: Float, outside: float, out: Float) -> None:
-    """Fill `out` (N,) with the values at `points` (N, 2), in cells from the lower left corner."""
-    for i in range(len(points)):
-        out[i] = interpolate(field, points[i, 0], points[i, 1], outside)
-
-
-Int32 = NDArray[np.int32]
 
 NOT_WAITING = -2
 """Entry of `after` for a cell that does not wait; -1 ends a bucket."""
@@ -136,12 +99,8 @@ def march(
         turn += 1
 
 
-Int = NDArray[np.int64]
-Flags = NDArray[np.bool_]
-
-
 @kernel
-def ways_from(free: Flags, start: int, queue: Int, queued: Flags, out: Float) -> None:
+def ways_from(free: Bool, start: int, queue: Int, queued: Bool, out: Float) -> None:
     """Lower `out` (H * W,) to the length of the shortest way over free cells from one [cells].
 
     Ways go to the eight neighbours; those aslant pass no corner.
@@ -180,10 +139,6 @@ def ways_from(free: Flags, start: int, queue: Int, queued: Flags, out: Float) ->
                         queued[to] = True
                         queue[(first + waiting) % size] = to
                         waiting += 1
-
-
-UInt8 = NDArray[np.uint8]
-UInt16 = NDArray[np.uint16]
 
 
 @kernel

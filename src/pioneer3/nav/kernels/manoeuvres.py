@@ -3,14 +3,10 @@
 from math import cos, floor, inf, isnan, pi, sin, sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pioneer3.arrays import Float, Float32, Int32
 from pioneer3.jit import inlined, kernel
 from pioneer3.nav.kernels.arcs import gap_to
-
-Float = NDArray[np.float64]
-Float32 = NDArray[np.float32]
-Int32 = NDArray[np.int32]
 
 
 @inlined

@@ -3,23 +3,17 @@
 from math import cos, floor, sin, sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pioneer3.arrays import Float, Int, UInt8
 from pioneer3.jit import inlined, kernel
-
-Float = NDArray[np.float64]
-Int = NDArray[np.int64]
-Bytes = NDArray[np.uint8]
 
 
 @kernel
 def sort_into(cells: Int, starts: Int, order: Int) -> None:
     """Fill `order` (N,) with the numbers of points by cell, and `starts` (C + 1,) with the firsts.
 
-    Args:
-        cells: The cell of each point, shape (N,).
-        starts: The points of cell `c` are `order[starts[c]:starts[c + 1]]`; zeros before.
-        order: See above.
+    The points of cell `c`, which `cells` (N,) has for each, are `order[starts[c]:starts[c + 1]]`;
+    `starts` has zeros before.
     """
     for i in range(len(cells)):
         starts[cells[i] + 1] += 1
@@ -46,21 +40,12 @@ def nearest(
     ny: float,
     reach: float,
 ) -> int:
-    """Return the number of the nearest target within `reach` [m], -1 if there is none.
+    """Return the number of the target nearest to a point within `reach` [m], -1 without one.
 
     Both sides of a thin wall are near each other: the normals must not differ by more than 60
-    degrees.
-
-    Args:
-        starts: Of the targets by cell, as of :func:`sort_into`.
-        targets: x, y and normal, sorted by cell, shape (N, 4).
-        grid: Left and lower edge, and side of a cell [m].
-        shape: Rows and columns.
-        x: Of the point [m].
-        y: Of the point [m].
-        nx: Of the normal there; both are 0 where it is not known.
-        ny: Of the normal.
-        reach: [m].
+    degrees. That of the point is (0, 0) where it is not known. Targets have x, y and normal, sorted
+    by cell as :func:`sort_into` does, shape (N, 4); `grid` has left and lower edge and side of a
+    cell [m], `shape` rows and columns.
     """
     cell, found, best = grid[2], -1, reach * reach
     least = 0.5 if nx != 0.0 or ny != 0.0 else -1.0
@@ -134,10 +119,10 @@ def align(
     Gauss-Newton's method with Tukey's weights, which get narrower.
 
     Args:
-        starts: Of the targets by cell.
-        targets: See :func:`nearest`.
-        grid: See :func:`nearest`.
-        shape: See :func:`nearest`.
+        starts: As for :func:`nearest`, and the next three.
+        targets: x, y and normal.
+        grid: Of the cells.
+        shape: Of the grid.
         points: Of the scan and its normals, in the robot's frame, shape (M, 4).
         pose: Of the robot [m, m, rad], shape (3,); the guess before, the result after.
         expected: The pose by odometry.
@@ -205,14 +190,10 @@ def align(
 
 
 @kernel
-def smear(points: Float, grid: Float, profile: Bytes, out: Bytes) -> None:
-    """Raise the cells of `out` (H, W) around points (N, 2) to `profile`.
+def smear(points: Float, grid: Float, profile: UInt8, out: UInt8) -> None:
+    """Raise lower cells of `out` (H, W) around points (N, 2) [m] to a `profile` of odd size.
 
-    Args:
-        points: [m].
-        grid: Left and lower edge, and side of a cell [m].
-        profile: Values around a point, a square of odd size.
-        out: Lower values are raised.
+    The `grid` has left and lower edge, and side of a cell [m].
     """
     height, width = out.shape
     half = len(profile) // 2
@@ -235,7 +216,7 @@ def penalty(rows: float, columns: float, off: float, limits: Float) -> float:
 
 @kernel
 def search(
-    raster: Bytes, pooled: Bytes, cells: Int, turns: Float, size: int, limits: Float, out: Int
+    raster: UInt8, pooled: UInt8, cells: Int, turns: Float, size: int, limits: Float, out: Int
 ) -> float:
     """Find the turn and shift of points with the highest sum of `raster` below them.
 

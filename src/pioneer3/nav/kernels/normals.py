@@ -2,17 +2,12 @@
 
 from math import sqrt
 
-import numpy as np
-from numpy.typing import NDArray
-
+from pioneer3.arrays import Bool, Float
 from pioneer3.jit import inlined, kernel
-
-Float = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 
 @kernel
-def thinned(points: Float, apart: float, out: Flags) -> None:
+def thinned(points: Float, apart: float, out: Bool) -> None:
     """Mark the points (N, 2) that lie at least `apart` [m] from the one marked before."""
     last = 0
     for i in range(len(points)):
@@ -45,11 +40,7 @@ def edge_of(points: Float, i: int, step: int, least: int, reach: float, gap: flo
 
 @inlined
 def fit_line(points: Float, first: int, last: int) -> tuple[float, float, float, float]:
-    """Return the line through points `first` to `last`.
-
-    Returns:
-        Its normal, its distance along it from the origin [m], and the points' RMS from it [m].
-    """
+    """Return the line through points: normal, distance from the origin, and the points' RMS [m]."""
     count = last - first + 1
     mx, my = 0.0, 0.0
     for k in range(first, last + 1):

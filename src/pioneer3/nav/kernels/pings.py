@@ -2,14 +2,10 @@
 
 from math import cos, exp, floor, log, pi, sin, sqrt
 
-import numpy as np
-from numpy.typing import NDArray
-
+from pioneer3.arrays import Float, UInt16
 from pioneer3.jit import kernel
 from pioneer3.nav.kernels.scans import Surface, way_to_wall
 
-Float = NDArray[np.float64]
-UInt16 = NDArray[np.uint16]
 Cone = tuple[Float, float, float]
 """Angles of the rays of a beam off its axis [rad], shape (R,); longest range [m]; least cosine
 between a ray and the normal of a wall that echoes."""
@@ -20,14 +16,7 @@ def echo_range(surface: Surface, cone: Cone, x: float, y: float, axis: float) ->
     """Return the range that a transducer is expected to have [m]; twice the longest for no echo.
 
     The nearest echo among the rays of its beam counts. A wall echoes a ray that meets it nearly at
-    a right angle.
-
-    Args:
-        surface: The map.
-        cone: The beam.
-        x: Place of the transducer on the map [m].
-        y: The same.
-        axis: Its direction [rad].
+    a right angle. The transducer is at `x`, `y` on the map [m] and looks along `axis` [rad].
     """
     walls, distances, numbers, (x0, y0, cell) = surface
     rays, longest, steep = cone

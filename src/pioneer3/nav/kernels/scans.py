@@ -3,14 +3,11 @@
 from math import atan2, cos, floor, pi, sin, sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pioneer3.arrays import Float, Float32, Int32
 from pioneer3.jit import inlined, kernel
 from pioneer3.nav.kernels.fields import distance_to
 
-Float = NDArray[np.float64]
-Float32 = NDArray[np.float32]
-Int32 = NDArray[np.int32]
 Frame = tuple[float, float, float]
 """Left and lower edge of a raster, and the side of a cell [m]."""
 Point = tuple[float, float]
@@ -35,13 +32,8 @@ def value_at(field: Float32, x: float, y: float, outside: float) -> float:
 def number_walls(walls: Float, frame: Frame, distances: Float32, out: Int32) -> None:
     """Fill `out` (H, W) with the number of the wall nearest to each cell's middle.
 
-    Cells farther from all walls than the reach of `distances` keep their number.
-
-    Args:
-        walls: Segments [m], shape (N, 4).
-        frame: Of the raster.
-        distances: From the middles of cells to the nearest wall [m], shape (H, W).
-        out: Numbers of walls.
+    Cells farther from all walls (N, 4) [m] than the reach of their `distances` (H, W) [m] keep
+    their number.
     """
     x0, y0, cell = frame
     height, width = out.shape
@@ -69,12 +61,9 @@ def weigh_poses(
 ) -> None:
     """Fill `out` (P,) with the sum over the points of half the square of distance over sigma.
 
-    Args:
-        field: Distances to the nearest wall [m], shape (H, W), and their frame.
-        points: In the robot's frame [m], shape (N, 2).
-        poses: Of the robot on the map [m, rad], shape (P, 3).
-        limits: Sigma, and the distance that larger ones count as [m].
-        out: For the sums.
+    The `field` has distances to the nearest wall [m], shape (H, W), and their frame; points (N, 2)
+    are in the robot's frame [m], at `poses` (P, 3) on the map [m, rad]. `limits` are sigma, and the
+    distance that larger ones count as [m].
     """
     distances, (x0, y0, cell) = field
     sigma, most = limits
@@ -92,11 +81,9 @@ def weigh_poses(
 
 @kernel
 def step_of(sums: Float, out: Float) -> None:
-    """Fill `out` (3,) with the step that normal equations ask for.
+    """Fill `out` (3,) with the step that normal equations ask for [m, rad].
 
-    Args:
-        sums: The lower half of their matrix, row by row, and their right side, shape (9,).
-        out: For the step [m, rad].
+    Of these, `sums` (9,) are the lower half of the matrix, row by row, and the right side.
     """
     d0 = sums[0]
     l10, l20 = sums[1] / d0, sums[3] / d0
@@ -116,13 +103,8 @@ def facing_wall(numbers: Int32, facing: Float, at: Point, along: Point) -> int:
     """Return the wall nearest to a point among those that a beam may have met, -1 without any.
 
     A point behind the face of a thick wall is near to the wall's other face, too. The face that
-    was met is before it.
-
-    Args:
-        numbers: The wall nearest to each cell, -1 where there is none, shape (H, W).
-        facing: The free side of walls, (0, 0) where both are, shape (N, 2).
-        at: The point [cells].
-        along: Direction of the beam, of length 1.
+    was met is before it, `along` the beam. `facing` has the free side of each wall, (0, 0) where
+    both are, shape (N, 2); the point is in cells.
     """
     height, width = numbers.shape
     for back in range(BACK_CELLS + 1):
@@ -159,14 +141,10 @@ def add_points(
     spread: Point,
     sums: Float,
 ) -> None:
-    """Add the points of a scan to normal equations.
+    """Add the points of a scan to the normal equations `sums` of :func:`step_of`.
 
-    Args:
-        surface: As for :func:`refine_poses`.
-        beams: The same.
-        pose: Of the robot on the map [m, rad].
-        spread: Standard deviation of a point, and distance where it loses its weight [m].
-        sums: As for :func:`step_of`.
+    Surface and beams are those of :func:`refine_poses`; `spread` is the standard deviation of a
+    point, and the distance where it loses its weight [m].
     """
     walls, facing, numbers, (x0, y0, cell) = surface
     points, origin = beams
@@ -254,14 +232,9 @@ def refine_poses(
 def way_to_wall(
     distances: Float32, at: Point, along: Point, most: float, per_meter: float
 ) -> float:
-    """Return how far it is to a wall along a ray, at most `most` [cells].
+    """Return the way to a wall from `at`, `along` a ray of length 1, at `most` so far [cells].
 
-    Args:
-        distances: To the nearest wall [m], shape (H, W).
-        at: Where the ray starts [cells].
-        along: Its direction, of length 1.
-        most: The longest way [cells].
-        per_meter: Cells in a meter.
+    The `distances` (H, W) are those to the nearest wall [m], `per_meter` cells are in a metre.
     """
     gone = 0.0
     while gone < most:

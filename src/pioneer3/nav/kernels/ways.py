@@ -2,13 +2,8 @@
 
 from math import floor, hypot, inf
 
-import numpy as np
-from numpy.typing import NDArray
-
+from pioneer3.arrays import Float, Float32
 from pioneer3.jit import inlined, kernel
-
-Float = NDArray[np.float64]
-Float32 = NDArray[np.float32]
 
 
 @inlined
@@ -78,14 +73,9 @@ def downhill(values: Float32, x: float, y: float, step: float) -> tuple[float, f
 
 @kernel
 def walk_down(values: Float32, start: Float, step: float, count: int, out: Float) -> None:
-    """Walk `count` steps down `values`.
+    """Walk `count` steps down `values`; fill `out` (2,) with the last place [cells].
 
-    Args:
-        values: Cost to go, shape (H, W); `inf` where there is no way.
-        start: In cells, shape (2,).
-        step: [cells].
-        count: Number of steps.
-        out: The last place [cells], shape (2,).
+    The values are costs to go, shape (H, W); `inf` where there is no way.
     """
     x, y = start[0], start[1]
     for _ in range(count):
@@ -95,17 +85,10 @@ def walk_down(values: Float32, start: Float, step: float, count: int, out: Float
 
 @kernel
 def descend(values: Float32, start: Float, goal: Float, step: float, out: Float) -> int:
-    """Walk down `values` from `start` to `goal`; return how many points of `out` are filled.
+    """Walk down `values` (H, W) from `start` to `goal`; return how many points of `out` are filled.
 
-    Args:
-        values: Cost to go, shape (H, W); `inf` where there is no way.
-        start: In cells, shape (2,).
-        goal: In cells, shape (2,).
-        step: [cells].
-        out: The points [cells], shape (N, 2), the first one `start`, the last one `goal`.
-
-    Returns:
-        0 if no way is found within the room of `out`.
+    The points of `out` (N, 2) are in cells, the first one `start`, the last one `goal`; none is
+    filled if no way is found within its room.
     """
     x, y = start[0], start[1]
     out[0, 0], out[0, 1] = x, y
