@@ -35,16 +35,10 @@ if TYPE_CHECKING:
     from pioneer3.behaviors.surroundings import Buffer, Echo, Surroundings
 
 _HOME = {
-    "Action": "action",
     "Buffer": "surroundings",
     "Decision": "engine",
-    "Desire": "action",
     "Echo": "surroundings",
-    "Ranked": "action",
-    "Situation": "action",
-    "Stack": "action",
     "Surroundings": "surroundings",
-    "Weighted": "action",
     "resolve": "engine",
 }
 
@@ -65,6 +59,6 @@ __all__ = [
 
 def __getattr__(name: str) -> Any:
     """Import public names at their first use: `--help` reads the modes only (PEP 562)."""
-    if name not in _HOME:
+    if name not in __all__:
         raise AttributeError(f"module 'pioneer3.behaviors' has no attribute {name!r}")
-    return getattr(import_module(f"pioneer3.behaviors.{_HOME[name]}"), name)
+    return getattr(import_module(f"pioneer3.behaviors.{_HOME.get(name, 'action')}"), name)

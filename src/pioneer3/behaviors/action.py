@@ -115,12 +115,9 @@ def as_weighted(channel: Channel) -> Weighted | None:
 
 @dataclass(frozen=True, slots=True)
 class Contribution:
-    """The part of one action in a decision.
+    """The part of one action in a decision, on a channel of :class:`Desire` that is no heading.
 
-    Attributes:
-        channel: A channel of :class:`Desire`; headings have become turns.
-        strength: The strength that counted: higher priorities took the rest.
-        lacks: Whether that is something it must know and does not.
+    The `strength` is the one that counted: higher priorities took the rest.
     """
 
     action: str
@@ -139,7 +136,6 @@ class Combined:
         motion: By channel (`v`, `turn`, `w`); a strength of 1 leaves nothing to lower priorities.
         limits: By channel, where an action has set one.
         until: When the first desire that counts in `motion` ends [s, monotonic].
-        answers_stall: Whether one of these answers a stall.
         contributions: The parts of the actions, highest priority first.
     """
 
@@ -169,9 +165,6 @@ class Situation:
 
     Attributes:
         now: [s, monotonic].
-        snapshot: The latest snapshot of the robot.
-        model: Its sizes and equipment.
-        limits: The bounds on its motion.
         around: The obstacles that its sensors see and have seen.
         scan: The newest scan of its first laser; `None` if none has come for a while.
         lost_lasers: For each laser that should scan and does not, a sentence.
@@ -273,11 +266,9 @@ class Ranked:
 
 @dataclass(frozen=True, slots=True)
 class Stack:
-    """Actions that drive together.
+    """Actions that drive together, the highest priority first.
 
-    Attributes:
-        priority: Against other stacks; within, each action has its own.
-        actions: Highest priority first.
+    The stack's own priority is against other stacks.
     """
 
     name: str

@@ -26,11 +26,7 @@ MOST_PLACES = 200
 
 @dataclass(slots=True)
 class ClutterPoint:
-    """A place.
-
-    Attributes:
-        x: In odometry's frame [m].
-    """
+    """A place in odometry's frame [m], with the first and the last time it echoed [s]."""
 
     x: float
     y: float
@@ -131,13 +127,7 @@ SENDS_BACK = 0.7
 
 @dataclass(frozen=True, slots=True)
 class PersonDetector:
-    """All that is heard at one instant.
-
-    Attributes:
-        latest: The last firing of each transducer, by its number.
-        now: [s]
-        clutter: The known furniture.
-    """
+    """All that is heard at one instant: the last firing of each transducer, by its number."""
 
     latest: Mapping[int, Ping]
     now: float

@@ -50,10 +50,8 @@ class Proposal:
 def combine(above: Combined, group: Iterable[Proposal], theta: float) -> Combined:
     """Return `above` with the desires of a group of equal priority added below it.
 
-    Args:
-        above: The desires of higher priorities.
-        group: In any order; the result is the same up to rounding.
-        theta: The robot's heading, from which headings become turns [rad].
+    They come in any order; the result is the same up to rounding. From the robot's heading, `theta`
+    [rad], headings become turns.
     """
     motion, limits, parts = dict(above.motion), dict(above.limits), list(above.contributions)
     until, answers_stall = above.until, above.answers_stall
@@ -129,16 +127,11 @@ TURNED = radians(0.5)
 
 
 class ActionError(Exception):
-    """An action failed; the robot must stop.
-
-    Attributes:
-        stack: Name of the stack it belongs to.
-    """
+    """An action, of the stack of this name, failed; the robot must stop."""
 
     def __init__(self, stack: str, action: str, error: Exception) -> None:
         super().__init__(f"the action {action!r} failed: {type(error).__name__}: {error}")
         self.stack = stack
-        self.action = action
 
 
 @dataclass(frozen=True, slots=True)
@@ -147,10 +140,8 @@ class Decision:
 
     Attributes:
         twist: Within all limits of actions [m/s, rad/s].
-        until: When it ends [s, monotonic].
         contributions: The parts of the actions in it, highest priority first.
         limits: Set by actions, by channel of `Desire`.
-        answers_stall: Whether it is the answer to a stall.
     """
 
     twist: Twist2 = STILL

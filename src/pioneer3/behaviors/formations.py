@@ -12,11 +12,9 @@ Place = tuple[float, float]
 
 @dataclass(frozen=True, slots=True)
 class Formation:
-    """An arrangement of robots.
+    """An arrangement of robots, its shape in a few words.
 
-    Attributes:
-        doing: Its shape, in a few words.
-        place: Returns the place of a follower, in spacings; followers count from 1.
+    `place` returns the place of a follower, in spacings; followers count from 1.
     """
 
     name: str
@@ -64,12 +62,9 @@ MOST_TRIED: Final = 7
 def assigned(robots: Sequence[Place], places: Sequence[Place]) -> list[int]:
     """Return the number of the place for each robot, from 0, so that their ways are short.
 
-    The sum of the squared distances is the least; ways that are the shortest together do not
-    cross. Of more than :data:`MOST_TRIED` robots, the pairs that are nearest are matched first.
-
-    Args:
-        robots: Where they are.
-        places: As many, in the same frame.
+    There are as many places, in the same frame. The sum of the squared distances is the least; ways
+    that are the shortest together do not cross. Of more than :data:`MOST_TRIED` robots, the pairs
+    that are nearest are matched first.
     """
     numbers = range(len(robots))
     if len(robots) <= MOST_TRIED:

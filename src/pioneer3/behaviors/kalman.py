@@ -15,9 +15,6 @@ class KalmanFilter:
 
     The state is (x, y, vx, vy), `spread` its covariance, shape (4, 4), in SI units, in odometry's
     frame. A measurement is the position along some direction, so no matrix need be inverted.
-
-    Args:
-        x: Of the first measurement [m].
     """
 
     def __init__(

@@ -75,8 +75,7 @@ MOST_FURNITURE = 100
 class Furniture:
     """A place of a leg that stands still, in odometry's frame [m], last seen at `seen` [s].
 
-    Attributes:
-        past: How many scans in turn have seen past it.
+    So many scans in turn have seen `past` it.
     """
 
     x: float
@@ -86,15 +85,13 @@ class Furniture:
 
 
 class LegTrack:
-    """A person, tracked by the legs.
+    """A person, tracked by the legs: `legs` in the last scan, the first one `found` at a time [s].
 
     Attributes:
         estimate: Of the middle between their legs, in odometry's frame.
-        found: When the first one was [s].
         walked: Whether they have ever left the place where they were first seen.
         single: For how many scans in turn only one leg has been seen.
         strolls: For how many they have moved as fast as somebody who walks.
-        legs: Those of the last scan.
     """
 
     def __init__(self, legs: list[Leg], stamp: float) -> None:
@@ -148,9 +145,7 @@ class LegTrack:
 class LegTracks:
     """All people and all furniture that the scans have shown.
 
-    Attributes:
-        tracks: Of people, and of whatever has not stood still for long.
-        furniture: What has.
+    There are `tracks` of people, and of whatever has not stood still for long.
     """
 
     def __init__(self) -> None:

@@ -39,11 +39,10 @@ DEPTH = pi / 4
 
 
 class Leg(NamedTuple):
-    """A cluster that may be a leg, or both legs of a person.
+    """A cluster that may be a leg, or both legs of a person, and its width across the beams [m].
 
     Attributes:
         x: Of its middle, in odometry's frame [m].
-        width: Across the beams [m].
         free: Whether all beside it is farther away; otherwise only a part of it may be seen.
     """
 

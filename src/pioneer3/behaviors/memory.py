@@ -53,9 +53,6 @@ class LaserMemory:
 
     Points of the robot itself are left out. A laser forgets points that it sees past, but only its
     own: sonars hear glass that it looks through.
-
-    Args:
-        model: Of the robot.
     """
 
     def __init__(self, model: RobotModel) -> None:
@@ -203,13 +200,9 @@ BUMPER_ARC = radians(135)
 
 @dataclass(frozen=True, slots=True)
 class Capacity:
-    """How much of a sensor is kept, for how long.
+    """Numbers of points of a sensor that are kept, and their ages [s]; `cumulative` ones longer.
 
     Attributes:
-        current: Number of points.
-        current_age: [s].
-        cumulative: Number of points of the longer memory.
-        cumulative_age: [s].
         cumulative_distance: From the robot [m]; farther ones are neither taken nor kept.
         spacing: An older point nearer to a new one than this [m] is replaced by it.
     """
@@ -238,7 +231,8 @@ class RangeBuffer:
         """Take a new point, `distance` [m] from the robot."""
         self.current.append(point)
         if distance < self._keep.cumulative_distance:
-            self._drop_near(point)
+            near, new = self._keep.spacing, point
+            self._keep_those(lambda old: hypot(old.x - new.x, old.y - new.y) > near)
             self.cumulative.append(point)
 
     def forget(self, pose: Pose2, now: float) -> None:
@@ -246,18 +240,15 @@ class RangeBuffer:
         keep = self._keep
         while self.current and now - self.current[0].stamp > keep.current_age:
             self.current.popleft()
-        kept = [
-            point
-            for point in self.cumulative
-            if now - point.stamp <= keep.cumulative_age
-            and hypot(point.x - pose.x, point.y - pose.y) <= keep.cumulative_distance
-        ]
-        if len(kept) < len(self.cumulative):
-            self.cumulative = deque(kept, maxlen=keep.cumulative)
+        self._keep_those(
+            lambda old: (
+                now - old.stamp <= keep.cumulative_age
+                and hypot(old.x - pose.x, old.y - pose.y) <= keep.cumulative_distance
+            )
+        )
 
-    def _drop_near(self, new: StampedPoint) -> None:
-        spacing = self._keep.spacing
-        kept = [p for p in self.cumulative if hypot(p.x - new.x, p.y - new.y) > spacing]
+    def _keep_those(self, stays: Callable[[StampedPoint], bool]) -> None:
+        kept = list(filter(stays, self.cumulative))
         if len(kept) < len(self.cumulative):
             self.cumulative = deque(kept, maxlen=self._keep.cumulative)
 

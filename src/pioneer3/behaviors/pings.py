@@ -17,11 +17,8 @@ HALF_BEAM = radians(15)
 class Ping:
     """The result of one firing: an echo from a point on an arc, or none.
 
-    Attributes:
-        number: Of the transducer.
-        x: Of the transducer, in odometry's frame [m].
-        axis: Where it looks, in odometry's frame [rad].
-        distance: Range [m]; `inf` when nothing echoed.
+    The transducer is at `x` and `y` in odometry's frame [m], and looks along `axis` there [rad];
+    `distance` is the range [m], `inf` when nothing echoed.
     """
 
     number: int
@@ -45,9 +42,7 @@ class Ping:
 class PingReader:
     """Takes the fresh readings of each report, once.
 
-    Attributes:
-        latest: The last firing of each transducer, by its number.
-        since: When the first one came [s]; `inf` before.
+    It has the `latest` firing of each transducer, by its number; the first one came at `since` [s].
     """
 
     def __init__(self) -> None:

@@ -76,14 +76,10 @@ round."""
 
 
 class Surroundings:
-    """Points around the robot at one instant.
+    """Points around the robot at one instant, by buffer: (x, y) in odometry's frame [m].
 
-    Args:
-        pose: The robot's, in the frame of the points.
-        current: The newest points in odometry's frame [m], (x, y) each.
-        cumulative: Older ones, too.
-        window: Those of the last :data:`WINDOW` seconds; the current ones if `None`.
-        fields: The directions in the robot's frame that range sensors see now.
+    Without a `window` it has the current ones. The `fields` are the directions in the robot's frame
+    that range sensors see now.
     """
 
     def __init__(

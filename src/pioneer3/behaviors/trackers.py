@@ -75,12 +75,7 @@ class PersonTracker(Protocol):
 
 
 class SonarTracker:
-    """Keeps to a person by the echoes of sonars.
-
-    Args:
-        person: Already followed, by another sensor.
-        now: When [s].
-    """
+    """Keeps to a person by the echoes of sonars; maybe to one followed by another sensor."""
 
     def __init__(self, person: FollowedPerson | None = None, now: float = 0.0) -> None:
         self.target: Track | None = None
@@ -149,11 +144,7 @@ class SonarTracker:
 
 
 class LegTracker:
-    """Keeps to a person by the legs in the scans of a laser.
-
-    Args:
-        person: Already followed, by another sensor.
-    """
+    """Keeps to a person by the legs in a laser's scans, or to one that another sensor followed."""
 
     def __init__(self, person: FollowedPerson | None = None) -> None:
         self.target: LegTrack | None = None
@@ -237,7 +228,6 @@ class LaserOrSonarTracker:
 
     @property
     def target(self) -> FollowedPerson | None:
-        """The person who is followed, if any."""
         return self._tracker.target
 
     @property

@@ -198,9 +198,8 @@ def test_a_failing_action_is_named(failing: object) -> None:
             assert callable(failing)
             return failing()  # type: ignore[no-any-return]
 
-    with pytest.raises(ActionError, match="the action 'shy' failed") as failed:
+    with pytest.raises(ActionError, match="the action 'shy' failed"):
         resolve([Stack.alone(Fails(), 1)], seen())
-    assert failed.value.action == "shy"
 
 
 def test_a_decision_says_who_has_which_part() -> None:

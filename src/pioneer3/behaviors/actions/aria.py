@@ -31,7 +31,6 @@ class AvoidSide(Action):
     _turning: bool = field(default=False, init=False)
 
     def decide(self, situation: Situation) -> Desire | None:
-        """Return the turn; the left side is looked at first."""
         radius = situation.model.radius
         for side, start, end, sign in (
             ("left", SIDE_BEGIN, SIDE_END, -1),
@@ -73,7 +72,6 @@ class TurnAway(Action):
     _side: int = field(default=0, init=False)
 
     def decide(self, situation: Situation) -> Desire | None:
-        """Return the turn; nothing at speed."""
         v = situation.twist.v
         if v > self.speed_start:
             self._side = 0
@@ -122,7 +120,6 @@ class Input(Action):
         self._v = self._w = self._turn = self._heading = None
 
     def decide(self, situation: Situation) -> Desire | None:
-        """Return the last command."""
         if self._turn is not None:  # held as a heading: one snapshot is too short to turn in
             self._heading, self._turn = wrap(situation.pose.theta + self._turn), None
         if self._v is None and self._w is None and self._heading is None:
@@ -137,5 +134,4 @@ class Stop(Action):
     name: str = "stop"
 
     def decide(self, situation: Situation) -> Desire:
-        """Return no speed and no turn."""
         return Desire(v=0.0, turn=0.0, reason="standing still")

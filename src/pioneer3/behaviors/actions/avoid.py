@@ -63,7 +63,7 @@ class AvoidFront(Action):
         )
 
     def _look_around(self, theta: float) -> None:
-        self._quadrants.add(_quadrant(theta))
+        self._quadrants.add(int((wrap(theta) + pi) // (pi / 2)) % 4)
         if len(self._quadrants) == 4:
             self._quadrants.clear()
             self._amount /= 2
@@ -83,10 +83,6 @@ def _side_to_turn(echo: Echo, table: TableSensors) -> int:
     return 1 if echo.bearing < 0 else -1
 
 
-def _quadrant(theta: float) -> int:
-    return int((wrap(theta) + pi) // (pi / 2)) % 4
-
-
 STANDING_SPEED = 0.025
 """Speed below which a robot stands [m/s]."""
 JUST_NOW = 1.0
@@ -103,10 +99,7 @@ class Bumpers(Action):
     then, by what it hit and by the last limits before the wire; so it counts which way it moved a
     moment ago.
 
-    Attributes:
-        back_off_speed: [m/s].
-        back_off_time: [s].
-        turn_time: Longest turn afterwards [s].
+    The turn afterwards takes `turn_time` [s] at most.
     """
 
     back_off_speed: float = 0.1
@@ -120,7 +113,9 @@ class Bumpers(Action):
 
     def decide(self, situation: Situation) -> Desire | None:
         """Return the way back, then the turn away."""
-        self._notice_motion(situation)
+        v = situation.twist.v
+        if abs(v) > STANDING_SPEED:
+            self._moved = (1 if v > 0 else -1, situation.now)
         if not self._v:
             return self._hit(situation)
         since = situation.now - self._began
@@ -131,11 +126,6 @@ class Bumpers(Action):
             return Desire(v=0.0, heading=self._target, reason="turning away from what was hit")
         self._v = 0.0
         return None
-
-    def _notice_motion(self, situation: Situation) -> None:
-        v = situation.twist.v
-        if abs(v) > STANDING_SPEED:
-            self._moved = (1 if v > 0 else -1, situation.now)
 
     def _hit(self, situation: Situation) -> Desire | None:
         way, when = self._moved

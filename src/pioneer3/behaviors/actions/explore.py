@@ -58,7 +58,6 @@ class Explore(Action):
     _cell: tuple[int, int] | None = field(default=None, init=False)
 
     def decide(self, situation: Situation) -> Desire:
-        """Return speed and heading."""
         pose, around = situation.pose, situation.around
         self._note(pose)
         if not around.sensing:

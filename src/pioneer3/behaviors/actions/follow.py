@@ -53,7 +53,6 @@ class FollowLab(Action):
     goal: Goal | None = field(default=None, init=False)
 
     def decide(self, situation: Situation) -> Desire | None:
-        """Return speed and turn rate for the nearest echo."""
         sonar = situation.snapshot.sonar
         if not sonar.enabled:
             self.goal = None
@@ -108,7 +107,6 @@ class FollowTracking(Action):
         back: The same, backwards; only while they are sensed [m/s].
         turn_rate: Top turn rate [rad/s].
         tracker: Chooses the person, and keeps to them.
-        wants_scans: Whether the laser is to be on.
     """
 
     keep: float = 0.3
@@ -202,15 +200,10 @@ class ColorFollow(Action):
     `acquiring`, towards where it was last.
 
     Attributes:
-        source: Finds the patches.
-        channel: Which colour.
-        speed: [m/s].
         turn_max: With the patch at the edge of the picture, ahead of the present heading [rad].
         dead_band: Nearer to the middle it drives straight ahead; share of half a picture.
         patience: A patch not seen for this long is lost [s].
         search_rate: When looking for one [rad/s].
-        moving: Whether it drives.
-        acquiring: Whether it looks for a lost patch.
     """
 
     source: BlobSource
@@ -227,7 +220,6 @@ class ColorFollow(Action):
     _side: int = field(default=1, init=False)
 
     def decide(self, situation: Situation) -> Desire:
-        """Return speed and turn towards the patch."""
         blob = self.source.largest(self.channel)
         if blob is not None and situation.now - blob.stamp <= self.patience:
             return self._follow(blob)

@@ -3,7 +3,7 @@
 from collections import deque
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
-from math import atan2, cos, hypot, inf, pi, sin
+from math import atan2, cos, dist, hypot, inf, pi, sin
 
 from pioneer3.behaviors.action import Action, Desire, Situation
 from pioneer3.behaviors.formations import Place
@@ -38,12 +38,7 @@ def _find(leader: str, peers: Peers, now: float) -> Peer | None:
 
 @dataclass(slots=True, kw_only=True)
 class KeepFormation(Action):
-    """Keeps a place beside a leader, as if both were parts of one body.
-
-    Attributes:
-        place: x ahead of it, y to its left [m].
-        top_speed: Of the robot [m/s].
-    """
+    """Keeps a place beside a leader, as if both were parts of one body."""
 
     leader: str
     place: Place
@@ -52,7 +47,6 @@ class KeepFormation(Action):
     name: str = "keep formation"
 
     def decide(self, situation: Situation) -> Desire:
-        """Return the velocity towards the place, and with it."""
         leader = _find(self.leader, self.peers, situation.now)
         if leader is None:
             return replace(_stand(f"it is not known where {self.leader} is"), lacks=True)
@@ -73,12 +67,7 @@ LOOK_AHEAD = 0.4
 
 @dataclass(slots=True, kw_only=True)
 class FollowLeader(Action):
-    """Follows the track of a leader, at a distance along it.
-
-    Attributes:
-        distance: Along the track, from middle to middle [m].
-        top_speed: Of the robot [m/s].
-    """
+    """Follows the track of a leader, at a `distance` along it from middle to middle [m]."""
 
     leader: str
     distance: float
@@ -90,19 +79,19 @@ class FollowLeader(Action):
     )
 
     def decide(self, situation: Situation) -> Desire:
-        """Return the velocity along the track."""
         leader = _find(self.leader, self.peers, situation.now)
         if leader is None:
             return replace(_stand(f"it is not known where {self.leader} is"), lacks=True)
         ahead = leader.at(situation.now)
         here = situation.pose
         self._note(here, ahead)
-        gap = self._way_to(here, ahead)
+        points = [(here.x, here.y), *self._track, (ahead.x, ahead.y)]
+        gap = sum(dist(a, b) for a, b in pairwise(points))
         behind = gap - self.distance
         v = leader.twist.v + APPROACH * behind
         if behind < 0 and leader.twist.v < LEADER_STANDS:
             v = 0.0
-        x, y = self._headed_for(here, ahead)
+        x, y = next((p for p in points[1:] if dist(p, points[0]) > LOOK_AHEAD), points[-1])
         off = wrap(atan2(y - here.y, x - here.x) - here.theta)
         v = max(0.0, v) * max(0.0, cos(off)) if abs(off) < STEEP_PLACE else 0.0
         w = 2.0 * off if v > 0 or (abs(off) > STEEP_PLACE and behind > 0) else 0.0
@@ -110,21 +99,11 @@ class FollowLeader(Action):
 
     def _note(self, here: Pose2, leader: Pose2) -> None:
         """Remember the track, and forget its part behind the robot."""
-        track = self._track
-        if not track or hypot(track[-1][0] - leader.x, track[-1][1] - leader.y) > SPACING:
+        track, robot = self._track, (here.x, here.y)
+        if not track or dist(track[-1], (leader.x, leader.y)) > SPACING:
             track.append((leader.x, leader.y))
-        while len(track) > 1 and _nearer(here, track[1], track[0]):
+        while len(track) > 1 and dist(track[1], robot) <= dist(track[0], robot):
             track.popleft()
-
-    def _way_to(self, here: Pose2, leader: Pose2) -> float:
-        points = [(here.x, here.y), *self._track, (leader.x, leader.y)]
-        return sum(hypot(b[0] - a[0], b[1] - a[1]) for a, b in pairwise(points))
-
-    def _headed_for(self, here: Pose2, leader: Pose2) -> tuple[float, float]:
-        points = [*self._track, (leader.x, leader.y)]
-        return next(
-            (p for p in points if hypot(p[0] - here.x, p[1] - here.y) > LOOK_AHEAD), points[-1]
-        )
 
 
 SETTLED = 0.05
@@ -133,11 +112,7 @@ SETTLED = 0.05
 
 @dataclass(slots=True, kw_only=True)
 class SpreadOut(Action):
-    """Drives away from the other robots, until all are far enough.
-
-    Attributes:
-        apart: From middle to middle [m].
-    """
+    """Drives away from the other robots, until all are `apart` [m] from middle to middle."""
 
     apart: float
     peers: Peers
@@ -146,7 +121,6 @@ class SpreadOut(Action):
     done: bool = False
 
     def decide(self, situation: Situation) -> Desire:
-        """Return the velocity away from those that are too near."""
         here, now = situation.pose, situation.now
         push_x = push_y = 0.0
         nearest = inf
@@ -199,11 +173,6 @@ def _settle(here: Pose2, there: Pose2) -> tuple[float, float]:
     if abs(bearing) > STEEP_PLACE:
         return 0.0, 1.5 * bearing
     return APPROACH * distance, 2.0 * bearing
-
-
-def _nearer(here: Pose2, one: tuple[float, float], other: tuple[float, float]) -> bool:
-    """Return whether one point is nearer to the robot than another."""
-    return hypot(one[0] - here.x, one[1] - here.y) <= hypot(other[0] - here.x, other[1] - here.y)
 
 
 def _stand(reason: str) -> Desire:

@@ -20,10 +20,7 @@ class Hold(Action):
     A command begins when the one before was let go of: released, set to zero, or not renewed in
     time. A stream says when it lets go; one that falls silent instead has failed.
 
-    Attributes:
-        name: Shown to people.
-        streams: Whether commands come as a stream, from a page or a topic.
-        freshness: Of the command.
+    It `streams` if commands come as a stream, from a page or a topic.
     """
 
     name: str

@@ -39,10 +39,9 @@ def least_spacing(one: RobotModel, other: RobotModel) -> float:
 
 @dataclass(frozen=True, slots=True)
 class _Room:
-    """The room that is left towards a peer.
+    """The room that is left towards a peer, whose pose is `at` in the robot's frame.
 
     Attributes:
-        at: Its pose in the robot's frame.
         gap: Way that is left to the margin, less the way that the peer needs to stop [m].
         apart: Between the circles around both [m]; negative where they overlap.
     """
@@ -135,7 +134,8 @@ def _room(situation: Situation, peer: Peer) -> _Room:
 
 def _speed(situation: Situation, room: _Room, way: float) -> float:
     """Return the speed that the room allows [m/s], ahead (`way` 0) or back (`way` pi)."""
-    w = _turn_rate(situation)
+    turn = situation.higher.motion.get("w")
+    w = situation.twist.w if turn is None else turn.value
     if abs(w) < STRAIGHT and _beside(situation, room):
         return inf
     deceleration = situation.limits.deceleration
@@ -150,12 +150,6 @@ def _speed(situation: Situation, room: _Room, way: float) -> float:
     room_left = 2 * deceleration * max(0.0, room.gap)
     speed = sqrt(delay * delay + room_left) - delay
     return speed / towards if speed > SLOWEST_APPROACH else 0.0
-
-
-def _turn_rate(situation: Situation) -> float:
-    """Return the turn rate that is asked for, or else measured [rad/s]."""
-    asked = situation.higher.motion.get("w")
-    return situation.twist.w if asked is None else asked.value
 
 
 def _beside(situation: Situation, room: _Room) -> bool:

@@ -110,9 +110,6 @@ class LimiterBySonar(Action):
     """Slows a mode down while a laser that should scan does not: sonars see less, and later.
 
     Not one of ARIA's.
-
-    Attributes:
-        speed: Both ways [m/s].
     """
 
     speed: float = BY_SONAR
@@ -264,7 +261,8 @@ class Brake(Action):
     def decide(self, situation: Situation) -> Desire | None:
         """Return the limit, if anything is ahead; without sonars, no motion forwards."""
         self._listener.listen(situation)
-        recent = self._recent(situation)
+        latest = self._listener.latest.values()
+        recent = [ping for ping in latest if situation.now - ping.stamp <= FRESH_ECHO]
         if not recent:
             return Desire(v_max=0.0, lacks=True, reason=BLIND)
         gap = min(_gap(ping, situation, self.beside) for ping in recent)
@@ -274,9 +272,6 @@ class Brake(Action):
         if top >= situation.limits.max_speed:
             return None
         return Desire(v_max=top, reason=f"{gap:.2f} m ahead")
-
-    def _recent(self, situation: Situation) -> list[Ping]:
-        return [p for p in self._listener.latest.values() if situation.now - p.stamp <= FRESH_ECHO]
 
 
 def stopping_speed(distance: float, deceleration: float) -> float:

@@ -16,7 +16,6 @@ class ConstantVelocity(Action):
     name: str = "constant velocity"
 
     def decide(self, situation: Situation) -> Desire:
-        """Return it."""
         return Desire(v=self.velocity, turn=0.0, reason="onwards")
 
 
@@ -26,11 +25,7 @@ KEEP_HEADING = 1.5
 
 @dataclass(slots=True, kw_only=True)
 class Move(Action):
-    """Drive `distance` [m] along the heading at the start; negative is backwards.
-
-    Attributes:
-        deceleration: The robot's own [m/s^2].
-    """
+    """Drive `distance` [m] along the heading at the start; negative is backwards."""
 
     distance: float
     speed: float
@@ -63,11 +58,7 @@ SLOWEST_TURN = radians(2)
 
 @dataclass(slots=True, kw_only=True)
 class Turn(Action):
-    """Turn by `angle` [rad], counter-clockwise positive; more than a full turn is possible.
-
-    Attributes:
-        deceleration: The robot's own [rad/s^2].
-    """
+    """Turn by `angle` [rad], counter-clockwise positive; more than a full turn is possible."""
 
     angle: float
     rate: float

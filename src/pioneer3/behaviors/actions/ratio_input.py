@@ -107,7 +107,6 @@ class RatioInput(Action):
         self._pushed = None
 
     def decide(self, situation: Situation) -> Desire:
-        """Return speed and turn rate."""
         if self._pushed is not None and situation.now >= self._until:
             self._pushed = None
         stick = self._pushed

@@ -61,12 +61,8 @@ class StallRecover(Action):
         obstacle_distance: Nearer than this to the robot's circle is too near to go on after half of
             the time [m].
         seconds: Of one attempt; ARIA's 50 cycles [s].
-        speed: [m/s].
-        turn_amount: [rad].
-        turn_rate: Highest [rad/s].
         creep: Speed at which any point of the robot may touch something [m/s].
         clear: So far from where it stalled nothing unseen touches it [m].
-        enabled: Whether it does anything.
     """
 
     obstacle_distance: float = 0.225
@@ -138,11 +134,8 @@ class StallRecover(Action):
 
     def _speed(self, drive: int, situation: Situation) -> float:
         around, left = situation.around, self._end - situation.now
-        echo = (
-            around.nearest(-AHEAD, AHEAD, Buffer.WINDOW)
-            if drive > 0
-            else around.nearest(AHEAD, -AHEAD, Buffer.WINDOW)
-        )
+        start, end = (-AHEAD, AHEAD) if drive > 0 else (AHEAD, -AHEAD)
+        echo = around.nearest(start, end, Buffer.WINDOW)
         room = echo.distance - situation.model.radius
         if left <= self.seconds / 2 and 0 < room < self.obstacle_distance:
             return 0.0
@@ -171,7 +164,6 @@ class Unstick(Action):
         distance: Moving less is hardly moving [m].
         seconds: So long it drives at most [s].
         way: So far it drives at most [m].
-        speed: [m/s].
     """
 
     patience: float = 12.0

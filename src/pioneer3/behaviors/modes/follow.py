@@ -45,23 +45,15 @@ class Follow(Mode, frozen=True, tag="follow"):
 
 
 def follow(rule: Rule = "auto", *, keep: float | None = None) -> "Stack":
-    """Return the stack that follows the person in front.
+    """Return the stack that follows the person in front by one of :data:`RULES`.
 
-    All rules are held back alike: by `Brake` ahead, as the other limiters would keep the
-    robot from where the person has just been, and by ARIA's limiter behind.
-
-    Args:
-        rule: `lab` goes to the nearest echo, `tracking` to the person that it has been following
-            by sonar, `legs` by laser; `auto` is `legs` while scans come, else `tracking`.
-        keep: Distance to keep [m]; from the transducer for `lab`, from the robot's front end for
-            the others; 0.3 unless given.
+    It keeps the distance `keep` [m]; from the transducer for `lab`, from the robot's front end for
+    the others; 0.3 unless given.
 
     Raises:
         ValueError: there is no such rule.
     """
-    from pioneer3.behaviors.action import MODE, Ranked, Stack
     from pioneer3.behaviors.actions.follow import FollowLab, FollowTracking
-    from pioneer3.behaviors.actions.limiters import Brake, LimiterBackwards, LimiterTableSensor
     from pioneer3.behaviors.trackers import TRACKERS
 
     if rule not in RULES.names:
@@ -72,10 +64,22 @@ def follow(rule: Rule = "auto", *, keep: float | None = None) -> "Stack":
     if rule != "lab":
         scans = rule in {"auto", "legs"}
         action = FollowTracking(keep=distance, tracker=TRACKERS[rule](), wants_scans=scans)
+    return guarded("follow", Follow.doing, action)
+
+
+def guarded(name: str, doing: str, action: "Action") -> "Stack":
+    """Return the stack of an action that follows, held back by `Brake` ahead.
+
+    The other limiters would keep the robot from where the one ahead has just been; behind, ARIA's
+    holds it back.
+    """
+    from pioneer3.behaviors.action import MODE, Ranked, Stack
+    from pioneer3.behaviors.actions.limiters import Brake, LimiterBackwards, LimiterTableSensor
+
     actions = [
         Ranked(100, LimiterTableSensor()),
         Ranked(90, Brake()),
         Ranked(80, LimiterBackwards()),
         Ranked(50, action),
     ]
-    return Stack.of("follow", MODE, actions, Follow.doing)
+    return Stack.of(name, MODE, actions, doing)

@@ -68,11 +68,6 @@ def guards() -> "list[Ranked]":
     ]
 
 
-if TYPE_CHECKING:
-    from pioneer3.behaviors.action import Stack
-    from pioneer3.limits import Limits
-
-
 class Turn(Mode, frozen=True, tag="turn"):
     """Turn on the spot and stop.
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Union
 from msgspec import Meta
 
 from pioneer3.behaviors.formations import FORMATIONS
+from pioneer3.behaviors.modes.follow import guarded
 from pioneer3.behaviors.modes.mode import Choice, Choices, Described, Speed
 from pioneer3.units import LENGTH
 
@@ -23,12 +24,7 @@ SHAPES = Choices(
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Membership:
-    """One robot of a group.
-
-    Attributes:
-        leader: Name of the leader; empty in a group without one.
-        number: Of the follower's place, from 1.
-    """
+    """One robot of a group: the leader's name, empty without one, and its own place, from 1."""
 
     leader: str
     number: int
@@ -36,11 +32,7 @@ class Membership:
 
 
 class GroupMode(Described, frozen=True):
-    """A behavior of several robots.
-
-    Attributes:
-        led: Whether one of the robots leads, by keys or by a mode of its own.
-    """
+    """A behavior of several robots; if it is `led`, one leads, by keys or by a mode of its own."""
 
     led: ClassVar[bool] = True
 
@@ -76,26 +68,23 @@ class Form(GroupMode, frozen=True, tag="form"):
 
     @property
     def nearest(self) -> float:
-        """From one robot to the next, from middle to middle [m]."""
         return self.spacing
 
     def places(self, followers: int) -> list[tuple[float, float]]:
-        """Return the places of so many followers: x ahead of the leader, y to its left [m]."""
         return FORMATIONS[self.formation].places(followers, self.spacing)
 
     def stack(self, membership: Membership, limits: "Limits") -> "Stack":
-        """Return a fresh stack that keeps the place of this number."""
         from pioneer3.behaviors.actions.group import KeepFormation
 
         if self.formation == "column":
-            return _stack("form", self.doing, _on_track(membership, self.spacing, limits))
+            return guarded("form", self.doing, _on_track(membership, self.spacing, limits))
         keep = KeepFormation(
             leader=membership.leader,
             place=self.places(membership.number)[-1],
             peers=membership.peers,
             top_speed=limits.max_speed,
         )
-        return _stack("form", self.doing, keep)
+        return guarded("form", self.doing, keep)
 
 
 class FollowLeader(GroupMode, frozen=True, tag="follow-leader"):
@@ -115,12 +104,10 @@ class FollowLeader(GroupMode, frozen=True, tag="follow-leader"):
 
     @property
     def nearest(self) -> float:
-        """From one robot to the next, from middle to middle [m]."""
         return self.distance
 
     def stack(self, membership: Membership, limits: "Limits") -> "Stack":
-        """Return a fresh stack that follows at the place of this number."""
-        return _stack("follow-leader", self.doing, _on_track(membership, self.distance, limits))
+        return guarded("follow-leader", self.doing, _on_track(membership, self.distance, limits))
 
 
 class Spread(GroupMode, frozen=True, tag="spread"):
@@ -140,16 +127,14 @@ class Spread(GroupMode, frozen=True, tag="spread"):
 
     @property
     def nearest(self) -> float:
-        """From one robot to the next, from middle to middle [m]."""
         return self.apart
 
     def stack(self, membership: Membership, limits: "Limits") -> "Stack":
-        """Return a fresh stack that drives away from the others."""
         from pioneer3.behaviors.actions.group import SpreadOut
 
         speed = min(self.speed, limits.max_speed)
         spread = SpreadOut(apart=self.apart, peers=membership.peers, speed=speed)
-        return _stack("spread", self.doing, spread)
+        return guarded("spread", self.doing, spread)
 
 
 def _on_track(membership: Membership, spacing: float, limits: "Limits") -> "Action":
@@ -172,17 +157,3 @@ if TYPE_CHECKING:
 else:
     AnyGroupMode = Union[GROUP_MODES]  # noqa: UP007  a tuple of types
 """The type to decode a mode of groups as: a tagged union."""
-
-
-def _stack(name: str, doing: str, action: "Action") -> "Stack":
-    """Return an action with guards as those that follow people have."""
-    from pioneer3.behaviors.action import MODE, Ranked, Stack
-    from pioneer3.behaviors.actions.limiters import Brake, LimiterBackwards, LimiterTableSensor
-
-    actions = [
-        Ranked(100, LimiterTableSensor()),
-        Ranked(90, Brake()),
-        Ranked(80, LimiterBackwards()),
-        Ranked(50, action),
-    ]
-    return Stack.of(name, MODE, actions, doing)

@@ -23,13 +23,7 @@ Seconds = Annotated[float, Meta(gt=0.0, le=3600.0), DURATION]
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """One of the words that a parameter may be.
-
-    Attributes:
-        name: The word.
-        title: Its label on the page.
-        hint: A few words about it.
-    """
+    """One of the words that a parameter may be, its label on the page, and a few words about it."""
 
     name: str
     title: str
@@ -50,19 +44,11 @@ class Choices:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ModeParameter:
-    """One parameter of a mode: a number with a unit, or a word.
+    """One parameter of a mode: a number of a quantity, or one of the words `choices`.
 
     Attributes:
-        name: As in Python and JSON.
-        title: Its label on the page.
-        help: A few words about it.
-        required: Whether a mode is not complete without it.
         default: Used without it; `None` is none.
-        quantity: Of a number; `None` for a word.
-        low: Smallest value [SI].
-        high: Largest value [SI].
-        positive: Whether it must be more than zero.
-        choices: The words; empty for a number.
+        low: Smallest value [SI], `high` the largest; a `positive` one must be more than zero.
     """
 
     name: str
