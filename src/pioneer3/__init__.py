@@ -32,16 +32,6 @@ if TYPE_CHECKING:
 _HOME = {
     "BlockingLaser": "runtime.blocking",
     "BlockingRobot": "runtime.blocking",
-    "CommandError": "errors",
-    "ConfigError": "errors",
-    "DeviceError": "errors",
-    "LinkError": "errors",
-    "MotionError": "errors",
-    "NoRobotError": "errors",
-    "PioneerError": "errors",
-    "PortBusyError": "errors",
-    "PortNotFoundError": "errors",
-    "PortPermissionError": "errors",
     "Pose2": "geometry",
     "Robot": "runtime.robot",
     "RobotModel": "models",
@@ -87,9 +77,9 @@ def __getattr__(name: str) -> object:
     """Import public names when they are first used (PEP 562)."""
     from importlib import import_module
 
-    if name not in _HOME:
+    if name not in __all__:
         raise AttributeError(f"module 'pioneer3' has no attribute {name!r}")
-    return getattr(import_module(f"pioneer3.{_HOME[name]}"), name)
+    return getattr(import_module(f"pioneer3.{_HOME.get(name, 'errors')}"), name)
 
 
 def __dir__() -> list[str]:

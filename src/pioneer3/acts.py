@@ -31,17 +31,7 @@ LONGEST: Final = HEADER_SIZE + CHANNELS * MOST_BLOBS * BLOB_SIZE
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Blob:
-    """A patch of one colour, all in [pixels].
-
-    Attributes:
-        area: Number of pixels.
-        x: Centre of gravity, from the left.
-        y: Likewise, from the top.
-        left: First column.
-        right: Last column.
-        top: First row.
-        bottom: Last row.
-    """
+    """A patch of one colour [pixels]: area, centre of gravity, first and last column and row."""
 
     area: int
     x: int

@@ -1,24 +1,4 @@
-"""Every exception this package raises on purpose.
-
-* :exc:`PioneerError`
-    * :exc:`LinkError` (also :exc:`ConnectionError`): the cable or socket failed
-        * :exc:`PortNotFoundError` (also :exc:`FileNotFoundError`): no such port, host or file
-            * :exc:`UnknownHostError`: nobody knows a host of this name
-        * :exc:`PortPermissionError` (also :exc:`PermissionError`): this user may not open the port
-        * :exc:`PortBusyError`: another program has the port
-        * :exc:`HungUpError`: the far end closed the link
-        * :exc:`RecordingOverError`: a recording in the place of a robot has been played to its end
-        * :exc:`HostError`: another computer does not answer over ssh
-            * :exc:`LoginError`: it answers, but does not let this user in
-    * :exc:`NoRobotError` (also :exc:`TimeoutError`): the port opened, but no robot answered
-        * :exc:`TurnedAwayError`: the far end closed the link before a robot answered
-    * :exc:`CommandError` (also :exc:`ValueError`): a command must not be sent to the robot
-    * :exc:`MotionError` (also :exc:`RuntimeError`): the robot could not carry out the motion
-    * :exc:`DeviceError` (also :exc:`RuntimeError`): an accessory is missing or does not answer
-    * :exc:`ConfigError` (also :exc:`ValueError`): an option, map, model or fleet file is wrong
-        * :exc:`MissingTypeError`: the ROS that is installed lacks a type of messages
-    * :exc:`FilePermissionError` (also :exc:`PermissionError`): this user may not use a file
-    * :exc:`RemoteError` (also :exc:`RuntimeError`): work on another computer failed there
+"""Every exception this package raises on purpose; each also is the builtin it resembles.
 
 Corrupt bytes *received* are counted, not raised: noise on a serial cable is normal.
 """
@@ -42,11 +22,7 @@ def how_to_get(extra: str) -> str:
 @final
 @dataclass(frozen=True, slots=True)
 class Refusal:
-    """The answer to a request that is not carried out, where `None` says that it is.
-
-    Attributes:
-        text: The reason, for people.
-    """
+    """The answer to a request that is not carried out, where `None` says that it is."""
 
     text: str
 
@@ -55,7 +31,7 @@ class Refusal:
 
 
 class PioneerError(Exception):
-    """Base class; catch this to catch everything above."""
+    """Base class; catch this to catch everything below."""
 
 
 class LinkError(PioneerError, ConnectionError):
@@ -63,7 +39,7 @@ class LinkError(PioneerError, ConnectionError):
 
 
 class PortNotFoundError(LinkError, FileNotFoundError):
-    """There is no such port, host or recording."""
+    """There is no such port, host or file."""
 
 
 class UnknownHostError(PortNotFoundError):
@@ -91,7 +67,7 @@ class HostError(LinkError):
 
 
 class LoginError(HostError):
-    """Another computer does not let this user in."""
+    """Another computer answers over ssh, but does not let this user in."""
 
 
 class NoRobotError(PioneerError, TimeoutError):
@@ -115,7 +91,7 @@ class DeviceError(PioneerError, RuntimeError):
 
 
 class ConfigError(PioneerError, ValueError):
-    """A parameter, map, model or fleet file is missing, malformed or out of range."""
+    """An option, map, model or fleet file is missing, malformed or out of range."""
 
 
 class MissingTypeError(ConfigError):

@@ -19,16 +19,9 @@ class Accelerations:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Limits:
-    """Bounds on motion.
+    """Bounds on motion, for both directions, all positive: [m/s], [rad/s], [m/s^2], [rad/s^2].
 
-    Attributes:
-        max_speed: [m/s], both directions.
-        max_turn_rate: [rad/s], both directions.
-        acceleration: [m/s^2].
-        deceleration: [m/s^2], positive.
-        turn_acceleration: [rad/s^2].
-        turn_deceleration: [rad/s^2], positive.
-        expiry: A command that is not renewed for this long [s] ends in a stop.
+    A command that is not renewed for the time `expiry` [s] ends in a stop.
     """
 
     max_speed: float

@@ -49,14 +49,7 @@ WRITE_LOGIN: Final = (
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CameraUrl:
-    """Where a stream is.
-
-    Attributes:
-        host: Name or address.
-        port: TCP port.
-        path: With the query, from the slash on.
-        secure: Whether it is https.
-    """
+    """Where a stream is; `path` is from the slash on, with the query, `secure` means https."""
 
     host: str
     port: int
@@ -126,13 +119,8 @@ class Credentials(NamedTuple):
 def authorization(url: CameraUrl, login: Credentials, challenge: str, nonce: str) -> str:
     """Return the answer to the question for a user (RFC 7617, RFC 7616); empty if none is known.
 
-    Digest is preferred, as it does not tell the password.
-
-    Args:
-        url: Of the stream.
-        login: Of the user.
-        challenge: All headers WWW-Authenticate, with commas between them.
-        nonce: Random hexadecimal digits of ours.
+    Digest is preferred, as it does not tell the password. `challenge` has all headers
+    WWW-Authenticate, with commas between them; `nonce` are random hexadecimal digits of ours.
     """
     asked = _challenges(challenge)
     for scheme, parameters in asked:
@@ -205,13 +193,9 @@ def part(jpeg: bytes, view: float | None = None) -> bytes:
 
 @dataclass(frozen=True, slots=True)
 class AnswerHead:
-    """The head of an answer.
+    """The head of an answer: status of HTTP, the words after it, headers by lower-case names.
 
-    Attributes:
-        status: Of HTTP, such as 200.
-        reason: The words after it.
-        headers: Lower-case names; of several with one name the first, but of WWW-Authenticate
-            all, with commas between them.
+    Of several headers with one name the first; of WWW-Authenticate all, with commas between them.
     """
 
     status: int
@@ -223,13 +207,7 @@ TOO_FAST: Final = f"it sends more than {MOST_PARTS} pictures a second: this is n
 
 
 class Frame(NamedTuple):
-    """A picture of a stream.
-
-    Attributes:
-        jpeg: Its file.
-        view: Angle from its left edge to its right one [rad]; `None` where the camera does not
-            tell it.
-    """
+    """A picture of a stream, and its angle of view as :class:`~pioneer3.state.Picture` has it."""
 
     jpeg: bytes
     view: float | None
@@ -246,10 +224,7 @@ class Parser:
     Its buffer never holds more than one picture of :data:`MOST_PICTURE`, and a read.
 
     Attributes:
-        head: Of the answer; `None` before.
-        pictures: Number of pictures given.
-        broken: Number of parts that are no pictures.
-        parts: Number of all parts, also of empty ones.
+        broken: Number of parts that are no pictures; `parts` has them all, also empty ones.
     """
 
     def __init__(self) -> None:

@@ -41,9 +41,7 @@ class Odometry:
         robot_in_odom: Pose since the first connection [m, rad]; continuous over reconnections.
         robot_in_encoder: Pose in the robot's own counters [m, rad]: position since the session
             began, heading since the robot was switched on.
-        twist: Measured body velocity [m/s, rad/s].
-        left_speed: Left wheel's speed over ground [m/s].
-        right_speed: Right wheel's speed over ground [m/s].
+        left_speed: Left wheel's speed over ground [m/s]; `right_speed` likewise.
     """
 
     robot_in_odom: Pose2
@@ -61,7 +59,6 @@ class Sonar:
         ranges: Per transducer [m], shape (number of transducers,); index 0 is front left.
             `inf` where nothing echoed, NaN before the first reading.
         fresh: Numbers of the transducers that were read in this report.
-        enabled: Whether the robot is pinging.
     """
 
     ranges: tuple[float, ...] = ()
@@ -76,12 +73,10 @@ class Sonar:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Battery:
-    """The battery and its charger.
+    """The battery [V] and its charger.
 
     Attributes:
-        voltage: [V].
         charge: 0 to 1, or `None` where the robot does not send it.
-        charging: State of the charger.
         low: Whether the voltage is below the alarm level of the robot's own configuration.
     """
 
@@ -93,15 +88,7 @@ class Battery:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Motors:
-    """The motors and the stop button.
-
-    Attributes:
-        enabled: Whether the motors have power.
-        left_stalled: The left wheels are blocked.
-        right_stalled: The right wheels are blocked.
-        moving: Whether the firmware reports motion.
-        stop_button: Whether the red button is pressed.
-    """
+    """Power of the motors, blocked wheels, motion as the firmware tells it, the red button."""
 
     enabled: bool = False
     left_stalled: bool = False
@@ -125,13 +112,10 @@ class Bumpers:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Inputs:
-    """Digital and analog lines, compass and thermometer of the controller.
+    """Digital lines (bits, 1 is high), compass and thermometer of the controller.
 
     Attributes:
-        digital_in: Bits, 1 is high.
-        digital_out: Bits, 1 is high.
-        analog: Voltage of the selected port [V].
-        analog_port: The selected port.
+        analog: Voltage of the selected port, `analog_port` [V].
         compass: Heading as the robot sends it [rad], or `None` without a compass.
         temperature: Motor temperature [degrees Celsius], or `None` without a sensor.
     """
@@ -148,11 +132,8 @@ class Inputs:
 class Words:
     """The bit fields as on the wire, for people who look for single bits (protocol.md 4.4).
 
-    Attributes:
-        flags: 16 bits.
-        stalls: 16 bits: left stall and rear bumpers in the low byte, right and front in the high.
-        faults: 16 bits, or `None` where the robot does not send them.
-        flags3: 32 bits, or `None` where the robot does not send them: MTX only.
+    All of 16 bits, `flags3` of 32 (MTX only); `None` where the robot does not send them. `stalls`
+    has left stall and rear bumpers in the low byte, right and front in the high one.
     """
 
     flags: int = 0
@@ -163,10 +144,9 @@ class Words:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LinkQuality:
-    """Quality of the reception.
+    """Quality of the reception in this session.
 
     Attributes:
-        reports: Reports received in this session.
         bad_checksums: Frames dropped because of a wrong checksum.
         bytes_skipped: Bytes that belonged to no frame.
         rate: Reports per second, over the last second [1/s]; 0 after the first one.
@@ -188,7 +168,6 @@ class Snapshot:
         stamp: Time at which its first byte arrived [s, monotonic].
         sequence: Number of the report, over all sessions.
         faults: Names of the fault flags that are set.
-        words: Flags and faults bit by bit.
     """
 
     stamp: float
@@ -211,20 +190,16 @@ class Scan:
     Attributes:
         stamp: Time of the first reading [s, monotonic]; of the simulator's laser in the robot's
             own stream, the time at which it began to arrive.
-        sequence: Number of the scan.
         robot_in_odom: Pose of the robot at the first reading [m, rad].
-        sensor_in_robot: Pose of the laser [m, rad].
         angles: Of the readings, ascending, counter-clockwise in the laser's frame, seen from above
             [rad], shape (N,).
         ranges: [m], shape (N,), as in REP 117: `inf` where nothing echoed, `-inf` where something
             is too near, NaN where there is no valid reading.
         reflectances: In the laser's own unit, shape (N,); empty where the laser measures none.
-        laser: Name of the laser.
         beam_time: From one reading to the next [s]; negative for a laser upside down, which
             measures the last reading first; 0 where all are measured at once.
         period: From one scan to the next [s]; 0 where it is not known.
-        near: Shortest range that the laser measures [m].
-        far: Longest one [m].
+        near: Shortest range that the laser measures [m]; `far` is the longest.
         echoes: All echoes of each reading [m], the nearest first, shape (N, 1 to 3); empty where
             the laser tells only one.
         last_in_odom: Pose of the robot at the last reading [m, rad]; `None` where it stood still or
@@ -275,12 +250,10 @@ class Scan:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Picture:
-    """A picture of a camera, as it came.
+    """A picture of a camera, as it came; `sequence` counts from 1 on.
 
     Attributes:
         stamp: When it was here [s, monotonic].
-        sequence: Its number, from 1 on.
-        jpeg: Its bytes.
         view: Angle from its left edge to its right one [rad]; `None` where the camera does not tell
             it.
     """

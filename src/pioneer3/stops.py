@@ -33,11 +33,9 @@ LEAVE: Final = "drive the other way or turn on the spot, or let go and ask again
 
 @dataclass(frozen=True, slots=True)
 class Stop:
-    """A stop of the robot.
+    """A stop of the robot, its number, and the reason in a few words for people.
 
     Attributes:
-        number: Counts up with each stop.
-        why: The reason in a few words, for people.
         stalled: The command during which the wheels stalled, or `None` if this is no stall.
     """
 

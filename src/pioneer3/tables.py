@@ -53,8 +53,7 @@ class FieldForm:
     Attributes:
         name: The key; empty for a field that is in no file.
         type: Its type in the file; `None` for that of the field.
-        read: Makes the field from the value in the file.
-        write: Makes the value in the file from the field.
+        read: Makes the field from the value in the file; `write` does the reverse.
         spread: Whether `type` is a dataclass whose keys stand among those beside the field.
     """
 

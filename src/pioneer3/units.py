@@ -6,7 +6,7 @@ Also the parser of quantities that a person writes, such as `30cm/s`.
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import degrees, isfinite, pi, radians
+from math import isfinite, pi
 from typing import Final
 
 MM = 0.001
@@ -34,10 +34,7 @@ NUMBER: Final = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*)"
 class Quantity:
     """A kind of number that a person writes with or without its unit.
 
-    Attributes:
-        name: With its article, for messages.
-        units: Size of each unit in SI; the first is the unit of a bare number.
-        example: Valid texts, for messages.
+    `name` has its article; the first of `units`, by their size in SI, is that of a bare number.
     """
 
     name: str
@@ -79,20 +76,3 @@ TURN_RATE: Final = Quantity(
     "a turn rate", {"deg/s": DEGREE, "°/s": DEGREE, "rad/s": 1.0}, "45, 45deg/s, 0.8rad/s"
 )
 DURATION: Final = Quantity("a time", {"s": 1.0, "ms": MS, "min": 60.0, "h": 3600.0}, "60, 1min")
-
-__all__ = [
-    "ANGLE",
-    "DECIVOLT",
-    "DEGREE",
-    "DURATION",
-    "HEADING_UNIT",
-    "HEADING_UNITS",
-    "LENGTH",
-    "MM",
-    "MS",
-    "SPEED",
-    "TURN_RATE",
-    "Quantity",
-    "degrees",
-    "radians",
-]

@@ -3,13 +3,13 @@
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from math import degrees
 from typing import Final
 
 from pioneer3.fleet.columns import TableCell
 from pioneer3.fleet.members import Member, Reached
 from pioneer3.robot.explain import Reason, ReasonKind
 from pioneer3.teleop.several import Selection
-from pioneer3.units import degrees
 
 WIDEST_NAME: Final = 16
 OLD: Final = 0.5

@@ -4,7 +4,6 @@ import asyncio
 import logging
 import os
 import ssl
-from collections import deque
 from collections.abc import AsyncGenerator, Iterator
 from contextlib import contextmanager
 from math import inf
@@ -25,6 +24,7 @@ from pioneer3.mjpeg import (
     request,
 )
 from pioneer3.robot.devices.presence import Presence
+from pioneer3.robot.reports import RATE_WINDOW, ArrivalRate
 from pioneer3.robot.supervisor import Connection, ConnectionStatus, Feed
 from pioneer3.state import Picture
 
@@ -40,7 +40,6 @@ BACK_OFF: Final = (0.3, 0.5, 1.0, 2.0, 4.0)
 """Pauses before the attempts to reconnect [s]; the last one repeats."""
 READ = 64 << 10
 """Taken at once [bytes]."""
-RATE_WINDOW = 1.0
 PATIENCE = 6.0
 """Longest wait for a picture [s]."""
 YOUNG = 1.0
@@ -48,16 +47,11 @@ YOUNG = 1.0
 
 
 class CameraDriver:
-    """One camera. It is connected to while somebody wants pictures, and shortly after that.
-
-    Args:
-        url: Of its stream, such as `http://192.168.0.90/axis-cgi/mjpg/video.cgi`.
+    """One camera, connected to while somebody wants pictures, and shortly after that.
 
     Attributes:
-        url: The same.
-        status: State of the connection, with the reason.
+        url: Of its stream, such as `http://192.168.0.90/axis-cgi/mjpg/video.cgi`.
         latest: The last picture, or `None`; look at its stamp.
-        pictures: Number of pictures received.
         broken: Number of parts of the stream that were no pictures.
 
     Raises:
@@ -72,7 +66,7 @@ class CameraDriver:
         self.pictures = self.broken = 0
         self._feed: Feed[Picture] = Feed()
         self._clock = asyncio.get_running_loop().time
-        self._stamps: deque[float] = deque()
+        self._rate = ArrivalRate()
         self._wanted = 0
         self._last_wanted = -inf
         self._wish = asyncio.Event()
@@ -96,8 +90,7 @@ class CameraDriver:
     @property
     def rate(self) -> float:
         """Pictures in the last second [1/s]."""
-        self._forget(self._clock())
-        return len(self._stamps) / RATE_WINDOW
+        return self._rate.at(self._clock())
 
     @contextmanager
     def wanted(self) -> Iterator[None]:
@@ -232,8 +225,7 @@ class CameraDriver:
             self._failure, self._failures = "", 0
             self._publish(Connection.CONNECTED, "pictures come")
         self.latest = Picture(stamp=now, sequence=self.pictures, jpeg=frame.jpeg, view=frame.view)
-        self._stamps.append(now)
-        self._forget(now)
+        self._rate.add(now)
         self._feed.publish(self.latest)
 
     async def _lose(self, reason: str) -> None:
@@ -248,10 +240,6 @@ class CameraDriver:
         if self.status.latest != status and connection is not Connection.CONNECTING:
             log.info("%s: %s: %s", self.url, connection, message)
         self.status.publish(status)
-
-    def _forget(self, now: float) -> None:
-        while self._stamps and now - self._stamps[0] >= RATE_WINDOW:
-            self._stamps.popleft()
 
 
 def login_of(host: str) -> Credentials | None:

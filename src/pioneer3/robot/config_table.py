@@ -126,7 +126,6 @@ class ConfigRow:
         field: Its name in :class:`Config`, without the unit.
         value: In `unit`, or `not sent`.
         unit: Empty for counts, flags and texts.
-        meaning: In a few words.
     """
 
     group: str

@@ -38,11 +38,8 @@ def why_not_moving(
 ) -> Reason | None:
     """Return the reason to remove first; `None` while the robot moves.
 
-    Args:
-        pilot: Of the robot; has the last command.
-        snapshot: The latest of the session that is open, or `None` without one.
-        now: [s, monotonic].
-        decided: The reason for a command to stand still, if there was one.
+    The `snapshot` is the latest of the session that is open, `decided` the reason for a command to
+    stand still, if there was one.
     """
     if snapshot is None:
         lost = f": {pilot.blocked}" if pilot.blocked else ""

@@ -52,14 +52,12 @@ LONGEST_PAUSE = 2.0
 
 @dataclass(frozen=True, slots=True)
 class VelocityCommand:
-    """A velocity command of the arbiter.
+    """A velocity command of the arbiter; without `accelerations` those of the robot hold.
 
     Attributes:
-        twist: [m/s, rad/s].
         until: Latest time of expiry [s, loop time].
         after: Number of the last stop when this was decided.
         answers_stall: Whether this frees stalled wheels.
-        accelerations: The robot's own if `None`.
     """
 
     twist: Twist2
@@ -72,14 +70,9 @@ class VelocityCommand:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MotionRequest:
-    """The motion that is due: the newest of each kind, stops first.
+    """The motion that is due: the newest of each kind, stops first; `None` changes nothing.
 
-    Attributes:
-        stop: Whether to stand still, at the set deceleration.
-        hard_stop: Whether to stop as hard as the robot can.
-        accelerations: To drive with from now on, or `None` for the ones before.
-        motors: Whether the motors are to have power, or `None` to leave them.
-        twist: [m/s, rad/s], or `None` for none.
+    A `stop` is at the set deceleration, a `hard_stop` as hard as the robot can.
     """
 
     stop: bool = False
@@ -108,7 +101,6 @@ class Pilot:
     Attributes:
         deadline: Time of the next call of :meth:`tick` [s, monotonic, as every `now`].
         limits: Bounds of the present robot, or `None` before the first session.
-        emergency: Whether the emergency stop is latched.
         auto_enable: Whether a command switches the motors on.
         last_stop: A command must have begun after this stop.
         drove: Whether a command of this session may have moved the robot.

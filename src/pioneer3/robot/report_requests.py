@@ -19,11 +19,9 @@ RENEW = 2.0
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ReportRequest:
-    """A request for reports.
+    """A request for reports of the classes `answers`, empty if none come.
 
-    Attributes:
-        begin: Commands that start the reports; harmless when sent twice.
-        answers: Classes of the reports; empty if none come.
+    Commands that `begin` them are harmless when sent twice.
 
     Raises:
         CommandError: a command does not fit the protocol.

@@ -18,6 +18,7 @@ log = logging.getLogger(__name__)
 R = TypeVar("R", bound=Report)
 Taker = Callable[[Report, float], None]
 
+RATE_WINDOW = 1.0
 ROOM = 1000
 """Most reports that wait for a slow reader: ten seconds at 115200 baud."""
 
@@ -25,8 +26,7 @@ ROOM = 1000
 class ReportSubscription(Generic[R]):
     """The reports of some kinds, in order, from the subscription on; `async for` yields them.
 
-    Attributes:
-        missed: Reports lost because the reader was too slow; always the oldest.
+    A reader that is too slow has `missed` some, always the oldest.
     """
 
     def __init__(self, room: int) -> None:
@@ -56,6 +56,24 @@ class ReportSubscription(Generic[R]):
                 continue
             self._came.clear()
             await self._came.wait()
+
+
+class ArrivalRate:
+    """Counts arrivals in the last second."""
+
+    def __init__(self) -> None:
+        self._stamps: deque[float] = deque()
+
+    def add(self, now: float) -> None:
+        """Take an arrival at `now` [s]."""
+        self._stamps.append(now)
+        self.at(now)
+
+    def at(self, now: float) -> float:
+        """Return the arrivals in the second before `now` [1/s]."""
+        while self._stamps and now - self._stamps[0] >= RATE_WINDOW:
+            self._stamps.popleft()
+        return len(self._stamps) / RATE_WINDOW
 
 
 class Reports:

@@ -63,15 +63,8 @@ class SessionListener(Protocol):
 class Session:
     """One session with one robot over one link; the only writer of the link.
 
-    Args:
-        link: Open; closed by :meth:`run`.
-        pilot: Decides the motion; outlives the session.
-        requests: For reports on demand; outlives the session.
-        assembler: Makes snapshots; outlives the session.
-        listener: Receives the events.
-        model: Its model, if somebody names one.
-        restrict: Turns the robot's limits into the ones to keep.
-        timing: Timeouts of the host.
+    The link is open; :meth:`run` closes it. Pilot, requests and assembler outlive the session.
+    `model` is given if somebody names one; `restrict` turns the robot's limits into those to keep.
 
     Attributes:
         taken: True while the motors have had power in every report since the session began, though
@@ -286,15 +279,12 @@ class Session:
             return
         self._requests.received(report, now)
         if isinstance(report, Sip):
-            self._handle_sip(report, now)
+            snapshot = self._snapshot(report, now)
+            self.taken = snapshot.motors.enabled and self.taken is not False
+            self._pilot.observe(snapshot, now)
+            self._listener.on_snapshot(snapshot)
             self._requests.tick(now)
         self._listener.on_report(report, now)
-
-    def _handle_sip(self, report: Sip, now: float) -> None:
-        snapshot = self._snapshot(report, now)
-        self.taken = snapshot.motors.enabled and self.taken is not False
-        self._pilot.observe(snapshot, now)
-        self._listener.on_snapshot(snapshot)
 
     def _snapshot(self, report: Sip, now: float) -> Snapshot:
         assert self.model is not None
@@ -308,9 +298,8 @@ class Session:
         )
 
     def _failure(self, reason: str) -> LinkError | NoRobotError:
-        if self.identity is None:
-            return NoRobotError(f"{self.link.url}: {reason}")
-        return LinkError(f"{self.link.url}: {reason}")
+        kind = NoRobotError if self.identity is None else LinkError
+        return kind(f"{self.link.url}: {reason}")
 
     async def _close(self) -> None:
         """Stop the robot and close the session in every case; close also a link that is blocked."""

@@ -124,19 +124,15 @@ class RobotInfo:
 
 
 class Supervisor:
-    """One robot, connected again and again.
+    """One robot, connected again and again; `open_link` opens the link for every attempt.
 
-    Args:
-        open_link: Opens the link anew for every attempt.
-        model: Its model, if somebody names one.
-        restrict: Turns the robot's limits into the ones to keep.
-        auto_enable: Whether a fresh command switches the motors on.
-        timing: Timeouts of the host.
+    See :class:`Session` and :class:`Pilot` for the other arguments.
 
     Raises:
         ConfigError: There is no such model.
 
     Attributes:
+        snapshot: The latest one of the session that is open, or `None`.
         snapshot_taken: Called with every snapshot, before the feed `snapshots` has it.
         poses: Of the last seconds, in odometry's frame.
     """
@@ -166,17 +162,12 @@ class Supervisor:
         self._timing = timing
         self._session: Session | None = None
         self._clock = asyncio.get_running_loop().time
-        self._snapshot: Snapshot | None = None
-
-    @property
-    def snapshot(self) -> Snapshot | None:
-        """The latest snapshot of the session that is open, or `None`."""
-        return self._snapshot
+        self.snapshot: Snapshot | None = None
 
     @property
     def without_power(self) -> bool:
         """Whether the robot reports that its motors have no power, as after an emergency stop."""
-        return self._snapshot is not None and not self._snapshot.motors.enabled
+        return self.snapshot is not None and not self.snapshot.motors.enabled
 
     @property
     def taken(self) -> bool:
@@ -299,7 +290,7 @@ class Supervisor:
 
         `decided` is the reason for a command to stand still, if there was one.
         """
-        why = why_not_moving(self.pilot, self._snapshot, self._clock(), decided)
+        why = why_not_moving(self.pilot, self.snapshot, self._clock(), decided)
         return WATCHES if why is not None and self.taken else why
 
     def on_connected(self, session: Session) -> None:
@@ -324,7 +315,7 @@ class Supervisor:
 
     def on_snapshot(self, snapshot: Snapshot) -> None:
         """Pass a snapshot on: first to `snapshot_taken`, which misses none, then to the readers."""
-        self._snapshot = snapshot
+        self.snapshot = snapshot
         self.poses.add(snapshot)
         self.snapshot_taken(snapshot)
         self.snapshots.publish(snapshot)
@@ -360,7 +351,7 @@ class Supervisor:
                 return attempt + 1
             self.pilot.session_lost(str(error), self._clock())
         finally:
-            self._session = self._snapshot = None
+            self._session = self.snapshot = None
             self._requests.session_lost()
         return 1
 

@@ -45,9 +45,6 @@ class Drivable(Protocol):
     """The part of a robot that an arbiter drives it by, at a cable or over topics.
 
     Attributes:
-        pilot: Keeps the rules: limits, expiry, fresh commands.
-        snapshots: All snapshots.
-        status: State of the connection.
         info: Of the robot last connected, or `None`.
         snapshot_taken: Called with every snapshot, before the feed `snapshots` has it.
     """
@@ -100,12 +97,7 @@ class Ended:
 
 @dataclass(slots=True)
 class _Part:
-    """A stack that takes part in driving.
-
-    Attributes:
-        freshness: Of its motion; a :class:`Hold` has its own.
-        is_held: Whether an input or a program holds it.
-    """
+    """A stack that takes part in driving; a :class:`Hold` has a freshness of its own, too."""
 
     stack: Stack
     freshness: Freshness
@@ -115,12 +107,9 @@ class _Part:
 class Arbiter:
     """Asks every action and commands the robot, at each snapshot and at each change.
 
-    Args:
-        supervisor: Of the robot.
-        remark: Called with each new decision, in words.
+    It calls `remark` with each new decision, in words.
 
     Attributes:
-        decision: The last decision.
         mode: The stack that was started last and has not ended, or `None`.
         lasers: That it looks through, while they are on.
         ended: The end of the last mode; `None` while one runs and before the first.
@@ -180,8 +169,7 @@ class Arbiter:
 
     def keep_apart(self, peers: Peers | None) -> None:
         """Keep the robot apart from others from now on, whoever drives it; `None` knows none."""
-        limiter = LimiterPeers(peers=peers) if peers else None
-        self._apart = Stack.alone(limiter, KEEP_APART) if limiter else None
+        self._apart = Stack.alone(LimiterPeers(peers=peers), KEEP_APART) if peers else None
 
     def decide(self) -> Refusal | None:
         """Resolve now, and drive by the result."""

@@ -4,7 +4,6 @@ import asyncio
 import atexit
 from contextlib import AbstractAsyncContextManager, AsyncExitStack
 from pathlib import Path
-from types import TracebackType
 from typing import Any, Self, cast
 
 from pioneer3.robot.supervisor import RobotInfo
@@ -43,12 +42,7 @@ class BlockingConnection(Facade):
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def close(self) -> None:
@@ -65,7 +59,7 @@ class BlockingConnection(Facade):
         try:
             self._thread.end(self._leave())
         finally:
-            self._signals.__exit__(None, None, None)
+            self._signals.__exit__()
 
     def _stand(self) -> None:
         """Let stand what moves; called in the loop."""

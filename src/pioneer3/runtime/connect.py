@@ -67,7 +67,8 @@ async def connect_robot(
         load_model(USUAL)  # the reader of models loads slowly, and a robot that waits is lost
         stack.enter_context(StopOnSignals(asyncio.get_running_loop(), arbiter.stop))
         async with running(supervisor.run(), *_runs(drivers, eyes)):
-            await _first_snapshot(supervisor)
+            if await anext(supervisor.snapshots.values(), None) is None:
+                await asyncio.get_running_loop().create_future()  # its end cancels this
             own = supervisor.info.own if supervisor.info else None
             own_drivers, own_eyes = [], []
             if own is not None and not lasers:
@@ -152,9 +153,3 @@ def _cameras(url: str | None) -> "list[CameraDriver]":
     from pioneer3.robot.camera_driver import CameraDriver  # imports ssl
 
     return [CameraDriver(url)]
-
-
-async def _first_snapshot(supervisor: Supervisor) -> None:
-    """Wait for the first snapshot; the end of the supervisor cancels this."""
-    if await anext(supervisor.snapshots.values(), None) is None:
-        await asyncio.get_running_loop().create_future()

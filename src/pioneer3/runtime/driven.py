@@ -37,18 +37,38 @@ class Driven(Protocol):
         """The latest snapshot, or `None` while the link is lost."""
         return self.supervisor.snapshot
 
-    def snapshots(
+    async def snapshots(
         self, seconds: float = inf, patience: float = LOST_AFTER
     ) -> AsyncIterator[Snapshot]:
         """Yield each snapshot as it arrives, for `seconds`; the newest when the reader is slow.
 
         A loss that is mended within `patience` [s] only leaves a gap; with `inf` every loss does.
-        The driver goes on connecting: after an error, iterate again for the next snapshots.
+        Motions and modes turn the error into a MotionError. The driver goes on connecting: iterate
+        again for the next snapshots.
 
         Raises:
             LinkError: the link has been lost for `patience`, or is lost when `seconds` are over.
         """
-        return snapshots_of(self.supervisor, seconds, patience)
+        robot = self.supervisor
+        clock = asyncio.get_running_loop().time
+        end = clock() + seconds
+        values = robot.snapshots.values()
+        while True:
+            until = min(end, clock() + patience)
+            try:
+                async with asyncio.timeout_at(until if isfinite(until) else None):
+                    snapshot = await anext(values)
+            except StopAsyncIteration:
+                return
+            except TimeoutError:
+                if robot.snapshot is None:
+                    raise LinkError(str(robot.why_not_moving())) from None
+                if until == end:
+                    return
+                # silent, but not lost: a simulator that is paused
+                values = robot.snapshots.values()
+            else:
+                yield snapshot
 
     async def run(self, mode: Stack, seconds: float = inf) -> None:
         """Let `mode` drive for `seconds`, or until it has reached its aim.
@@ -73,36 +93,3 @@ class Driven(Protocol):
     def emergency_stop(self) -> None:
         """Stop as hard as possible, motors off, latched."""
         self.arbiter.emergency_stop()
-
-
-async def snapshots_of(
-    robot: Drivable, seconds: float = inf, patience: float = LOST_AFTER
-) -> AsyncIterator[Snapshot]:
-    """Yield each snapshot as it arrives, for `seconds`; the newest when the reader is slow.
-
-    This is the rule for everything that waits for a robot: a lost link is an error. Motions and
-    modes turn it into a MotionError. The driver goes on connecting; a new iteration yields
-    snapshots as soon as the robot is back.
-
-    Raises:
-        LinkError: the link is lost, and nothing has come for `patience` [s], `inf` to wait for as
-            long as it takes, or `seconds` are over.
-    """
-    clock = asyncio.get_running_loop().time
-    end = clock() + seconds
-    values = robot.snapshots.values()
-    while True:
-        until = min(end, clock() + patience)
-        try:
-            async with asyncio.timeout_at(until if isfinite(until) else None):
-                snapshot = await anext(values)
-        except StopAsyncIteration:
-            return
-        except TimeoutError:
-            if robot.snapshot is None:
-                raise LinkError(str(robot.why_not_moving())) from None
-            if until == end:
-                return
-            values = robot.snapshots.values()  # silent, but not lost: a simulator that is paused
-        else:
-            yield snapshot

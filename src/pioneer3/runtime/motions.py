@@ -46,7 +46,10 @@ async def carry_out(
             async for _ in snapshots:
                 if action.done:
                     return
-                _check(action, arbiter, supervisor)
+                if forbidden := supervisor.pilot.forbidden:
+                    raise MotionError(f"{action.name}: {forbidden}")
+                if action not in arbiter:
+                    raise MotionError(f"{action.name}: {arbiter.last_stop.why}")
                 stuck = arbiter.why_not_moving()
                 if stuck is None or arbiter.driving_action != action.name:
                     moved_at = clock()
@@ -94,11 +97,3 @@ async def await_mode(
         raise MotionError(str(error)) from error
     if clock() < until - EARLY:
         raise MotionError("the connection was closed")
-
-
-def _check(action: Move | Turn, arbiter: Arbiter, supervisor: Supervisor) -> None:
-    """Raise MotionError if something has ended `action`."""
-    if forbidden := supervisor.pilot.forbidden:
-        raise MotionError(f"{action.name}: {forbidden}")
-    if action not in arbiter:
-        raise MotionError(f"{action.name}: {arbiter.last_stop.why}")

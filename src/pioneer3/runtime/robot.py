@@ -106,7 +106,8 @@ class Robot(Driven):
             async for snapshot in self.snapshots(MOTOR_PATIENCE):
                 if snapshot.motors.enabled == on:
                     return
-        raise MotionError(str(self.why_not_moving() or f"the motors did not switch {_on(on)}"))
+        failure = f"the motors did not switch {'on' if on else 'off'}"
+        raise MotionError(str(self.why_not_moving() or failure))
 
     async def move(self, distance: float, speed: float | None = None) -> None:
         """Drive `distance` [m] straight ahead, negative backwards, at `speed` [m/s] at most.
@@ -116,11 +117,10 @@ class Robot(Driven):
             MotionError: it did not get there, or the link was lost; see the message.
         """
         limits = self.info.limits
-        top = limits.max_speed if speed is None else _positive("speed", speed)
         await self._carry_out(
             Move(
                 distance=finite("distance", distance),
-                speed=min(top, limits.max_speed),
+                speed=_top("speed", speed, limits.max_speed),
                 deceleration=limits.deceleration,
             )
         )
@@ -133,11 +133,10 @@ class Robot(Driven):
             MotionError: it did not get there, or the link was lost; see the message.
         """
         limits = self.info.limits
-        top = limits.max_turn_rate if rate is None else _positive("rate", rate)
         await self._carry_out(
             Turn(
                 angle=finite("angle", angle),
-                rate=min(top, limits.max_turn_rate),
+                rate=_top("rate", rate, limits.max_turn_rate),
                 deceleration=limits.turn_deceleration,
             )
         )
@@ -161,10 +160,7 @@ class Robot(Driven):
             ConfigError: the map has no such place.
             MotionError: it did not get there, or the link was lost; see the message.
         """
-        limits = self.info.limits
-        top = (
-            limits.max_speed if speed is None else min(_positive("speed", speed), limits.max_speed)
-        )
+        top = _top("speed", speed, self.info.limits.max_speed)
         if isinstance(x, str):
             if self.navigator is None:
                 raise CommandError(f"goto {x}: there is no map: connect with line_map=...")
@@ -198,12 +194,9 @@ class Robot(Driven):
         await carry_out(action, self.arbiter, self.supervisor, self.snapshots())
 
 
-def _positive(name: str, value: float) -> float:
-    number = finite(name, value)
+def _top(name: str, wanted: float | None, most: float) -> float:
+    """Return the `wanted` top speed or rate, `most` at most."""
+    number = most if wanted is None else finite(name, wanted)
     if number <= 0:
         raise CommandError(f"{name} must be positive, not {number:g}")
-    return number
-
-
-def _on(on: bool) -> str:
-    return "on" if on else "off"
+    return min(number, most)

@@ -23,7 +23,7 @@ import signal
 import threading
 from collections.abc import Callable
 from contextlib import suppress
-from types import FrameType, TracebackType
+from types import FrameType
 from typing import TYPE_CHECKING, Any, NoReturn
 
 if TYPE_CHECKING:  # the command line's help loads this module, and does without an event loop
@@ -64,12 +64,7 @@ class StopOnSignals:
                     self._before[number] = handler
                     signal.signal(number, self)
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self._open = False
         if threading.current_thread() is threading.main_thread():
             for number, handler in self._before.items():

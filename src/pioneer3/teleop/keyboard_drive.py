@@ -3,14 +3,13 @@
 import asyncio
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
-from math import isfinite
+from math import degrees, isfinite
 
 from pioneer3.behaviors.actions import Hold
 from pioneer3.runtime.arbiter import KEYBOARD
 from pioneer3.runtime.driven import Driven
 from pioneer3.tasks import running
 from pioneer3.teleop.keyboard import Key, Keyboard
-from pioneer3.units import degrees
 
 RENEW = 0.1
 """Pause between two commands, and two live lines [s]."""

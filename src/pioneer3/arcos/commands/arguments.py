@@ -20,6 +20,7 @@ a plain number for which the robot uses all 16 bits.
 
 from dataclasses import dataclass
 from enum import IntEnum
+from math import degrees, radians
 from typing import Annotated
 
 from pioneer3.arcos.wire import (
@@ -34,7 +35,7 @@ from pioneer3.arcos.wire import (
     latin1,
 )
 from pioneer3.errors import CommandError
-from pioneer3.units import DECIVOLT, MM, MS, degrees, radians
+from pioneer3.units import DECIVOLT, MM, MS
 
 __all__ = ["Baud", "RequestMode"]
 """Names that callers use; the rest is for the modules beside this one."""

@@ -14,11 +14,7 @@ PATIENCE = 2.0
 
 
 class Acts:
-    """Requests pictures from an ACTS server.
-
-    Attributes:
-        latest: The last picture, or `None` before the first one and after a failure.
-    """
+    """Requests pictures from an ACTS server; `latest` is `None` before one and after a failure."""
 
     def __init__(self, where: str | Opener = f"tcp://127.0.0.1:{PORT}") -> None:
         """`where` is a URL, or a function that opens a link."""

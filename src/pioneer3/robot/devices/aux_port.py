@@ -50,13 +50,10 @@ class AuxPort:
     async def ask(
         self, question: bytes, find: Callable[[bytes], bytes | None], size: int, *, name: str
     ) -> bytes:
-        """Send `question` and return the answer that `find` finds in the received bytes.
+        """Send `question` and return the answer, of `size` bytes, that `find` finds.
 
-        Args:
-            question: Sent again if no answer comes.
-            find: Returns the answer in all bytes so far, or `None`.
-            size: Bytes of the answer.
-            name: Of the device, for messages.
+        The question is sent again if no answer comes. `find` gets all bytes so far; `name` is that
+        of the device, for messages.
 
         Raises:
             DeviceError: no answer came.

@@ -39,11 +39,9 @@ def kind_of(name: str) -> CameraKind:
 
 
 class Camera:
-    """A camera that turns and zooms; call :meth:`connect` first.
+    """A camera that turns and zooms; call :meth:`connect` first. `aim` is what was asked last.
 
-    Attributes:
-        kind: Its make, with its range of motion.
-        aim: The last commanded direction and zoom.
+    Every command raises a CommandError where no robot is connected, or a number is not finite.
     """
 
     def __init__(self, supervisor: Supervisor, name: CameraName, port: int = 1) -> None:
@@ -68,7 +66,6 @@ class Camera:
 
         Raises:
             DeviceError: it does not answer.
-            CommandError: no robot is connected.
         """
         for packet in self.kind.begin():
             self._port.write(packet)
@@ -80,7 +77,6 @@ class Camera:
 
         Raises:
             DeviceError: it does not answer.
-            CommandError: no robot is connected.
         """
         try:
             answer = await self._port.ask(
@@ -97,41 +93,25 @@ class Camera:
         return Aim(pan, tilt, self.aim.zoom)
 
     def look(self, pan: float, tilt: float) -> None:
-        """Turn to `pan` to the left and `tilt` up [rad], as far as it goes.
-
-        Raises:
-            CommandError: not finite, or no robot is connected.
-        """
+        """Turn to `pan` to the left and `tilt` up [rad], as far as it goes."""
         _finite(pan, tilt)
         wanted = Aim(self.kind.pan.bound(pan), self.kind.tilt.bound(tilt), self.aim.zoom)
         self._port.write(self.kind.look(wanted))
         self.aim = wanted
 
     def turn(self, pan: float = 0.0, tilt: float = 0.0) -> None:
-        """Turn by `pan` to the left and `tilt` up [rad], from the last commanded direction.
-
-        Raises:
-            CommandError: not finite, or no robot is connected.
-        """
+        """Turn by `pan` to the left and `tilt` up [rad], from the last commanded direction."""
         self.look(self.aim.pan + pan, self.aim.tilt + tilt)
 
     def zoom(self, share: float) -> None:
-        """Zoom to `share` of its range, 0 wide to 1 tele.
-
-        Raises:
-            CommandError: not finite, or no robot is connected.
-        """
+        """Zoom to `share` of its range, 0 wide to 1 tele."""
         _finite(share)
         wanted = Aim(self.aim.pan, self.aim.tilt, max(0.0, min(1.0, share)))
         self._port.write(self.kind.zoom(wanted))
         self.aim = wanted
 
     def centre(self) -> None:
-        """Look straight ahead, wide.
-
-        Raises:
-            CommandError: no robot is connected.
-        """
+        """Look straight ahead, wide."""
         self.look(0.0, 0.0)
         self.zoom(0.0)
 

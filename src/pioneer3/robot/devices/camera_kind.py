@@ -90,7 +90,6 @@ class SonyEvi:
         return b"\x81\x01\x06\x02" + speeds + _halves(pan) + _halves(tilt) + b"\xff"
 
     def zoom(self, aim: Aim) -> bytes:
-        """Return the packet that zooms to that of `aim`."""
         return b"\x81\x01\x04\x47" + _halves(round(aim.zoom * ZOOM_STEPS)) + b"\xff"
 
     def position_in(self, received: bytes) -> bytes | None:
@@ -99,7 +98,6 @@ class SonyEvi:
         return found[1] if found else None
 
     def read_position(self, answer: bytes) -> tuple[float, float]:
-        """Return pan and tilt [rad]."""
         return -_number(answer[:4]) * PAN_STEP, _number(answer[4:]) * TILT_STEP
 
 
@@ -144,12 +142,10 @@ class CanonVcc4:
         return [_frame(data) for data in (POWER_ON, HOST_CONTROL, INIT, RANGE + reach)]
 
     def look(self, aim: Aim) -> bytes:
-        """Return the packet that turns to pan and tilt of `aim`."""
         pan, tilt = -self._sign * aim.pan, self._sign * aim.tilt
         return _frame(PAN_TILT + _angle(pan) + _angle(tilt))
 
     def zoom(self, aim: Aim) -> bytes:
-        """Return the packet that zooms to that of `aim`."""
         return _frame(ZOOM + _hex4(round(aim.zoom * CANON_ZOOM_STEPS)))
 
     def position_in(self, received: bytes) -> bytes | None:
@@ -158,7 +154,6 @@ class CanonVcc4:
         return found[1] if found else None
 
     def read_position(self, answer: bytes) -> tuple[float, float]:
-        """Return pan and tilt [rad]."""
         pan, tilt = (int(answer[at : at + 4], 16) - CENTRE for at in (0, 4))
         return -self._sign * pan * STEP, self._sign * tilt * STEP
 

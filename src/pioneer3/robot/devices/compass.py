@@ -22,9 +22,7 @@ class CompassReading:
         heading: Clockwise from magnetic north, as on every compass [rad], in (-pi, pi].
         magnetic: Field along x, y and z, in the module's unit (usually uT).
         temperature: [degrees Celsius].
-        calibration_h: Score of the horizontal calibration.
-        calibration_v: Score of the vertical calibration.
-        calibration_m: Score of the magnetic calibration.
+        calibration_h: Score of the horizontal calibration; `v` is the vertical one, `m` magnetic.
     """
 
     stamp: float

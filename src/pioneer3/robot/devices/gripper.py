@@ -52,15 +52,9 @@ class GripperReading:
     """The gripper at one instant.
 
     Attributes:
-        stamp: When it was received [s, monotonic].
-        paddles: Open, closed or in between.
         lift_at_limit: Whether the lift is all the way up or down ("maxed").
-        left_touches: The left paddle is triggered.
-        right_touches: The right paddle is triggered.
         outer_beam_broken: Something is between the paddles' tips.
         inner_beam_broken: Something is between the paddles' roots.
-        lift_moves: The lift's motor runs.
-        paddles_move: The paddles' motor runs.
     """
 
     stamp: float

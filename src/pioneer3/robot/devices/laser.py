@@ -1,7 +1,7 @@
 """The laser range finder of simulators, in the robot's own stream (protocol.md 5.13)."""
 
-from collections.abc import AsyncGenerator, Callable
-from contextlib import AbstractContextManager
+from collections.abc import AsyncGenerator, Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager
 from math import inf, isfinite, radians
 from typing import Protocol
 
@@ -22,15 +22,9 @@ NOTHING_MM = 0x7FFF
 
 
 class SweepCollector:
-    """Collects packets into a whole sweep; drops a sweep with a gap.
+    """Collects packets into a whole sweep; drops a sweep with a gap, and counts it as `broken`.
 
-    Args:
-        sensor_in_robot: Pose of the laser [m, rad].
-        start: Angle of the first reading, in the laser's frame [rad].
-        end: Angle of the last one [rad].
-
-    Attributes:
-        broken: Number of dropped sweeps.
+    The first reading is at the angle `start` in the laser's frame, the last one at `end` [rad].
     """
 
     def __init__(self, sensor_in_robot: Pose2, start: float, end: float) -> None:
@@ -102,9 +96,7 @@ def _angles(start: float, end: float, count: int) -> tuple[float, ...]:
 FIRST = radians(-90)
 """First direction of ARIA's lms2xx, the laser of a Pioneer 3 [rad]."""
 LAST = radians(90)
-"""Last direction of it [rad]."""
 STEP = radians(1)
-"""Angle from one reading of it to the next [rad]."""
 FINEST = radians(0.1)
 REAL = (
     "Lasers of real robots are connected to a serial port or the network of the computer, not to"
@@ -195,13 +187,9 @@ class Laser(Sensor[Scan]):
         return Presence(False, REAL)
 
     def set_up(self, first: float = FIRST, last: float = LAST, step: float = STEP) -> None:
-        """Choose the scans that come from now on.
+        """Choose the scans that come from now on, by the angles of their readings [rad].
 
-        Args:
-            first: Angle of the first reading, counter-clockwise in the laser's frame, in whole
-                degrees [rad].
-            last: Angle of the last one [rad].
-            step: Between two readings [rad].
+        They are counter-clockwise in the laser's frame, the `first` one in whole degrees.
 
         Raises:
             CommandError: the angles are not a scan, or the laser is on.
@@ -213,10 +201,12 @@ class Laser(Sensor[Scan]):
         self.kind, self._sweep = _kind(first, last, step), self._sweep_of(first, last)
         self.latest = None
 
-    def wanted(self) -> AbstractContextManager[None]:
+    @contextmanager
+    def wanted(self) -> Iterator[None]:
         """Keep the laser on and :attr:`latest` new during the block."""
         self._require()
-        return super().wanted()
+        with super().wanted():
+            yield
 
     def values(self) -> AsyncGenerator[Scan, None]:
         """Yield each scan; the newest when the reader is slow."""

@@ -23,12 +23,10 @@ OLD_LASER = range(3)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LinesReading:
-    """All lines at one instant.
+    """All lines at one instant; `analog` is in [V], by port.
 
     Attributes:
         digital_in: Whether each line is high, shape (8 n,); line 8 is the first of byte 1.
-        digital_out: Likewise.
-        analog: [V], by port.
     """
 
     stamp: float

@@ -7,12 +7,7 @@ from pioneer3.robot.supervisor import RobotInfo
 
 @dataclass(frozen=True, slots=True)
 class Presence:
-    """Whether a device is there.
-
-    Attributes:
-        there: `None` while unknown.
-        reason: The evidence, or advice; a sentence for a person.
-    """
+    """Whether a device is there, `None` while unknown; and the evidence or advice, a sentence."""
 
     there: bool | None
     reason: str
@@ -39,15 +34,9 @@ def sonars_of(info: RobotInfo) -> Presence:
     """Return whether there are sonars."""
     config, count = info.config, len(info.model.sonars)
     if config and (config.has_front_sonar or config.has_rear_sonar):
-        arrays = [
-            name
-            for name, there in (
-                ("front", config.has_front_sonar),
-                ("rear", config.has_rear_sonar),
-            )
-            if there
-        ]
-        return Presence(True, f"The robot has sonars: {' and '.join(arrays)}, says its CONFIG.")
+        arrays = {"front": config.has_front_sonar, "rear": config.has_rear_sonar}
+        fitted = " and ".join(name for name, there in arrays.items() if there)
+        return Presence(True, f"The robot has sonars: {fitted}, says its CONFIG.")
     if config and config.has_front_sonar == 0:
         return Presence(False, "The robot has no sonars: its CONFIG says FrontSonar 0.")
     if count:

@@ -1,9 +1,8 @@
 """Sensors with readings on demand, over all sessions with the robot."""
 
 import asyncio
-from collections import deque
 from collections.abc import AsyncGenerator, Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Generic, Protocol, TypeVar
 
@@ -12,6 +11,7 @@ from pioneer3.arcos.reports import Report
 from pioneer3.errors import DeviceError
 from pioneer3.robot.devices.presence import Presence
 from pioneer3.robot.report_requests import RENEW, ReportRequest
+from pioneer3.robot.reports import ArrivalRate
 from pioneer3.robot.supervisor import Supervisor
 
 V = TypeVar("V", bound="Stamped")
@@ -21,7 +21,6 @@ PATIENCE = RENEW + 1.0
 """Longest wait for a first reading [s]: a lost request has been sent again by then."""
 ANSWER_PATIENCE = 1.0
 TRIES = 3
-RATE_WINDOW = 1.0
 
 
 class Stamped(Protocol):
@@ -34,14 +33,11 @@ class Stamped(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Shown:
-    """A value of a reading, for display.
+    """A value of a reading, for display: the field `name`, with a label of a few words.
 
     Attributes:
-        name: Field of the reading.
-        label: In a few words.
         unit: Unit shown; empty for counts and texts.
         scale: One SI unit of the field in `unit`.
-        decimals: Digits after the point.
     """
 
     name: str
@@ -65,11 +61,9 @@ class SensorKind:
     """A kind of sensor.
 
     Attributes:
-        name: Key of the sensor in :attr:`Devices.sensors` and in messages to the page.
+        name: Key of the sensor in messages to the page, which shows the values `shown`.
         title: For a sentence, such as `the compass`.
-        request: For its reports.
         reports: The reports that hold a reading, in the order in which they come.
-        shown: The values that the page shows.
     """
 
     name: str
@@ -82,8 +76,7 @@ class SensorKind:
 class Sensor(Generic[V]):
     """Readings of one device, requested while they are wanted.
 
-    Args:
-        read: Returns the reading in a report received at a time [s], or `None`.
+    `read` returns the reading in a report received at a time [s], or `None`.
 
     Attributes:
         latest: The last reading, or `None` before the first one; look at its stamp.
@@ -101,7 +94,7 @@ class Sensor(Generic[V]):
         self._read = read
         self._readers = 0
         self._count = 0
-        self._stamps: deque[float] = deque()
+        self._rate = ArrivalRate()
         self._stop_reading: Callable[[], None] = lambda: None
 
     @property
@@ -114,15 +107,11 @@ class Sensor(Generic[V]):
     @property
     def rate(self) -> float:
         """Readings in the last second [1/s]."""
-        self._forget(asyncio.get_running_loop().time())
-        return len(self._stamps) / RATE_WINDOW
-
-    def wanted(self) -> AbstractContextManager[None]:
-        """Request readings and keep :attr:`latest` new during the block."""
-        return self._asked()
+        return self._rate.at(asyncio.get_running_loop().time())
 
     @contextmanager
-    def _asked(self) -> Iterator[None]:
+    def wanted(self) -> Iterator[None]:
+        """Request readings and keep :attr:`latest` new during the block."""
         kind = self.kind
         with self._supervisor.requested(kind.title, kind.request):
             if not self._readers:
@@ -135,11 +124,8 @@ class Sensor(Generic[V]):
                 if not self._readers:
                     self._stop_reading()
 
-    def values(self) -> AsyncGenerator[V, None]:
+    async def values(self) -> AsyncGenerator[V, None]:
         """Yield each reading from now on; the newest when the reader is slow."""
-        return self._each()
-
-    async def _each(self) -> AsyncGenerator[V, None]:
         reports = self._supervisor.reports
         with self.wanted(), reports.subscribe(*self.kind.reports, room=1) as heard:
             seen = self._count
@@ -177,12 +163,7 @@ class Sensor(Generic[V]):
         if value is not None:
             self.latest = value
             self._count += 1
-            self._stamps.append(stamp)
-            self._forget(stamp)
-
-    def _forget(self, now: float) -> None:
-        while self._stamps and now - self._stamps[0] >= RATE_WINDOW:
-            self._stamps.popleft()
+            self._rate.add(stamp)
 
 
 async def ask(

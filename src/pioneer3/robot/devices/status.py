@@ -27,11 +27,10 @@ SYSTEM_STATES = {
 class DetailedStatus:
     """The values of ARIA's status mode that a snapshot does not have as fields.
 
+    Flags and faults are the names of those that are set; `None` where the robot sends none, as
+    only MTX robots do of `flags3`.
+
     Attributes:
-        flags: Names of the flags that are set.
-        faults: Likewise; `None` where the robot does not send fault flags.
-        flags3: Likewise; MTX only.
-        charging: State of the charger.
         charger_power: Whether the charger's power is good.
         high_temperature: Whether the motors are too hot.
         cycle: Mean interval of reports [s]; NaN before the second one.
@@ -64,12 +63,8 @@ def detailed_status(snapshot: Snapshot) -> DetailedStatus:
 def names(flags: IntFlag, width: int) -> tuple[str, ...]:
     """Return the name of each bit that is set, the lowest first; `bit 12` where it has none."""
     kind = type(flags)
-    found = []
-    for bit in range(width):
-        if flags >> bit & 1:
-            name = kind(1 << bit).name
-            found.append(name.lower().replace("_", " ") if name else f"bit {bit}")
-    return tuple(found)
+    found = ((bit, kind(1 << bit).name) for bit in range(width) if flags >> bit & 1)
+    return tuple(name.lower().replace("_", " ") if name else f"bit {bit}" for bit, name in found)
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,7 +2,6 @@
 
 import asyncio
 import logging
-from collections import deque
 from collections.abc import AsyncGenerator, Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
@@ -30,6 +29,7 @@ from pioneer3.models.lasers import LaserProtocol
 from pioneer3.robot.devices.presence import Presence
 from pioneer3.robot.lasers.mounting import Mounting, PoseAt
 from pioneer3.robot.lasers.search import ProtocolSearch, client_of
+from pioneer3.robot.reports import ArrivalRate
 from pioneer3.robot.supervisor import Connection, ConnectionStatus, Feed
 from pioneer3.state import Scan
 
@@ -42,7 +42,6 @@ RETRY = 0.4
 """Pause before the next attempt [s]."""
 CLOSE_PATIENCE = 0.5
 WRITE_PATIENCE = 2.0
-RATE_WINDOW = 1.0
 READING_PATIENCE = 10.0
 USUAL = Patience()
 
@@ -52,12 +51,8 @@ class LaserConfig:
     """A laser and how to use it.
 
     Attributes:
-        url: Of its port.
-        open: Opens a link to it.
         name: In scans, frames and messages.
         protocol: Its language; `None` to find out.
-        settings: For the scans.
-        patience: How long to wait for it.
         time_offset: Added to the times of scans [s].
     """
 
@@ -73,15 +68,13 @@ class LaserConfig:
 class LaserDriver:
     """One laser; a source of scans like the laser of a simulator.
 
-    Args:
-        config: The laser.
-        pose_at: Returns the robot's pose in odometry's frame at a time.
-        mounting: Returns its place on the robot, which is known once the robot is.
+    `mounting` returns its place on the robot, which is known once the robot is.
 
     Attributes:
-        config: The same.
-        status: State of the connection, with the reason.
+        name: In scans, frames and messages.
         latest: The last scan, or `None`; look at its stamp.
+        latency: Time from the last reading of the last scan until it was here [s]; 0 before any.
+        protocol: Its language, once it is known.
         scans: Number of scans received.
         losses: How often the laser was lost.
     """
@@ -99,13 +92,14 @@ class LaserDriver:
         self.losses = 0
         self._pose_at = pose_at
         self._mounting = mounting
-        self._protocol = config.protocol
+        self.name = config.name
+        self.protocol = config.protocol
         self._feed: Feed[Scan] = Feed()
         self._identities: Feed[LaserIdentity] = Feed()
         self._clock = asyncio.get_running_loop().time
-        self._stamps: deque[float] = deque()
+        self._rate = ArrivalRate()
         self._failure = ""
-        self._latency = 0.0
+        self.latency = 0.0
         self._speed: int | None = None
         self._good_speed: int | None = None
 
@@ -115,19 +109,9 @@ class LaserDriver:
         return self._identities.latest
 
     @property
-    def name(self) -> str:
-        """Name of the laser."""
-        return self.config.name
-
-    @property
     def sensor_in_robot(self) -> Pose2:
         """Its pose on the robot [m, rad]."""
         return self._mounting().sensor_in_robot
-
-    @property
-    def protocol(self) -> LaserProtocol | None:
-        """Its language, once it is known."""
-        return self._protocol
 
     @property
     def connected(self) -> bool:
@@ -163,15 +147,9 @@ class LaserDriver:
         return f"{self.title}: {self.rate:.0f} scans/s, {near}"
 
     @property
-    def latency(self) -> float:
-        """Time from the last reading of the last scan until it was here [s]; 0 before any."""
-        return self._latency
-
-    @property
     def rate(self) -> float:
         """Scans in the last second [1/s]."""
-        self._forget(self._clock())
-        return len(self._stamps) / RATE_WINDOW
+        return self._rate.at(self._clock())
 
     @contextmanager
     def wanted(self) -> Iterator[None]:
@@ -212,7 +190,8 @@ class LaserDriver:
         end = "closed"
         try:
             while True:
-                self._publish(Connection.CONNECTING, self._connecting())
+                after = f" after: {self._failure}" if self._failure else ""
+                self._publish(Connection.CONNECTING, f"connecting{after}")
                 try:
                     await self._serve_once()
                 except RecordingOverError as over:
@@ -228,9 +207,6 @@ class LaserDriver:
             self._publish(Connection.CLOSED, end)
             for feed in (self._feed, self._identities, self.status):
                 feed.close()
-
-    def _connecting(self) -> str:
-        return f"connecting after: {self._failure}" if self._failure else "connecting"
 
     async def _serve_once(self) -> None:
         try:
@@ -250,9 +226,9 @@ class LaserDriver:
 
     def _client(self, speeds: Sequence[int], round_trip: float) -> LaserClient:
         now, config = self._clock(), self.config
-        if self._protocol is not None:
+        if self.protocol is not None:
             return client_of(
-                self._protocol,
+                self.protocol,
                 now,
                 speeds,
                 config.settings,
@@ -270,7 +246,7 @@ class LaserDriver:
         )
 
     def _learn_protocol(self, protocol: LaserProtocol) -> None:
-        self._protocol = protocol
+        self.protocol = protocol
 
     async def _serve(self, link: Link, client: LaserClient) -> None:
         """Pass bytes between `link` and `client` until it is lost.
@@ -326,7 +302,7 @@ class LaserDriver:
     def _take(self, raw: RawScan) -> None:
         self.scans += 1
         now = self._clock()
-        self._latency = now - raw.stamp - raw.beam_time * max(0, len(raw.ranges) - 1)
+        self.latency = now - raw.stamp - raw.beam_time * max(0, len(raw.ranges) - 1)
         if self.config.time_offset:
             raw = replace(raw, stamp=raw.stamp + self.config.time_offset)
         scan = self._mounting().scan(raw, self.scans, self.config.name, self._pose_at)
@@ -334,8 +310,7 @@ class LaserDriver:
             self._failure, self._good_speed = "", self._speed
             self._publish(Connection.CONNECTED, f"{len(scan.ranges)} readings a scan")
         self.latest = scan
-        self._stamps.append(now)
-        self._forget(now)
+        self._rate.add(now)
         self._feed.publish(scan)
 
     def _lose(self, reason: str) -> None:
@@ -349,7 +324,3 @@ class LaserDriver:
         if latest != status and connection is not Connection.CONNECTING:
             log.info("%s: %s: %s", self.config.url, connection, message)
         self.status.publish(status)
-
-    def _forget(self, now: float) -> None:
-        while self._stamps and now - self._stamps[0] >= RATE_WINDOW:
-            self._stamps.popleft()

@@ -31,12 +31,10 @@ class Sector(NamedTuple):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Mounting:
-    """The place of a laser on the robot.
+    """The place of a laser on the robot; `upside_down` it turns clockwise.
 
-    Attributes:
-        upside_down: Whether it hangs head down, so that it turns clockwise.
-        masked: Sectors to leave out, such as posts of the robot itself; in the laser's frame, as
-            :attr:`Scan.angles` are, seen from above.
+    Sectors `masked` are left out, such as posts of the robot itself; in the laser's frame, as
+    :attr:`Scan.angles` are, seen from above.
     """
 
     sensor_in_robot: Pose2 = ORIGIN

@@ -68,15 +68,10 @@ NOTHING = "nothing answers as a laser does: is it switched on, and is this its p
 
 
 class ProtocolSearch:
-    """A client that becomes the one of the right protocol.
+    """A client that becomes the one of the right protocol, and calls `found` with that.
 
-    Args:
-        now: The time [s, monotonic].
-        speeds: Line speeds that the link can have [baud]; empty without a serial line.
-        settings: For the scans.
-        patience: How long to wait.
-        round_trip: How much later than over a cable an answer may come [s].
-        found: Called with the protocol once it is known.
+    `speeds` are those of the line [baud], empty without a serial one; `round_trip` is how much
+    later than over a cable an answer may come [s].
     """
 
     def __init__(

@@ -23,11 +23,8 @@ class LaserSpec:
     """A laser of a robot, as it was asked for.
 
     Attributes:
-        name: In scans, frames and messages.
-        protocol: Its language; `None` to find out.
         mounting: Its place; `None` for that of the robot's model.
         masked: Sectors to leave out, besides those of the robot's model.
-        time_offset: Added to the times of scans [s].
         record: New file for every byte on its wire.
     """
 
@@ -81,15 +78,10 @@ def parse_lasers(
     settings: ScanSettings = AS_DELIVERED,
     record: Path | None = None,
 ) -> tuple[LaserSpec, ...]:
-    """Read the options of a command line.
+    """Read the options of a command line: `[MODEL@]PORT` of each laser.
 
-    Args:
-        lasers: `[MODEL@]PORT` of each.
-        poses: `x,y,heading[,upside-down]`, for the first lasers, in their order.
-        masks: `first:last[,first:last ...]`, likewise.
-        settings: For the scans of all.
-        record: New file for every byte on the robot's wire; each laser has its own, with its name
-            added.
+    Poses are `x,y,heading[,upside-down]`, for the first lasers in their order; masks likewise are
+    `first:last[,first:last ...]`. Each laser has a file `record` of its own, with its name added.
 
     Raises:
         ConfigError: one of them is wrong, or there are more poses or masks than lasers.

@@ -6,7 +6,7 @@ Facts: protocol.md 3.2 row 45, 4.2, 5.4 (GyroType 1), 5.7.
 from collections import deque
 from collections.abc import Sequence
 from dataclasses import replace
-from math import cos, inf, pi, radians, sin
+from math import cos, degrees, inf, pi, radians, sin
 
 from numpy.random import Generator
 
@@ -22,7 +22,6 @@ from pioneer3.sim.accessories.base import (
     ReportingAccessory,
     SipFields,
 )
-from pioneer3.units import degrees
 
 FIELD_LEVEL = 20.0
 """Level part of the earth's field in central Europe [uT]; x forward, y right, z down."""

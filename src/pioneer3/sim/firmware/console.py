@@ -4,6 +4,7 @@ import logging
 from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from math import degrees
 
 from pioneer3 import __version__
 from pioneer3.arcos import commands
@@ -17,7 +18,7 @@ from pioneer3.sim.equipment import Equipment
 from pioneer3.sim.kernels.drives import V_OF_V, W_OF_W
 from pioneer3.sim.world import World
 from pioneer3.sim.worldfile import ClientMaps
-from pioneer3.units import MM, MS, degrees
+from pioneer3.units import MM, MS
 
 log = logging.getLogger(__name__)
 

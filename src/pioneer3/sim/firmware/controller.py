@@ -16,7 +16,7 @@ console      commands to the simulator itself
 
 from collections.abc import Callable
 from dataclasses import replace
-from math import inf
+from math import degrees, inf
 
 from pioneer3.arcos import commands, reports
 from pioneer3.arcos.commands import Command
@@ -41,7 +41,7 @@ from pioneer3.sim.firmware.steering import steer
 from pioneer3.sim.world import World
 from pioneer3.sim.worldfile import ClientMaps
 from pioneer3.state import Identity
-from pioneer3.units import DECIVOLT, MM, MS, degrees
+from pioneer3.units import DECIVOLT, MM, MS
 
 CYCLE = 0.1
 """Pause between information packets [s]."""

@@ -10,7 +10,7 @@ checksums change.
 """
 
 from collections.abc import Sequence
-from math import radians
+from math import degrees, radians
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +24,7 @@ from pioneer3.geometry import ORIGIN, Pose2
 from pioneer3.sim.body import Body
 from pioneer3.sim.sensors import LASER_RANGE
 from pioneer3.sim.world import World
-from pioneer3.units import MM, degrees
+from pioneer3.units import MM
 
 Words = UInt16
 

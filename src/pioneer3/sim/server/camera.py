@@ -58,6 +58,7 @@ class SimulatedCamera:
     Attributes:
         address: Host and number of its TCP port, or `None`.
         taken: Number of pictures that were rendered.
+        shot: The picture that is to be rendered.
     """
 
     def __init__(
@@ -76,7 +77,7 @@ class SimulatedCamera:
         self._size = equipment.picture_width, equipment.picture_height
         self._period = 1 / equipment.picture_rate
         self._due = -inf
-        self._shot: Shot | None = None
+        self.shot: Shot | None = None
         self._wanted = 0
         self._arrival = asyncio.Event()
         self._jpeg, self._view = b"", self.model.wide
@@ -95,7 +96,7 @@ class SimulatedCamera:
 
     def tick(self, now: float) -> None:
         """Take a picture if one is due at `now` [s, simulated]."""
-        if self._wanted and now >= self._due - SLACK and self._shot is None:
+        if self._wanted and now >= self._due - SLACK and self.shot is None:
             self.shoot(now)
 
     def shoot(self, now: float) -> None:
@@ -120,18 +121,13 @@ class SimulatedCamera:
             width=width,
             height=height,
         )
-        self._shot = Shot(instant, asked)
+        self.shot = Shot(instant, asked)
         self._wake()
-
-    @property
-    def shot(self) -> Shot | None:
-        """The picture that is to be rendered."""
-        return self._shot
 
     def publish(self, shot: Shot, jpeg: bytes | None) -> None:
         """Give all viewers the rendered picture; `None` if that failed."""
-        if self._shot is shot:
-            self._shot = None
+        if self.shot is shot:
+            self.shot = None
         if jpeg is not None:
             self._jpeg, self._view = jpeg, shot.asked.view
             self.taken += 1
@@ -188,7 +184,7 @@ class SimulatedCamera:
             finally:
                 self._wanted -= 1
                 if not self._wanted:
-                    self._shot, self._due = None, -inf
+                    self.shot, self._due = None, -inf
 
     async def _snapshot(self, writer: asyncio.StreamWriter) -> None:
         try:

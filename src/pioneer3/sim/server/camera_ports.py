@@ -93,7 +93,11 @@ class CameraPorts:
         except DeviceError as error:
             camera.publish(shot, None)
             log.warning("a camera has no picture: %s", error)
-            await self._start_again()
+            await asyncio.sleep(RESTART)
+            try:
+                await self._process.start()
+            except DeviceError as problem:
+                log.warning("%s", problem)
 
     async def _woken(self) -> None:
         """Wait for a picture to render; while time stands, take one now and then."""
@@ -107,10 +111,3 @@ class CameraPorts:
                 if stands and camera.wanted:
                     camera.shoot(before)
         self._wake.clear()
-
-    async def _start_again(self) -> None:
-        await asyncio.sleep(RESTART)
-        try:
-            await self._process.start()
-        except DeviceError as error:
-            log.warning("%s", error)

@@ -73,10 +73,7 @@ class ClientHandler(Protocol):
 
 
 class SocketClient:
-    """A host at the far end of a socket.
-
-    `file` reads and writes without blocking, and is closed in the end.
-    """
+    """A host at the far end of a socket; its file does not block, and is closed in the end."""
 
     permanent = False
 
@@ -95,7 +92,6 @@ class SocketClient:
         return False
 
     def resume(self) -> None:
-        """Begin to read."""
         if not self._listens and not self._file.closed:
             self._listens = True
             self._loop.add_reader(self._file.fileno(), self._read)
@@ -241,11 +237,9 @@ class LinkClient:
         self._has_unsent = asyncio.Event()
 
     def resume(self) -> None:
-        """Begin to read."""
         self._listening.set()
 
     def pause(self) -> None:
-        """Stop reading."""
         self._listening.clear()
 
     def send(self, data: bytes) -> None:
@@ -302,8 +296,7 @@ class ClientSlot:
 
     `on_change` is called when another host takes the slot, before it is read.
 
-    Attributes:
-        closed: Every host is turned away.
+    If it is `closed`, every host is turned away.
     """
 
     def __init__(

@@ -39,12 +39,10 @@ class LinkFaults:
 
     @classmethod
     def parse(cls, text: str, *, seed: int = 0) -> Self:
-        """Return what `text` describes.
+        """Return what `text` describes, with `seed` if it names none.
 
-        Args:
-            text: Any of `drop=SHARE`, `corrupt=SHARE`, `delay=SECONDS`, `seed=NUMBER`, `frozen`
-                and `unplugged`, separated by commas; empty for a good cable.
-            seed: Of the random generators if the text does not say.
+        It is any of `drop=SHARE`, `corrupt=SHARE`, `delay=SECONDS`, `seed=NUMBER`, `frozen` and
+        `unplugged`, separated by commas; empty for a good cable.
 
         Raises:
             ConfigError: it names the word that is wrong.

@@ -29,13 +29,12 @@ SLACK = 1e-6
 
 
 class SimulatedLaser:
-    """One laser on a robot.
+    """One laser on a robot, which may have a serial port `pty`.
 
     `wake` is called whenever a host has sent bytes.
 
     Attributes:
         addresses: Host and number of its TCP ports, the first one for most programs.
-        pty: Its serial port, or `None`.
     """
 
     def __init__(

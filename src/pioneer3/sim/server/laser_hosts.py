@@ -50,10 +50,8 @@ class Cable:
     def replace(self, faults: LinkFaults) -> None:
         """Have other faults from now on."""
         self._faults = faults
-        self._to_laser, self._to_host = (
-            CableDirection(faults, "to laser"),
-            CableDirection(faults, "to host"),
-        )
+        self._to_laser = CableDirection(faults, "to laser")
+        self._to_host = CableDirection(faults, "to host")
 
     def keep(self, client: HostConnection, data: bytes) -> None:
         """Keep the bytes of `client` for :meth:`take`."""

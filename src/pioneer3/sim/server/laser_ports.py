@@ -43,10 +43,7 @@ def device_of(model: LaserModel) -> LaserDevice:
 
 
 class LaserPorts:
-    """All lasers of a simulation.
-
-    `wake` is called whenever a host has sent bytes.
-    """
+    """All lasers of a simulation; `wake` is called whenever a host has sent bytes."""
 
     def __init__(self, world: World, wake: Callable[[], None]) -> None:
         self.lasers: list[SimulatedLaser] = []

@@ -94,11 +94,7 @@ class TcpListener:
 
 
 class PtyListener:
-    """A pseudo terminal in front of a port.
-
-    Attributes:
-        path: The name that a host opens, such as `/dev/pts/3`.
-    """
+    """A pseudo terminal in front of a port; hosts open its `path`, such as `/dev/pts/3`."""
 
     def __init__(self, port: Port) -> None:
         pair = make_pty()

@@ -42,11 +42,7 @@ LAST_WORDS = 4 << 10
 
 
 class RenderFailure(NamedTuple):
-    """Why the process does not render with one OpenGL.
-
-    Attributes:
-        told: Whether the process itself gave it, by its answer.
-    """
+    """Why the process does not render with one OpenGL; maybe `told` by the process itself."""
 
     reason: str
     told: bool
@@ -55,8 +51,7 @@ class RenderFailure(NamedTuple):
 class PictureProcess:
     """Renders one picture after the other, by OpenGL in a process of its own.
 
-    Attributes:
-        backend: The OpenGL in use; empty before :meth:`start`.
+    The `backend` is the OpenGL in use; empty before :meth:`start`.
     """
 
     def __init__(self) -> None:

@@ -37,7 +37,6 @@ class RobotPort:
 
     Attributes:
         address: Host and number of its TCP port, `None` without.
-        listeners: Closed with the port.
         pending: Whether there is something for :meth:`take`.
         due: When to call :meth:`tick` next [s, simulated].
         report_tick: The tick of the cycle in which this session's reports are sent.
@@ -76,10 +75,8 @@ class RobotPort:
     @faults.setter
     def faults(self, faults: LinkFaults) -> None:
         self._faults = faults
-        self._to_robot, self._to_host = (
-            CableDirection(faults, "to robot"),
-            CableDirection(faults, "to host"),
-        )
+        self._to_robot = CableDirection(faults, "to robot")
+        self._to_host = CableDirection(faults, "to host")
 
     @property
     def label(self) -> str:
@@ -99,7 +96,6 @@ class RobotPort:
 
     @property
     def full(self) -> bool:
-        """Whether one more host would be turned away at once."""
         return self._slot.full
 
     @property
@@ -139,7 +135,6 @@ class RobotPort:
         await client.live()
 
     def admit(self, client: HostConnection) -> None:
-        """Give `client` the slot, now or soon, or turn it away."""
         self._slot.admit(client)
 
     def received(self, client: HostConnection, data: bytes) -> None:
@@ -154,7 +149,6 @@ class RobotPort:
         self._wake()
 
     def disconnected(self, client: HostConnection) -> None:
-        """Note that `client` has gone."""
         if client is self._slot.host and not client.permanent:
             self._end_session()
         if self._slot.disconnected(client):
@@ -168,12 +162,10 @@ class RobotPort:
                 self._disconnect()
 
     def take(self, now: float, turn: int, *, listen: bool = True) -> None:
-        """Give the robot the bytes of its host.
+        """Give the robot the bytes of its host, `now` [s, simulated]; `turn` counts the ticks.
 
-        Args:
-            now: [s, simulated].
-            turn: Counts the ticks; each brings :data:`BYTES_PER_TICK`.
-            listen: Whether to take new bytes, or only those that are on their way.
+        Each brings :data:`BYTES_PER_TICK`. If it does not `listen`, it takes no new bytes, but
+        those that are on their way.
         """
         if self._final_bytes is not None:
             self._deliver(self._final_bytes, now)

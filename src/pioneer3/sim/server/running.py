@@ -44,9 +44,7 @@ class SimulatedRobot:
         name: For people; to programs it is `MobileSim`, unless it has a laser with a port of its
             own.
         url: For hosts; `memory:NAME` where it does not listen.
-        pty: Its serial port, or `None`.
         laser: Its range finder with a port of its own, or `None`.
-        camera: Its camera if that has pictures, or `None`.
     """
 
     name: str
@@ -147,10 +145,7 @@ class RunningSimulation:
         Raises:
             KeyError: There is none.
         """
-        for robot in self.robots:
-            if robot.name == name:
-                return robot
-        raise KeyError(name)
+        return {robot.name: robot for robot in self.robots}[name]
 
     def set_faults(self, faults: LinkFaults) -> None:
         """Give every robot's cable faults like `faults`, each with chances of its own.

@@ -13,7 +13,7 @@ import asyncio
 import logging
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from math import ceil, inf
 from typing import TYPE_CHECKING
 
@@ -45,15 +45,12 @@ SLACK = 1e-6
 class Simulation:
     """A world with its robots' ports, in time.
 
-    Args:
-        pace: The speed of time; real time if not given.
-        keep_session: Whether a host that vanishes from the network leaves its session behind, as
-            on a serial line.
-        threads: Whether a step that takes long is done by another thread, while the event loop
-            serves others; not where the loop's time is virtual, which would not wait.
+    With `keep_session` a host that vanishes from the network leaves its session behind, as on a
+    serial line. With `threads` a step that takes long is done by another thread, while the event
+    loop serves others; not where the loop's time is virtual, which would not wait.
 
     Attributes:
-        pace: The same; its attributes may be changed while the simulation runs.
+        pace: The speed of time, which may be changed while the simulation runs.
         cameras: Their cameras with pictures; `None` without physics or OpenGL.
     """
 
@@ -124,11 +121,12 @@ class Simulation:
         Raises:
             LinkError: This machine has no more of them.
         """
-        listeners = []
+        paths = []
         for port in self.ports:
-            listeners.append(PtyListener(port))
-            port.listeners.append(listeners[-1])
-        return [listener.path for listener in listeners]
+            listener = PtyListener(port)
+            port.listeners.append(listener)
+            paths.append(listener.path)
+        return paths
 
     def attach(self, firmware: Firmware) -> RobotPort:
         """Add a robot; return its port, which can :meth:`RobotPort.serve` hosts."""
@@ -315,11 +313,9 @@ class Simulation:
 
     async def _sleep_until_heard(self, seconds: float) -> None:
         self._heard.clear()
-        try:
+        with suppress(TimeoutError):
             async with asyncio.timeout(seconds):
                 await self._heard.wait()
-        except TimeoutError:
-            pass
 
     async def _open(
         self,

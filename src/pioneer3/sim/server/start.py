@@ -217,11 +217,7 @@ async def _compile_kernels(world: World) -> None:
 
 
 def _refuse_robots_ports(acts: int, here: RunningSimulation) -> None:
-    """Refuse colour trackers at a port that is a robot's.
-
-    Raises:
-        ConfigError: One would be.
-    """
+    """Refuse colour trackers at a port that is a robot's."""
     wanted = range(acts, acts + len(here.robots)) if acts else ()
     if common := set(wanted) & set(here.tcp_ports):
         raise ConfigError(
@@ -271,11 +267,7 @@ async def _lasers(
 async def _cameras(
     spawned: Sequence[SpawnedRobot], simulation: Simulation, host: str | None, *, free: bool
 ) -> "tuple[list[SimulatedCamera | None], list[str]]":
-    """Serve the pictures of all robots' cameras at `host`; `None` serves none.
-
-    Returns:
-        The cameras, `None` for robots without pictures; and a note why there are none.
-    """
+    """Serve the pictures of all robots' cameras at `host`; return these, and the problems."""
     cameras: list[SimulatedCamera | None] = [None] * len(spawned)
     if host is None:
         return cameras, []

@@ -24,7 +24,6 @@ class WorldOverrides:
         robots: In place of the world's.
         starts: One for all robots, or one for each.
         equipment: Of all robots, in addition to their own.
-        seed: Of all random numbers.
         keep_session: Sessions outlive their programs, even if the world says no.
         physics: Robots have mass, motors and tires, even if the world says no.
         own_ports: Robots keep the ports that the world file gives them.

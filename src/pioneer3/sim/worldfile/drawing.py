@@ -9,8 +9,8 @@ from math import cos, sin
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pioneer3.arrays import Bool, Float
 from pioneer3.geometry import Pose2
 from pioneer3.maps.grid import shape_of, touched
 from pioneer3.maps.image import to_png
@@ -20,8 +20,6 @@ from pioneer3.names import printable
 from pioneer3.sim.relief import Ramp
 from pioneer3.sim.worldfile.person import Person
 from pioneer3.sim.worldfile.spec import WorldFile
-
-Float = NDArray[np.float64]
 
 ARROW = 0.5
 """Length of the stroke that shows a heading [m]."""
@@ -73,19 +71,13 @@ COLOURS: Mapping[Layer, tuple[int, int, int]] = MappingProxyType(
     }
 )
 
-
 SOLID_LAYERS = (Layer.CARPET, Layer.HEIGHTFIELD, Layer.STEP, Layer.RAMP, Layer.TABLE)
 """The kinds of solids that are not walls, or not as a whole."""
 
 
 @dataclass(frozen=True, slots=True)
 class Marker:
-    """A named place.
-
-    Attributes:
-        pose: In the map [m, rad].
-        has_heading: Whether the heading is drawn.
-    """
+    """A named place; its heading is drawn if it has one."""
 
     layer: Layer
     pose: Pose2
@@ -101,12 +93,7 @@ class Marker:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class WorldDrawing:
-    """Lines and markers in the map frame.
-
-    Attributes:
-        bounds: Of all lines and markers [m].
-        lines: Segments [m] of each layer, shape (N, 4).
-    """
+    """Lines of each layer, (N, 4) [m], and markers in the map frame, and the bounds of all [m]."""
 
     name: str
     bounds: Extent
@@ -240,12 +227,12 @@ def to_picture(drawing: WorldDrawing) -> bytes:
     return to_png(pixels[::-1])
 
 
-def _cross(marker: Marker) -> NDArray[np.float64]:
+def _cross(marker: Marker) -> Float:
     x, y = marker.pose.x, marker.pose.y
     return np.array([[x - DOT, y, x + DOT, y], [x, y - DOT, x, y + DOT]])
 
 
-def _thick(cells: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def _thick(cells: Bool) -> Bool:
     """Make lines two pixels wide."""
     thick = cells.copy()
     thick[1:] |= cells[:-1]

@@ -85,9 +85,8 @@ def shipped_world(name: str) -> WorldFile:
 class ClientMaps:
     """The maps that a client may ask for by name: those that ship, and those in some folders.
 
-    Args:
-        folders: By default the working directory. Folders inside these are not searched, and links
-            out of them not followed, so that clients cannot read this machine's other files.
+    That is by default the working directory. Folders inside these are not searched, and links out
+    of them not followed, so that clients cannot read this machine's other files.
     """
 
     def __init__(self, *folders: Path) -> None:

@@ -8,12 +8,10 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 from msgspec import Meta
-from numpy.typing import NDArray
 
+from pioneer3.arrays import Float
 from pioneer3.geometry import Pose2
 from pioneer3.sim.relief.shapes import Point
-
-Float = NDArray[np.float64]
 
 RADIUS = 0.25
 """Radius of a standing person with arms at the sides [m]."""
@@ -40,7 +38,6 @@ class Person:
 
     Attributes:
         path: Points `(x, y)` [m]; a person with one point stands still.
-        speed: [m/s].
         radius: Of the circle that the outline is drawn around [m].
         loop: From the last point straight to the first; else back along the path.
         pause: Time at each point before walking on [s].

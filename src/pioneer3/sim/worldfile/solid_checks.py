@@ -3,8 +3,8 @@
 from collections import Counter
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pioneer3.arrays import Float
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
 from pioneer3.sim.relief import Cylinder, HeightField, Mesh, Ramp, Solid, Step, Table
@@ -12,7 +12,6 @@ from pioneer3.sim.relief.shapes import NONE, Hull, Shape, Terrain
 from pioneer3.sim.worldfile.spec import WorldFile
 from pioneer3.tables import Source
 
-Float = NDArray[np.float64]
 TOUCHING = 0.005
 """A wall that goes no farther into a ramp or step touches it [m]."""
 MOST_SOLIDS = 500

@@ -10,8 +10,8 @@ from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 from msgspec import Meta
-from numpy.typing import NDArray
 
+from pioneer3.arrays import Float
 from pioneer3.geometry import Pose2
 from pioneer3.maps import LineMap, MapObject, empty_map, read_map, shipped_map
 from pioneer3.maps.line_map import solid_walls
@@ -35,7 +35,6 @@ from pioneer3.sim.relief.solids import SENSOR_HEIGHT
 from pioneer3.sim.worldfile.person import Person
 from pioneer3.tables import FieldForm, degrees_of
 
-Float = NDArray[np.float64]
 Start = Pose2 | Literal["random", "outside", "home"]
 """A pose in the map, somewhere free inside the map, beside the map, or a home of the map."""
 
@@ -210,14 +209,10 @@ class WorldFile:
         seed: Of all random numbers; `None` for another one each time.
         keep_session: Whether a program that vanishes from the network leaves its session behind, as
             on a serial line.
-        physics: How robots and boxes move.
         physics_step: Of MuJoCo [s].
         wall_height: Of walls of which nothing else is said [m].
-        robots: In file order.
-        boxes: In file order; only the fixed ones become walls.
-        walls: In addition to the map's.
-        places: In addition to the map's.
-        people: In file order.
+        boxes: In file order, as robots and people; only the fixed ones become walls.
+        walls: In addition to the map's, as `places`.
         solids: By kind in the order of :data:`~pioneer3.sim.relief.SOLIDS`, each in file order.
         source: Its file, for messages; empty without.
     """

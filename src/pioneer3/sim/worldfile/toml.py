@@ -3,7 +3,8 @@
 The keys and their ranges are the fields of those objects, and :mod:`pioneer3.tables` reads them.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import chain
 from os.path import relpath
@@ -69,7 +70,9 @@ def parse_world(path: Path, text: str) -> WorldFile:
     if isinstance(tables.get("world"), dict):
         tables["world"].setdefault("name", printable(path.stem))
     file = converted(source, tables, Tables)
-    robots = tuple(_model_beside(path, robot) for robot in file.robot)
+    robots = tuple(
+        _with_model(robot, lambda model: str(path.parent / model)) for robot in file.robot
+    )
     _refuse_doubles(source, robots)
     _refuse_movable_glass(source, file.box)
     world = replace(
@@ -121,10 +124,14 @@ def write_world(world: WorldFile, path: Path) -> None:
 
 def to_toml(world: WorldFile, folder: Path) -> str:
     """Return the text of a world file that lies in `folder`; defaults are left out."""
-    map_name = _relative(world.map, folder) if isinstance(world.map, Path) else world.map
+
+    def relative(path: Path) -> str:
+        return path.as_posix() if path.is_absolute() else Path(relpath(path, folder)).as_posix()
+
+    map_name = relative(world.map) if isinstance(world.map, Path) else world.map
     solids: dict[str, Any] = {
         kind.table: tuple(
-            replace(solid, file=Path(_relative(solid.file, folder)))
+            replace(solid, file=Path(relative(solid.file)))
             if isinstance(solid, HeightField | Mesh)
             else solid
             for solid in world.solids
@@ -134,7 +141,7 @@ def to_toml(world: WorldFile, folder: Path) -> str:
     }
     tables = Tables(
         world=replace(world, map=map_name),
-        robot=tuple(_relative_model(robot, folder) for robot in world.robots),
+        robot=tuple(_with_model(robot, relative) for robot in world.robots),
         box=world.boxes,
         wall=world.walls,
         goal=_places(world, "goal"),
@@ -201,20 +208,18 @@ def _map(source: Source, path: Path, name: str) -> str | Path:
         problem = f"{shown(name)} is a world too; give a .map or .yaml file"
         raise source.wrong("world.map", problem)
     found = path.parent / name
-    try:
+    with suppress(OSError, ValueError):
         if found.is_file():
             return found
-    except (OSError, ValueError):
-        pass
     ships = ", ".join((*shipped_maps(), "empty"))
     problem = f"no such file: {shown(name)}, seen from here; there ships {ships}"
     raise source.wrong("world.map", problem)
 
 
-def _model_beside(path: Path, robot: RobotSpec) -> RobotSpec:
-    """Return `robot` with the path of its model's file, which is relative to the world file."""
-    is_file = Path(robot.model).suffix.lower() in MODEL_FILES
-    return replace(robot, model=str(path.parent / robot.model)) if is_file else robot
+def _with_model(robot: RobotSpec, path_of: Callable[[Path], str]) -> RobotSpec:
+    """Return `robot` with another path of its model's file, if it has one."""
+    model = Path(robot.model)
+    return replace(robot, model=path_of(model)) if model.suffix.lower() in MODEL_FILES else robot
 
 
 def _file_beside(path: Path, solid: Solid) -> Solid:
@@ -259,12 +264,3 @@ def _places(world: WorldFile, key: str) -> tuple[_PlaceTable, ...]:
     keys_of = {kind: key for key, kind in KINDS.items()}
     places = (place for place in world.places if keys_of.get(place.kind, "goal") == key)
     return tuple(map(_PlaceTable.of, places))
-
-
-def _relative_model(robot: RobotSpec, folder: Path) -> RobotSpec:
-    is_file = Path(robot.model).suffix.lower() in MODEL_FILES
-    return replace(robot, model=_relative(Path(robot.model), folder)) if is_file else robot
-
-
-def _relative(path: Path, folder: Path) -> str:
-    return path.as_posix() if path.is_absolute() else Path(relpath(path, folder)).as_posix()
