@@ -184,11 +184,11 @@ def test_a_megabyte_of_random_bytes_does_no_harm(seed: int) -> None:
 
 @given(S32, U32, REAL)
 def test_numbers_survive_the_wire(signed: int, unsigned: int, real: float) -> None:
-    assert wire.parse_signed(wire.hex_word(signed)) == signed
-    assert wire.parse_signed(wire.long_word(signed)) == signed
-    assert wire.parse_signed(wire.decimal_word(signed)) == signed
+    assert wire.TelegramWords([wire.hex_word(signed)]).signed() == signed
+    assert wire.TelegramWords([wire.long_word(signed)]).signed() == signed
+    assert wire.TelegramWords([wire.decimal_word(signed)]).signed() == signed
     assert wire.parse_number(wire.hex_word(unsigned)) == unsigned
-    assert wire.parse_real(wire.real_word(real)) == real
+    assert wire.TelegramWords([wire.real_word(real)]).real() == real
 
 
 @given(TEXT, TEXT)

@@ -3,9 +3,9 @@
 ===========  ================================================================================
 module       contents
 ===========  ================================================================================
-client       the host's side as all protocols have it: events, scans, the `Client` protocol
+client       the host's side as all protocols have it: events, scans, the `LaserClient` protocol
 dialogue     scripts of requests, pauses and answers, until the laser scans
-device       the laser's side as simulators use it: the mirror's turns, the `Device` protocol
+device       the laser's side as simulators use it: the mirror's turns, `LaserDevice`
 scip         Hokuyo's SCIP 1.1 and 2.0
 lms2xx       SICK's telegrams of the LMS-2xx
 cola         SICK's CoLa-A: LMS-1xx, LMS-5xx, TiM

@@ -12,14 +12,8 @@ from typing import Protocol
 class LaserIdentity:
     """The identity that a laser sends; empty for what it does not tell.
 
-    Attributes:
-        vendor: Maker.
-        product: Type.
-        serial: Serial number.
-        firmware: Version of its program.
-        firmware_date: Of that, as the laser writes it.
-        protocol: Language and version.
-        status: How it says that it is, such as `Sensor works well.`
+    `firmware_date` is as the laser writes it; `status` is how it says that it is, such as `Sensor
+    works well.`
     """
 
     vendor: str = ""
@@ -105,15 +99,10 @@ Event = LineSpeedWanted | Identified | Measured | Remarked | ScansLost
 class ScanSettings:
     """Wishes for the scans; a laser that cannot fulfil one does what comes nearest.
 
-    Attributes:
-        first: Direction of the first reading [rad], or `None` for the whole field.
-        last: Direction of the last one [rad], or `None`.
-        step: Between two readings [rad], or `None` for the laser's own.
-        cluster: Neighbouring readings that become one, 1 to 99 (SCIP).
-        skip: Scans left out after each one, 0 to 9.
-        intensities: Whether they are wanted.
-        multi_echo: Whether all echoes are wanted, from lasers that have them.
-        calibrate_time: Whether the laser's clock is compared with ours, where it has one.
+    Directions and `step` are in [rad], `None` for the whole field and the laser's own step. So many
+    neighbouring readings become one, `cluster` from 1 to 99 (SCIP); so many scans are left out
+    after each one, `skip` from 0 to 9. All echoes come from lasers that have them, and
+    `calibrate_time` compares the laser's clock with ours.
     """
 
     first: float | None = None
@@ -131,12 +120,10 @@ AS_DELIVERED = ScanSettings()
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Patience:
-    """How long a client waits.
+    """Time that a client waits [s].
 
-    Attributes:
-        answer: For an answer that lasers give at once [s].
-        silence: For the next scan before the laser is lost, at least ten scan periods [s].
-        give_up: For the first scan [s].
+    `answer` is for what lasers give at once, `give_up` for the first scan, and `silence` for the
+    next one before the laser is lost, at least ten scan periods.
     """
 
     answer: float = 0.25
@@ -147,8 +134,7 @@ class Patience:
 class LaserClient(Protocol):
     """The host's side: call :meth:`receive` and :meth:`tick`, obey the events, send `outgoing`.
 
-    Attributes:
-        deadline: When :meth:`tick` must next be called [s, monotonic].
+    :meth:`tick` must next be called at `deadline` [s, monotonic].
     """
 
     deadline: float

@@ -9,12 +9,8 @@ between them the lag rises no faster than clocks drift.
 class Envelope:
     """The lower envelope of lags.
 
-    Args:
-        drift: Most that one clock gains on the other, as a share.
-
-    Attributes:
-        lag: The smallest one, with drift since then [s]; `None` before the first.
-        at: When the last one came [s].
+    `lag` is the smallest one, with drift since then [s], `None` before the first; the last one came
+    at `at` [s]. `drift` is the most that one clock gains on the other, as a share.
     """
 
     def __init__(self, drift: float) -> None:

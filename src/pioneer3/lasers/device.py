@@ -15,12 +15,8 @@ from typing import Protocol
 class MirrorTurn:
     """One turn of the mirror: the readings that it takes.
 
-    Attributes:
-        first: Direction of the first reading [rad].
-        step: From one reading to the next [rad].
-        count: Number of readings.
-        beam_time: From one reading to the next [s].
-        period: Of the whole turn, with the part that measures nothing [s].
+    The direction of the first one and the step to the next are in [rad], `beam_time` to the next
+    and `period`, of the whole turn with the part that measures nothing, in [s].
     """
 
     first: float
@@ -32,16 +28,12 @@ class MirrorTurn:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Sweep:
-    """The readings of one turn.
+    """The readings of one turn, the first of them taken when it `began` [s].
 
-    Attributes:
-        turn: The turn.
-        began: Time of the first reading [s].
-        ranges: [m], shape (count,), with the errors of the laser; `inf` where nothing came back.
-        intensities: 0 to 1, shape (count,): share of the light of a perfect matt white wall, more
-            for reflectors; 0 where nothing came back.
-        echoes: All echoes of each reading [m], the nearest first, shape (count, up to 3); empty
-            where there is never more than one.
+    `ranges`, shape (count,), are in [m], with the errors of the laser; `inf` where nothing came
+    back. `intensities`, likewise, are shares of the light of a perfect matt white wall, more for
+    reflectors, 0 where nothing came back. `echoes` are all of each reading [m], the nearest first,
+    shape (count, up to 3); empty where there is never more than one.
     """
 
     turn: MirrorTurn
@@ -67,11 +59,9 @@ class DeviceConnection(Protocol):
 class LaserDevice(Protocol):
     """One laser.
 
-    Attributes:
-        speed: The line's speed [baud]; `None` where there is no serial line. A host at another
-            speed neither hears nor is heard.
-        turn: What the mirror does next, or `None` while nothing is measured or nobody wants it.
-        deadline: When :meth:`tick` has something to do, or bytes may leave [s]; `inf`: never.
+    `speed` is the line's [baud], `None` where there is no serial line; a host at another speed
+    neither hears nor is heard. At `deadline` [s] :meth:`tick` has something to do, or bytes may
+    leave; `inf`: never.
     """
 
     speed: int | None
@@ -82,11 +72,7 @@ class LaserDevice(Protocol):
         """The mirror's next turn, or `None` while nobody wants readings."""
 
     def connect(self, *, network: bool = False) -> DeviceConnection:
-        """Return the connection of one more host.
-
-        Args:
-            network: Whether it comes over a network, to a serial line through a device server.
-        """
+        """Return the connection of one more host; over a `network`, to a serial line's server."""
 
     def measured(self, sweep: Sweep, now: float) -> None:
         """Take the readings of a turn whose last reading was taken at `now` [s].

@@ -33,10 +33,8 @@ Script = Generator[RequestT | Pause | Event, ReplyT, ResultT]
 class Dialogue(Generic[RequestT, ReplyT, ResultT]):
     """Runs a script from one request or pause to the next.
 
-    Attributes:
-        step: The request or pause that the script waits for; `None` before and after it runs.
-        result: The script's result, once it is finished.
-        finished: Whether the script has come to its end, and the laser is to scan.
+    `step` is the one that the script waits for, `None` before and after it runs. Once the script
+    has `finished`, there is its `result`, and the laser is to scan.
     """
 
     def __init__(self, script: Script[RequestT, ReplyT, ResultT]) -> None:

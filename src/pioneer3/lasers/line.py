@@ -22,11 +22,9 @@ def duration(count: int, baud: int | None) -> float:
 
 
 class SerialLine:
-    """Bytes on their way out.
+    """Bytes on their way out; so many are `waiting`, and have not left yet.
 
-    Attributes:
-        speed: [baud]; `None` for a line that takes all bytes at once, such as a network's.
-        waiting: Number of bytes that have not left yet.
+    `speed` [baud] is `None` for a line that takes all bytes at once, such as a network's.
     """
 
     def __init__(self, speed: int | None) -> None:

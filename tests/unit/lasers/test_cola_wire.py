@@ -70,25 +70,25 @@ def test_what_is_no_number_is_refused(word: str) -> None:
     [("FFF92230", -450000), ("225510", 2250000), ("FFFF3CB0", -50000), ("-450000", -450000)],
 )
 def test_negative_angles_are_in_twos_complement(word: str, number: int) -> None:
-    assert wire.parse_signed(word) == number
-    assert wire.parse_signed(wire.hex_word(number)) == number
+    assert wire.TelegramWords([word]).signed() == number
+    assert wire.TelegramWords([wire.hex_word(number)]).signed() == number
 
 
 def test_a_signed_number_of_more_than_32_bits_is_refused() -> None:
     with pytest.raises(TelegramError):
-        wire.parse_signed("+2147483648")
+        wire.TelegramWords(["+2147483648"]).signed()
 
 
 @pytest.mark.parametrize(("word", "number"), [("3F800000", 1.0), ("40000000", 2.0)])
 def test_reals_are_their_bits(word: str, number: float) -> None:
-    assert wire.parse_real(word) == number
+    assert wire.TelegramWords([word]).real() == number
     assert wire.real_word(number) == word
 
 
 @pytest.mark.parametrize("word", ["3F8", "7F800000", "7FC00000", "1.0", "3f800000"])
 def test_what_is_no_finite_real_is_refused(word: str) -> None:
     with pytest.raises(TelegramError):
-        wire.parse_real(word)
+        wire.TelegramWords([word]).real()
 
 
 def test_long_words_have_eight_digits() -> None:

@@ -17,7 +17,6 @@ from pioneer3.lasers.lms2xx.measuring import (
 from pioneer3.lasers.lms2xx.scans import (
     MEAN_SUBRANGE_VALUES,
     MEAN_VALUES,
-    RANGES_AND_REFLECTIVITIES,
     SUBRANGE_VALUES,
     VALUES,
     Measurement,
@@ -153,17 +152,6 @@ def test_the_published_scan() -> None:
             "03 05 00 05 00 01 00 07 00",
         ),
         (
-            Measurement(
-                code=RANGES_AND_REFLECTIVITIES,
-                values=(7, 8, 9),
-                units=MM,
-                first=2,
-                last=3,
-                reflectivities=(100, 255),
-            ),
-            "03 40 07 00 08 00 09 00 02 40 02 00 03 00 64 FF",
-        ),
-        (
             Measurement(code=VALUES, values=(7,), units=MM, indices=b"\x11\x22"),
             "01 40 07 00 11 22",
         ),
@@ -182,7 +170,6 @@ def test_other_telegrams_of_measurements(telegram: Measurement, body: str) -> No
         (VALUES, "01 C0 07 00"),
         (VALUES, "01"),
         (SUBRANGE_VALUES, "01 00 01 00"),
-        (RANGES_AND_REFLECTIVITIES, "01 40 07 00 05 40 01 00 05 00 01"),
         (0xB1, "00 40"),
     ],
 )

@@ -5,7 +5,6 @@ import pytest
 from pioneer3.lasers.device import LaserDevice, MirrorTurn, Sweep
 from pioneer3.lasers.scip.device import ScipDevice
 from pioneer3.lasers.scip.scans import FORMATS, decode
-from pioneer3.lasers.scip.unit import STABLE
 from pioneer3.lasers.scip.wire import decode_stamp, from_pairs, unseal
 from pioneer3.models.lasers import LASERS, load_laser
 from tests.unit.lasers.scip_rig import URG, UST, UTM
@@ -379,7 +378,7 @@ def test_hokuyo_node_finds_what_it_expects() -> None:
 
 
 def test_urg_c_finds_what_it_expects() -> None:
-    bench = Bench(ScipDevice(UST, status=STABLE))
+    bench = Bench(ScipDevice(UST, status="Stable 000 no error."))
     assert bench.ask("QT") == "QT\n00P\n\n"
     bench.ask("TM0")
     assert bench.ask("QT").split("\n")[1] == "0Ee"

@@ -10,7 +10,6 @@ from pioneer3.geometry import TURN
 from pioneer3.lasers.client import Event, Identified, Measured, Patience, ScanSettings, ScansLost
 from pioneer3.lasers.scip.client import ScipClient
 from pioneer3.lasers.scip.device import ScipDevice
-from pioneer3.lasers.scip.unit import STABLE
 from pioneer3.models.lasers import LASERS, LaserModel, LaserProtocol, Steps
 from tests.unit.lasers.scip_rig import URG, URG_SPEEDS, UST, UTM, Rig
 
@@ -263,7 +262,7 @@ def test_a_laser_that_is_not_ready_is_waited_for() -> None:
 
 
 def test_a_late_start_is_waited_for() -> None:
-    device = ScipDevice(UTM, boot_time=5.0, status=STABLE)
+    device = ScipDevice(UTM, boot_time=5.0, status="Stable 000 no error.")
     rig = Rig(device)
     device.switch_on(rig.now)
     rig.connect()

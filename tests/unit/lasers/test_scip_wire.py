@@ -218,6 +218,6 @@ def test_bytes_without_end_are_not_kept() -> None:
     reader = AnswerReader()
     for number in range(100):
         assert reader.feed(b"x" * (MAX_ANSWER // 10), float(number)) == []
-    assert reader.bytes_dropped >= 9 * MAX_ANSWER
+    assert len(reader._buffer) <= MAX_ANSWER
     reader.discard()
     assert len(reader.feed(b"VV\n00P\n\n", 0.0)) == 1

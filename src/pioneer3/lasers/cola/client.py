@@ -15,12 +15,13 @@ Rules:
 Facts: cola.md 1.4, 2, 6.1.
 """
 
+from dataclasses import replace
 from math import inf
 from typing import Final
 
 from pioneer3.lasers.client import Event, Measured, Patience, Remarked, ScanSettings, ScansLost
 from pioneer3.lasers.cola.clock import ColaClock
-from pioneer3.lasers.cola.readings import geometry, raw_scan
+from pioneer3.lasers.cola.readings import raw_scan
 from pioneer3.lasers.cola.scan import NAME, decode
 from pioneer3.lasers.cola.script import ErrorAnswer, ScriptState, TelegramRequest, set_up
 from pioneer3.lasers.cola.wire import (
@@ -41,6 +42,7 @@ STATUS: Final = {
     (0, 2): "the laser's front screen is getting dirty: wipe it",
     (0, 4): "the laser's front screen is too dirty to measure well: wipe it",
 }
+SILENT: Final = "the laser sends no scans any more: check its power and its cable"
 NO_ANSWER: Final = (
     "nothing answers as a laser that speaks CoLa-A: check the address and the port (2111 or 2112),"
     " and that the laser's host interface is set to CoLa-A, not CoLa-B"
@@ -50,16 +52,8 @@ NO_ANSWER: Final = (
 class ColaClient:
     """The host's side of an LMS-1xx, an LMS-5xx or a TiM.
 
-    Args:
-        now: The time [s, monotonic]; so for every `now` below.
-        settings: Wishes for the scans.
-        patience: How long to wait.
-        round_trip: How much later than over a cable an answer may come [s].
-
-    Attributes:
-        deadline: When :meth:`tick` must next be called [s].
-        reader: Counts telegrams and noise.
-        refused: Number of scans that were no valid telegrams.
+    An answer may come `round_trip` later than over a cable [s]. `reader` counts telegrams and
+    noise, `refused` the scans that were no valid telegrams.
     """
 
     def __init__(
@@ -99,7 +93,8 @@ class ColaClient:
         if self._closed or now < self.deadline - ROUNDING:
             return []
         if self._running:
-            self._lose(self._reason_for_no_scans())
+            unread = f"the last {self._refused_since} scans of the laser could not be read"
+            self._lose(unread if self._refused_since else SILENT)
         elif isinstance(step := self._dialogue.step, TelegramRequest):
             self._ask_again(step, max(now, self.deadline))
         else:
@@ -186,14 +181,9 @@ class ColaClient:
         session = self._session
         try:
             scan = decode(TelegramWords(words[2:]))
-            at = geometry(scan)
-            stamp = now - at.span
-            if session.wishes.calibrate_time:
-                stamp = self._clock.first_reading(scan.sensed_us, scan.sent_us, now, at.span)
             raw = raw_scan(
                 scan,
-                at,
-                stamp=stamp,
+                arrival=now,
                 interval=session.interval,
                 limits=session.limits,
                 wishes=session.wishes,
@@ -205,6 +195,10 @@ class ColaClient:
             self._tell(f"{unlike}: {error}", unlike)
             return
         self._refused_since = 0
+        if session.wishes.calibrate_time:
+            span = raw.beam_time * (len(raw.ranges) - 1)
+            stamp = self._clock.first_reading(scan.sensed_us, scan.sent_us, now, span)
+            raw = replace(raw, stamp=stamp)
         silence = max(self._patience.silence, SILENT_PERIODS * raw.period)
         self.deadline = now + silence + self._round_trip
         if (trouble := STATUS.get(scan.status)) is not None:
@@ -216,11 +210,6 @@ class ColaClient:
         if trouble not in self._told:
             self._told.add(trouble)
             self._events.append(Remarked(text))
-
-    def _reason_for_no_scans(self) -> str:
-        if self._refused_since:
-            return f"the last {self._refused_since} scans of the laser could not be read"
-        return "the laser sends no scans any more: check its power and its cable"
 
     def _lose(self, reason: str) -> None:
         self._close()

@@ -27,13 +27,8 @@ class ColaClock:
         """Return the time of a scan's first reading [s, monotonic].
 
         The laser's time of the scan is that of the first reading on some lasers, and a later one on
-        others. A scan cannot be sent before its last reading, so the earlier of the two holds.
-
-        Args:
-            sensed_us: The laser's time of the scan [us].
-            sent_us: The laser's time at which it was sent [us].
-            arrival: Host's time at which it arrived [s].
-            span: From the first reading to the last one [s].
+        others. A scan cannot be sent before its last reading, `span` after the first [s], so the
+        earlier of the two holds. `arrival` is the host's time [s].
         """
         if self._sent_us == sent_us or not sent_us:
             return arrival - span  # this clock stands still

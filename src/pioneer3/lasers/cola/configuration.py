@@ -1,21 +1,22 @@
-"""Settings that both sides of CoLa-A exchange, and the numbers of errors and states (cola.md 2)."""
+"""Settings that both sides of CoLa-A exchange, and the numbers of errors and states (cola.md 2).
+
+Each `parse` raises :exc:`TelegramError` where the words are others.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import IntEnum
-from types import MappingProxyType
 from typing import Final, Self
 
 from pioneer3.lasers.cola.wire import (
+    U8,
+    U16,
     TelegramError,
     TelegramWords,
     decimal_word,
     hex_word,
     long_word,
 )
-
-U8: Final = 0xFF
-U16: Final = 0xFFFF
 
 
 class Error(IntEnum):
@@ -33,20 +34,18 @@ class Error(IntEnum):
     INVALID_CHARACTER = 0x11
 
 
-ERRORS: Final[Mapping[int, str]] = MappingProxyType(
-    {
-        Error.METHOD_ACCESS_DENIED: "this login may not do that",
-        Error.UNKNOWN_METHOD: "it has no such method",
-        Error.UNKNOWN_VARIABLE: "it has no such variable",
-        Error.VALUE_NOT_ALLOWED: "a value is not allowed",
-        Error.WRITE_ACCESS_DENIED: "this login may not write that",
-        Error.UNKNOWN_REQUEST: "it does not know that kind of request",
-        Error.SERVER_BUSY: "it is busy",
-        Error.UNKNOWN_EVENT: "it has no such event",
-        Error.VALUE_OVERFLOW: "a value is too large",
-        Error.INVALID_CHARACTER: "a character is not allowed",
-    }
-)
+ERRORS: Final[Mapping[int, str]] = {
+    Error.METHOD_ACCESS_DENIED: "this login may not do that",
+    Error.UNKNOWN_METHOD: "it has no such method",
+    Error.UNKNOWN_VARIABLE: "it has no such variable",
+    Error.VALUE_NOT_ALLOWED: "a value is not allowed",
+    Error.WRITE_ACCESS_DENIED: "this login may not write that",
+    Error.UNKNOWN_REQUEST: "it does not know that kind of request",
+    Error.SERVER_BUSY: "it is busy",
+    Error.UNKNOWN_EVENT: "it has no such event",
+    Error.VALUE_OVERFLOW: "a value is too large",
+    Error.INVALID_CHARACTER: "a character is not allowed",
+}
 
 
 class ScanConfigCode(IntEnum):
@@ -82,26 +81,19 @@ class AccessMode(IntEnum):
     SERVICE = 4
 
 
-PASSWORDS: Final[Mapping[int, int]] = MappingProxyType(
-    {
-        AccessMode.MAINTENANCE: 0xB21ACE26,
-        AccessMode.AUTHORISED: 0xF4724744,
-        AccessMode.SERVICE: 0x81BE23AA,
-    }
-)
+PASSWORDS: Final[Mapping[int, int]] = {
+    AccessMode.MAINTENANCE: 0xB21ACE26,
+    AccessMode.AUTHORISED: 0xF4724744,
+    AccessMode.SERVICE: 0x81BE23AA,
+}
 """Hashes of the passwords at delivery."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ScanConfig:
-    """LMPscancfg: frequency, step and area of the scan.
+    """LMPscancfg: frequency [1/100 Hz], step and area [1/10000 degree] of the scan.
 
-    Attributes:
-        frequency_chz: Scans a second [1/100 Hz].
-        step_tick: From one reading to the next [1/10000 degree].
-        first_tick: Direction of the first one [1/10000 degree]; 90 degrees is straight ahead.
-        last_tick: Direction of the last one.
-        sectors: Number of sectors, 1.
+    90 degrees is straight ahead.
     """
 
     frequency_chz: int
@@ -112,21 +104,16 @@ class ScanConfig:
 
     @classmethod
     def parse(cls, words: TelegramWords) -> Self:
-        """Return the settings in `words`.
-
-        Raises:
-            TelegramError: they are others.
-        """
-        frequency, sectors = words.number(), words.number(U16)
-        step, first, last = words.number(), words.signed(), words.signed()
-        words.end()
-        return cls(
-            frequency_chz=frequency,
-            step_tick=step,
-            first_tick=first,
-            last_tick=last,
-            sectors=sectors,
+        """Return the settings in `words`."""
+        config = cls(
+            frequency_chz=words.number(),
+            sectors=words.number(U16),
+            step_tick=words.number(),
+            first_tick=words.signed(),
+            last_tick=words.signed(),
         )
+        words.end()
+        return config
 
     def answer(self) -> str:
         """Return the words as a laser sends them."""
@@ -149,11 +136,7 @@ class OutputRange:
 
     @classmethod
     def parse(cls, words: TelegramWords) -> Self:
-        """Return the settings in `words`.
-
-        Raises:
-            TelegramError: they are others.
-        """
+        """Return the settings in `words`."""
         if words.number() != 1:
             raise TelegramError("an output range of more sectors than one")
         step, first, last = words.number(), words.signed(), words.signed()
@@ -171,17 +154,9 @@ class OutputRange:
 class DataConfig:
     """LMDscandatacfg: the content of LMDscandata (cola.md 2.5).
 
-    Attributes:
-        echoes: Bit 0 is the first echo, bit 1 the second and so on.
-        remission: Whether remissions are sent.
-        wide: Whether those have 16 bits instead of 8.
-        unit: Of remissions, 0.
-        encoders: Bit 0 is the first one.
-        position: Whether that block is sent; so for the others.
-        name: That of the laser.
-        comment: That of the laser.
-        moment: Date and time.
-        interval: Every n-th scan is sent.
+    Of `echoes` and `encoders` bit 0 is the first. `wide` remissions have 16 bits instead of 8;
+    their `unit` is 0. The blocks from `position` to `moment`, which is date and time, are sent or
+    not, and so is every `interval`-th scan alone.
     """
 
     echoes: int = 1
@@ -197,11 +172,7 @@ class DataConfig:
 
     @classmethod
     def parse(cls, words: TelegramWords) -> Self:
-        """Return the settings in `words`.
-
-        Raises:
-            TelegramError: they are others.
-        """
+        """Return the settings in `words`."""
         config = cls(
             echoes=words.number(U8) | words.number(U8) << 8,
             remission=words.flag(),
@@ -238,11 +209,7 @@ class DataConfig:
 class LaserSettings:
     """All settings of a laser that mEEwriteall stores.
 
-    Attributes:
-        scan: Frequency, step and area.
-        output: The part that is sent.
-        data: Content of scans.
-        echo_filter: FREchoFilter of the LMS-5xx: 0 first echo, 1 all echoes, 2 last echo.
+    `echo_filter` is FREchoFilter of the LMS-5xx: 0 first echo, 1 all echoes, 2 last echo.
     """
 
     scan: ScanConfig

@@ -16,7 +16,6 @@ from typing import Final, Protocol
 
 from pioneer3.lasers.cola.configuration import (
     PASSWORDS,
-    U16,
     AccessMode,
     DataConfig,
     Error,
@@ -26,6 +25,7 @@ from pioneer3.lasers.cola.configuration import (
 from pioneer3.lasers.cola.scan import NAME
 from pioneer3.lasers.cola.unit import ColaUnit, RefusedError
 from pioneer3.lasers.cola.wire import (
+    U16,
     ColaTelegramReader,
     TelegramError,
     TelegramWords,
@@ -58,10 +58,7 @@ class Owner(Protocol):
 class ColaConnection:
     """One host, until it closes or the laser loses its power.
 
-    Attributes:
-        subscribed: Whether the host gets every scan.
-        polling: Number of requests for one scan that wait for it.
-        reader: Counts telegrams and noise.
+    It gets every scan if it is `subscribed`, and one for each of `polling` requests that wait.
     """
 
     def __init__(self, unit: ColaUnit, owner: Owner) -> None:
@@ -162,19 +159,8 @@ class ColaConnection:
             raise RefusedError(Error.UNKNOWN_VARIABLE)
         if self._access < AccessMode.AUTHORISED:
             raise RefusedError(Error.WRITE_ACCESS_DENIED)
-        write(self, words)
+        write(self._unit, words)
         return f"sWA {name}"
-
-    def _write_output(self, words: TelegramWords) -> None:
-        self._unit.set_output(OutputRange.parse(words))
-
-    def _write_data(self, words: TelegramWords) -> None:
-        self._unit.set_data(DataConfig.parse(words))
-
-    def _write_echo_filter(self, words: TelegramWords) -> None:
-        echo_filter = words.number()
-        words.end()
-        self._unit.set_echo_filter(echo_filter)
 
     def _subscribe(self, words: TelegramWords, now: float) -> str:
         if words.word() != NAME:
@@ -182,12 +168,9 @@ class ColaConnection:
         self.subscribed = words.flag()
         words.end()
         if not self.subscribed:
-            self._take_back_scans()
+            unwanted = f"sSN {NAME} ".encode()
+            self._answers = [a for a in self._answers if not a.startswith(unwanted, 1)]
         return f"sEA {NAME} {self.subscribed:d}"
-
-    def _take_back_scans(self) -> None:
-        unwanted = f"sSN {NAME} ".encode()
-        self._answers = [a for a in self._answers if not a.startswith(unwanted, 1)]
 
     def _call(self, words: TelegramWords, now: float) -> str:
         name = words.word()
@@ -244,6 +227,12 @@ class ColaConnection:
         return ""
 
 
+def _write_echo_filter(unit: ColaUnit, words: TelegramWords) -> None:
+    echo_filter = words.number()
+    words.end()
+    unit.set_echo_filter(echo_filter)
+
+
 Handler = Callable[[ColaConnection, TelegramWords, float], str]
 HANDLERS: Final[Mapping[str, Handler]] = {
     "sRN": ColaConnection._read,
@@ -251,10 +240,10 @@ HANDLERS: Final[Mapping[str, Handler]] = {
     "sMN": ColaConnection._call,
     "sEN": ColaConnection._subscribe,
 }
-WRITES: Final[Mapping[str, Callable[[ColaConnection, TelegramWords], None]]] = {
-    "LMPoutputRange": ColaConnection._write_output,
-    "LMDscandatacfg": ColaConnection._write_data,
-    "FREchoFilter": ColaConnection._write_echo_filter,
+WRITES: Final[Mapping[str, Callable[[ColaUnit, TelegramWords], None]]] = {
+    "LMPoutputRange": lambda unit, words: unit.set_output(OutputRange.parse(words)),
+    "LMDscandatacfg": lambda unit, words: unit.set_data(DataConfig.parse(words)),
+    "FREchoFilter": _write_echo_filter,
 }
 METHODS: Final[Mapping[str, Handler]] = {
     "SetAccessMode": ColaConnection._set_access,

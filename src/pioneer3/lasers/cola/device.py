@@ -26,17 +26,8 @@ class ColaDevice:
     """One laser, which has run for long until :meth:`switch_on` is called.
 
     The server calls :meth:`ColaConnection.outgoing` of each connection after every other call, and
-    sends its bytes in one piece: some programs put no pieces together (cola.md 5.2).
-
-    Args:
-        model: Its type.
-        spin_up: From power-on until it measures [s].
-        serial: Its serial number.
-
-    Attributes:
-        speed: `None`: there is no serial line.
-        deadline: When :meth:`tick` has something to do, or bytes may leave [s]; `inf`: never.
-        unit: The laser without its connections.
+    sends its bytes in one piece: some programs put no pieces together (cola.md 5.2). `spin_up` is
+    the time from power-on until it measures [s].
 
     Raises:
         ConfigError: the model does not speak CoLa-A.

@@ -16,20 +16,11 @@ _EXACT_STEP: Final = {1667: 1e4 / 6, 3333: 1e4 / 3, 6667: 2e4 / 3}
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Family:
-    """One family of lasers.
+    """One family of lasers, whose names begin with `prefix`; angles as in `ScanConfig`.
 
-    Attributes:
-        prefix: Beginning of the names that they call themselves.
-        frequencies_chz: Scan frequencies that can be set [1/100 Hz].
-        steps_tick: Steps that can be set [1/10000 degree].
-        pulses: Most light pulses a second.
-        first_tick: Begin of the field [1/10000 degree]; 90 degrees is straight ahead.
-        last_tick: End of it.
-        echoes: Most echoes.
-        scale: Unit of the ranges [mm].
-        echo_filter: Whether FREchoFilter chooses the echoes.
-        adjustable: Whether mLMPsetscancfg changes anything.
-        state_request: Variable that tells whether the laser measures.
+    It sends so many light `pulses` a second at most, and ranges in units of `scale` [mm].
+    FREchoFilter chooses the echoes where there is an `echo_filter`; mLMPsetscancfg changes nothing
+    where it is not `adjustable`. The variable `state_request` tells whether the laser measures.
     """
 
     prefix: str

@@ -1,6 +1,5 @@
 """From LMDscandata to a scan in metres (cola.md 3.3, 3.4)."""
 
-from dataclasses import dataclass
 from math import inf, nan, radians
 from typing import Final
 
@@ -13,88 +12,43 @@ CODES: Final = 16
 """Values below this are codes: 0 nothing measured, others no valid reading."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Geometry:
-    """Angles and times of a scan.
-
-    Attributes:
-        first: Direction of the first reading, counter-clockwise from straight ahead [rad].
-        step: From one reading to the next [rad].
-        beam_time: From one reading to the next [s].
-        turn_time: Of one turn of the mirror [s].
-        span: From the first reading to the last one [s].
-    """
-
-    first: float
-    step: float
-    beam_time: float
-    turn_time: float
-    span: float
-
-
-def geometry(scan: ScanData) -> Geometry:
-    """Return the angles and times of `scan`.
-
-    Raises:
-        TelegramError: it has no ranges.
-    """
-    ranges = _distances(scan)
-    step = exact_step(ranges.step_tick)
-    turn_time = 100 / scan.frequency_chz
-    beam_time = turn_time * step / FULL_TURN_TICK
-    return Geometry(
-        first=radians((ranges.first_tick - FRONT_TICK) / 1e4),
-        step=radians(step / 1e4),
-        beam_time=beam_time,
-        turn_time=turn_time,
-        span=beam_time * (len(ranges.values) - 1),
-    )
-
-
 def raw_scan(
     scan: ScanData,
-    at: Geometry,
     *,
-    stamp: float,
+    arrival: float,
     interval: int,
     limits: tuple[float, float],
     wishes: ScanSettings,
 ) -> RawScan:
-    """Return `scan` in metres.
+    """Return `scan` in metres, dated as if it had arrived at once.
 
-    Args:
-        scan: The telegram.
-        at: Its :func:`geometry`.
-        stamp: Time of the first reading [s, monotonic].
-        interval: Every n-th scan is sent.
-        limits: Shortest and longest range of the laser [m].
-        wishes: Whether intensities and echoes are wanted.
+    It came at `arrival` [s, monotonic]; every `interval`-th scan is sent; `limits` are the shortest
+    and the longest range of the laser [m].
 
     Raises:
         TelegramError: it has no ranges.
     """
     near, far = limits
+    distances = scan.channel("DIST1")
+    if distances is None:
+        raise TelegramError("there are no ranges of the first echo")
     remission = scan.channel("RSSI1") if wishes.intensities else None
+    step = exact_step(distances.step_tick)
+    turn_time = 100 / scan.frequency_chz
+    beam_time = turn_time * step / FULL_TURN_TICK
     return RawScan(
-        stamp=stamp,
-        first=at.first,
-        step=at.step,
-        beam_time=at.beam_time,
-        period=at.turn_time * interval,
+        stamp=arrival - beam_time * (len(distances.values) - 1),
+        first=radians((distances.first_tick - FRONT_TICK) / 1e4),
+        step=radians(step / 1e4),
+        beam_time=beam_time,
+        period=turn_time * interval,
         near=near,
         far=far,
-        ranges=_metres(_distances(scan), near),
+        ranges=_metres(distances, near),
         intensities=_remissions(remission) if remission else (),
         echoes=_echoes(scan) if wishes.multi_echo else (),
         device_time=scan.sensed_us / 1e6,
     )
-
-
-def _distances(scan: ScanData) -> ReadingChannel:
-    ranges = scan.channel("DIST1")
-    if ranges is None:
-        raise TelegramError("there are no ranges of the first echo")
-    return ranges
 
 
 def _metres(channel: ReadingChannel, near: float) -> tuple[float, ...]:

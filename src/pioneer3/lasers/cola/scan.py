@@ -10,6 +10,8 @@ from functools import partial
 from typing import Final
 
 from pioneer3.lasers.cola.wire import (
+    U8,
+    U16,
     TelegramError,
     TelegramWords,
     hex_word,
@@ -19,8 +21,6 @@ from pioneer3.lasers.cola.wire import (
 )
 
 NAME: Final = "LMDscandata"
-U8: Final = 0xFF
-U16: Final = 0xFFFF
 MAX_CHANNELS: Final = 10
 """Distances and remissions of five echoes."""
 MAX_ENCODERS: Final = 3
@@ -33,12 +33,7 @@ _from_hex = partial(int, base=16)
 
 @dataclass(frozen=True, slots=True)
 class Encoder:
-    """A wheel encoder connected to the laser.
-
-    Attributes:
-        position: [ticks].
-        speed: [ticks/mm].
-    """
+    """A wheel encoder connected to the laser: position [ticks], speed [ticks/mm]."""
 
     position: int = 0
     speed: int = 0
@@ -46,15 +41,10 @@ class Encoder:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ReadingChannel:
-    """Values of all readings.
+    """Values of all readings, before `scale`, [mm] for ranges, and `offset`, added after that.
 
-    Attributes:
-        content: DIST1 to DIST5, ranges of the first to the fifth echo; RSSI1 to RSSI5, remissions.
-        scale: Factor of the values, [mm] for ranges.
-        offset: Added to them after that.
-        first_tick: Direction of the first reading [1/10000 degree]; 90 degrees is straight ahead.
-        step_tick: From one reading to the next [1/10000 degree].
-        values: Before scale and offset.
+    `content` is DIST1 to DIST5, ranges of the first to the fifth echo, or RSSI1 to RSSI5,
+    remissions. Directions are in [1/10000 degree], 90 degrees is straight ahead.
     """
 
     content: str
@@ -67,11 +57,7 @@ class ReadingChannel:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Position:
-    """A position that a program has given to the laser; angles in the same unit as it gave them.
-
-    Attributes:
-        rotation: Type of the rotation.
-    """
+    """A position that a program has given to the laser; angles in the same unit as it gave them."""
 
     x: float = 0.0
     y: float = 0.0
@@ -97,13 +83,10 @@ class Moment:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class InputEvent:
-    """A change at an input of the laser.
+    """A change at an input of the laser, of a `kind` as the laser calls it.
 
-    Attributes:
-        kind: As the laser calls it.
-        encoder: Position of the encoder then [ticks].
-        time_us: [us] since the laser started.
-        angle_tick: Direction of the mirror then [1/10000 degree].
+    It came `time_us` after the laser's start, with the encoder at a position [ticks] and the mirror
+    in a direction [1/10000 degree].
     """
 
     kind: str
@@ -116,28 +99,11 @@ class InputEvent:
 class ScanData:
     """One LMDscandata telegram.
 
-    Attributes:
-        version: Of the telegram.
-        device: Number of the laser.
-        serial: Its serial number.
-        status: (0, 0) well, (0, 1) error, (0, 2) dirty, (0, 4) too dirty.
-        telegrams: Counter of telegrams, of 16 bits.
-        scans: Counter of scans, of 16 bits.
-        sensed_us: Time of the scan since the laser started [us], of 32 bits.
-        sent_us: Time when it was sent, likewise.
-        inputs: Digital inputs, two bytes.
-        outputs: Digital outputs, two bytes.
-        layer: Angle of the layer, 0 with one layer.
-        frequency_chz: Scans a second [1/100 Hz].
-        pulses: Light pulses a second [100 Hz].
-        encoders: At most three.
-        channels: Those of 16 bits.
-        narrow_channels: Those of 8 bits.
-        position: If switched on, as are the others below.
-        name: Of the laser.
-        comment: Of the laser.
-        moment: When the scan was sent.
-        event: If there was one.
+    `status` is (0, 0) well, (0, 1) error, (0, 2) dirty, (0, 4) too dirty. The counters `telegrams`
+    and `scans` have 16 bits, the times since the laser started 32. `layer` is an angle, 0 with one
+    layer; `frequency_chz` is in [1/100 Hz], `pulses` in [100 Hz]. There are three encoders at most.
+    `channels` have 16 bits, `narrow_channels` 8. All behind them is there if it is switched on,
+    `event` if there was one.
     """
 
     version: int = 1

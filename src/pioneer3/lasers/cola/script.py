@@ -110,12 +110,9 @@ STATES: Final[Mapping[int, str]] = {
 
 @dataclass(frozen=True, slots=True)
 class TelegramRequest:
-    """A telegram to send.
+    """A telegram to send, and the first two words of its answer.
 
-    Attributes:
-        text: Of the telegram.
-        answer: First two words of its answer.
-        patience: Least time to wait before it is repeated [s].
+    It is not repeated before `patience` [s].
     """
 
     text: str
@@ -141,12 +138,8 @@ ColaScript = Script[TelegramRequest, TelegramWords | ErrorAnswer, T]
 class ScriptState:
     """The state that the script shares with the client that runs it.
 
-    Attributes:
-        wishes: For the scans.
-        now: The time [s, monotonic].
-        family: Of the laser, `None` as long as it is not known.
-        limits: Shortest and longest range [m].
-        interval: Every n-th scan is sent.
+    `family` is `None` as long as it is not known; `limits` are the shortest and the longest range
+    [m]; every `interval`-th scan is sent.
     """
 
     wishes: ScanSettings
@@ -220,7 +213,7 @@ def _configure(session: ScriptState, family: Family) -> ColaScript[None]:
     wishes = session.wishes
     scan = yield from _ask("sRN LMPscancfg", ScanConfig.parse)
     output = yield from _ask("sRN LMPoutputRange", OutputRange.parse)
-    data = yield from _ask("sRN LMDscandatacfg", DataConfig.parse)
+    data = yield from _read_data(session)
     changes: list[str] = []
     if not isinstance(scan, ErrorAnswer):
         wanted = wished_scan(scan, wishes, family)
@@ -231,7 +224,6 @@ def _configure(session: ScriptState, family: Family) -> ColaScript[None]:
             if (part.first_tick, part.last_tick) != (output.first_tick, output.last_tick):
                 changes.append(f"sWN LMPoutputRange {part.words()}")
     if not isinstance(data, ErrorAnswer):
-        session.interval = max(data.interval, 1)
         content = wished_data(data, wishes, family)
         if content != data:
             changes.append(f"sWN LMDscandatacfg {content.request()}")
@@ -242,7 +234,7 @@ def _configure(session: ScriptState, family: Family) -> ColaScript[None]:
     if changes:
         yield from _change(changes)
         if not isinstance(data, ErrorAnswer):
-            yield from _read_interval(session)
+            yield from _read_data(session)
 
 
 def _change(changes: list[str]) -> ColaScript[None]:
@@ -260,10 +252,11 @@ def _change(changes: list[str]) -> ColaScript[None]:
     yield from _run()
 
 
-def _read_interval(session: ScriptState) -> ColaScript[None]:
+def _read_data(session: ScriptState) -> ColaScript[DataConfig | ErrorAnswer]:
     data = yield from _ask("sRN LMDscandatacfg", DataConfig.parse)
     if not isinstance(data, ErrorAnswer):
         session.interval = max(data.interval, 1)
+    return data
 
 
 def _log_in() -> ColaScript[bool]:

@@ -74,7 +74,8 @@ def _echoes(family: Family, config: DataConfig, echo_filter: int) -> list[int]:
 
 def _ranges(sweep: Sweep, echo: int, echo_filter: int, scale: float) -> list[int]:
     if echo_filter == LAST_ECHO and sweep.echoes:
-        metres = [own[-1] if own else reading for own, reading in _pairs(sweep)]
+        pairs = zip(sweep.echoes, sweep.ranges, strict=True)
+        metres = [own[-1] if own else reading for own, reading in pairs]
     elif echo == 1:
         metres = list(sweep.ranges)
     elif sweep.echoes:
@@ -83,10 +84,6 @@ def _ranges(sweep: Sweep, echo: int, echo_filter: int, scale: float) -> list[int
         return [0] * len(sweep.ranges)
     factor = 1000 / scale
     return [_value(reading * factor) for reading in metres]
-
-
-def _pairs(sweep: Sweep) -> Iterable[tuple[tuple[float, ...], float]]:
-    return zip(sweep.echoes, sweep.ranges, strict=True)
 
 
 def _value(units: float) -> int:

@@ -9,7 +9,7 @@ Facts: cola.md 2, 3, 4, 6.2.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import fields, replace
 from datetime import UTC, datetime, timedelta
 from math import floor, radians
 from typing import Final
@@ -17,7 +17,6 @@ from typing import Final
 from pioneer3.errors import ConfigError
 from pioneer3.lasers.cola.clock import WRAP_US
 from pioneer3.lasers.cola.configuration import (
-    U16,
     DataConfig,
     Error,
     LaserSettings,
@@ -35,7 +34,7 @@ from pioneer3.lasers.cola.families import (
 )
 from pioneer3.lasers.cola.scan import Moment, Position, ScanData, encode
 from pioneer3.lasers.cola.sweeps import LAST_ECHO, scan_data
-from pioneer3.lasers.cola.wire import hex_word, text_words
+from pioneer3.lasers.cola.wire import U16, hex_word, text_words
 from pioneer3.lasers.device import MirrorTurn, Sweep
 from pioneer3.models.lasers import LaserModel
 
@@ -62,16 +61,9 @@ class RefusedError(Exception):
 class ColaUnit:
     """One laser, which has run for long until :meth:`switch_on` is called.
 
-    Args:
-        model: Its type.
-        spin_up: From power-on until it measures [s].
-        serial: Its serial number.
-
-    Attributes:
-        settings: As they are now.
-        status: Of LMDscandata: (0, 2) when the front screen is dirty.
-        up: Whether its mirror is up to speed.
-        ready_at: When it is [s].
+    It measures `spin_up` after power-on [s]: then its mirror is `up` to speed, at `ready_at` [s].
+    `status` is that of LMDscandata: (0, 2) when the front screen is dirty. Settings that are not
+    possible raise :exc:`RefusedError`.
 
     Raises:
         ConfigError: the model does not speak CoLa-A.
@@ -202,22 +194,14 @@ class ColaUnit:
         return code
 
     def set_output(self, output: OutputRange) -> None:
-        """Change the part of the scan that is sent.
-
-        Raises:
-            RefusedError: it is outside the field.
-        """
+        """Change the part of the scan that is sent, within the field."""
         if not self._family.holds(output.first_tick, output.last_tick):
             raise RefusedError(Error.VALUE_NOT_ALLOWED)
         self.settings = replace(self.settings, output=output)
         self._latest = None
 
     def set_data(self, data: DataConfig) -> None:
-        """Change the content of scans.
-
-        Raises:
-            RefusedError: they would have no ranges, or never be sent.
-        """
+        """Change the content of scans, which must have ranges, and be sent at all."""
         possible = (1 << self._family.echoes) - 1
         if not data.interval or not data.echoes & possible:
             raise RefusedError(Error.VALUE_NOT_ALLOWED)
@@ -225,11 +209,7 @@ class ColaUnit:
         self._latest = None
 
     def set_echo_filter(self, echo_filter: int) -> None:
-        """Choose the echoes that are sent.
-
-        Raises:
-            RefusedError: there is no such choice.
-        """
+        """Choose the echoes that are sent."""
         if echo_filter > LAST_ECHO:
             raise RefusedError(Error.VALUE_NOT_ALLOWED)
         self.settings = replace(self.settings, echo_filter=echo_filter)
@@ -271,12 +251,4 @@ class ColaUnit:
 
 
 def _moment(date: datetime) -> Moment:
-    return Moment(
-        year=date.year,
-        month=date.month,
-        day=date.day,
-        hour=date.hour,
-        minute=date.minute,
-        second=date.second,
-        microsecond=date.microsecond,
-    )
+    return Moment(**{field.name: getattr(date, field.name) for field in fields(Moment)})

@@ -17,6 +17,8 @@ MAX_TELEGRAM: Final = 1 << 17
 _CONTROL: Final = re.compile(r"[\x00-\x1f\x7f]")
 _HEX: Final = re.compile(r"[0-9A-F]{1,8}")
 _DECIMAL: Final = re.compile(r"[+-][0-9]{1,10}")
+U8: Final = 0xFF
+U16: Final = 0xFFFF
 _U32: Final = 0xFFFFFFFF
 
 
@@ -43,13 +45,9 @@ def encode(text: str) -> bytes:
 class ColaTelegramReader:
     """Incremental decoder: feed it bytes in any chunks, get the texts of telegrams back.
 
-    It never raises on bad input. A telegram goes from the last STX before an ETX to that ETX, so
-    a telegram that arrives whole is never lost to the noise before it.
-
-    Attributes:
-        telegrams: Number of telegrams accepted.
-        rejected: Number of those with control characters, without text, or too long.
-        bytes_skipped: Number of bytes that belonged to no accepted telegram.
+    It never raises on bad input. A telegram goes from the last STX before an ETX to that ETX, so a
+    telegram that arrives whole is never lost to the noise before it. Those with control characters,
+    without text, or too long are `rejected`; `bytes_skipped` belonged to no accepted one.
     """
 
     def __init__(self) -> None:
@@ -92,44 +90,12 @@ class ColaTelegramReader:
 
 
 def parse_number(word: str) -> int:
-    """Return the value of `word`: hexadecimal when bare, decimal with a sign (cola.md 1.3).
-
-    Raises:
-        TelegramError: it is no number, or longer than one.
-    """
+    """Return the value of `word`: hexadecimal when bare, decimal with a sign (cola.md 1.3)."""
     if _HEX.fullmatch(word):
         return int(word, 16)
     if _DECIMAL.fullmatch(word):
         return int(word)
     raise TelegramError(f"{word[:20]!r} is no number")
-
-
-def parse_signed(word: str) -> int:
-    """Return a 32-bit number with a sign: decimal, or its two's complement in hexadecimal.
-
-    Raises:
-        TelegramError: it is no number, or does not fit 32 bits.
-    """
-    number = parse_number(word)
-    if word[0] not in "+-" and number > _U32 >> 1:
-        number -= _U32 + 1
-    if not -(_U32 + 1) >> 1 <= number <= _U32 >> 1:
-        raise TelegramError(f"{word!r} does not fit 32 bits")
-    return number
-
-
-def parse_real(word: str) -> float:
-    """Return the number whose IEEE 754 bits are the eight hexadecimal digits of `word`.
-
-    Raises:
-        TelegramError: they are not, or it is not finite.
-    """
-    if len(word) != 8 or not _HEX.fullmatch(word):
-        raise TelegramError(f"{word[:20]!r} is no real number")
-    number: float = unpack(">f", bytes.fromhex(word))[0]
-    if not isfinite(number):
-        raise TelegramError(f"{word!r} is not finite")
-    return number
 
 
 def hex_word(number: int) -> str:
@@ -194,12 +160,24 @@ class TelegramWords:
         return self.number(most=1) == 1
 
     def signed(self) -> int:
-        """Take a 32-bit number with a sign."""
-        return parse_signed(self.word())
+        """Take a 32-bit number with a sign: decimal, or its two's complement in hexadecimal."""
+        word = self.word()
+        number = parse_number(word)
+        if word[0] not in "+-" and number > _U32 >> 1:
+            number -= _U32 + 1
+        if not -(_U32 + 1) >> 1 <= number <= _U32 >> 1:
+            raise TelegramError(f"{word!r} does not fit 32 bits")
+        return number
 
     def real(self) -> float:
-        """Take a real number."""
-        return parse_real(self.word())
+        """Take a finite number, whose IEEE 754 bits are eight hexadecimal digits."""
+        word = self.word()
+        if len(word) != 8 or not _HEX.fullmatch(word):
+            raise TelegramError(f"{word[:20]!r} is no real number")
+        number: float = unpack(">f", bytes.fromhex(word))[0]
+        if not isfinite(number):
+            raise TelegramError(f"{word!r} is not finite")
+        return number
 
     def text(self) -> str:
         """Take a length and the text of that length, which may hold spaces."""

@@ -35,12 +35,8 @@ def _u16(offset: int) -> At:
     return At(offset, "H")
 
 
-def _places(cls: type) -> tuple[tuple[str, At], ...]:
-    return _compiled(cls)
-
-
 @cache
-def _compiled(cls: type) -> tuple[tuple[str, At], ...]:
+def _places(cls: type) -> tuple[tuple[str, At], ...]:
     hints = get_type_hints(cls, include_extras=True)
     return tuple((field.name, hints[field.name].__metadata__[0]) for field in fields(cls))
 
@@ -67,16 +63,12 @@ def _pack(block: object, size: int) -> bytes:
 class UnitConfig:
     """The configuration, which the unit keeps in its EEPROM; as delivered, unless told.
 
-    Attributes:
-        blanking_cm: Range within which objects are overlooked by fields.
-        stop_threshold: LMS-200 [mV]; 0 in an LMS-291.
-        sensitivity: LMS-200: peak threshold; LMS-291: sensitivity.
-        availability: Bits: 1 fog, 2 indices in scans, 4 dazzling does not switch outputs.
-        measuring_mode: Key of :data:`MEASURING_MODES`.
-        units: Of distances.
-        evaluations: Scans that must agree before a field switches.
-        contour_a: Reference size, band above and below, first and last angle; so are B and C.
-        dazzle_evaluations: Absent in older units.
+    Fields overlook objects nearer than `blanking_cm`, and switch once so many scans agree,
+    `evaluations`. `stop_threshold` is of the LMS-200 [mV], 0 in an LMS-291; `sensitivity` its peak
+    threshold, or the LMS-291's sensitivity. Bits of `availability`: 1 fog, 2 indices in scans, 4
+    dazzling does not switch outputs. `measuring_mode` is a key of :data:`MEASURING_MODES`. A
+    contour is its reference size, the band above and below, the first and the last angle. Older
+    units have no `dazzle_evaluations`.
     """
 
     SIZE = 34
@@ -139,18 +131,10 @@ _SPEED_OF_CODE: Final = {code: baud for baud, code in SPEED_CODES.items()}
 class UnitStatus:
     """The answer to STATUS, as far as it is of use. Offsets count from the code of the answer.
 
-    Attributes:
-        version: Of the unit's program, padded to seven letters.
-        mode: Operating mode.
-        defective: Not 0 if the unit is.
-        revolutions: Of the mirror, as the unit counts them.
-        measuring_mode: Key of :data:`MEASURING_MODES`.
-        field_deg: Field of the variant [degrees].
-        step_cdeg: Step of the variant [1/100 degree].
-        speed_code: Of the line: :data:`SPEED_CODES`.
-        keeps_speed: Whether the speed is that after power-on too.
-        address: The unit's own.
-        units: Of distances.
+    `version` is that of the unit's program, padded to seven letters; `defective` is not 0 if the
+    unit is. `revolutions` are as the unit counts them; `measuring_mode` is a key of
+    :data:`MEASURING_MODES`, `speed_code` a value of :data:`SPEED_CODES`; `keeps_speed`: it is that
+    after power-on, too.
     """
 
     SIZE = 152

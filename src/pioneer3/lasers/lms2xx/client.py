@@ -58,15 +58,11 @@ EDGE: Final = 1e-6
 
 
 class LmsClient:
-    """One session with a unit: see :class:`pioneer3.lasers.client.Client`.
+    """One session with a unit: see :class:`pioneer3.lasers.client.LaserClient`.
 
-    Args:
-        now: The time [s, monotonic]; so for every `now` below.
-        speeds: Baud rates to try in this order; empty for links without a speed.
-        settings: Wishes for the scans.
-        patience: How long to wait. The unit's own limits may be longer.
-        round_trip: How much later than over a cable an answer may come [s].
-        target_speed: The fastest speed to scan at, if the link has it [baud].
+    It tries `speeds` [baud] in their order, none for links without one, and scans at the fastest
+    that the link has up to `target_speed`. The unit's own limits may be longer than `patience`; an
+    answer may come `round_trip` later than over a cable [s].
     """
 
     def __init__(

@@ -18,7 +18,6 @@ Facts: lms2xx.md 1.3 to 1.10.
 from collections import deque
 from collections.abc import Mapping
 from math import inf
-from types import MappingProxyType
 from typing import Final
 
 from pioneer3.lasers.device import DeviceConnection, MirrorTurn, Sweep
@@ -53,23 +52,15 @@ MAX_REQUESTS: Final = 8
 """Requests that wait for their answer; more are ignored."""
 MAX_WAITING: Final = 2048
 """Bytes on their way out above which no request is answered yet."""
-NO_DELAYS: Final[Mapping[int, float]] = MappingProxyType({})
 
 
 class LmsDevice:
-    """One unit: see :class:`pioneer3.lasers.device.Device`.
+    """One unit: see :class:`pioneer3.lasers.device.LaserDevice`.
 
-    Args:
-        model: Its type.
-        address: In its answers, 0x80 to 0x84.
-        boot: Silence after power-on and reset [s].
-        start_speed: Of the line at first [baud]; a unit that an earlier host has left at another
-            than 9600. It has started already.
-        delays: Time that an answer takes [s], by the command's code; 0 without an entry. Real units
-            may take 3 s for MODE and 7 s for CONFIGURE (lms2xx.md 1.3).
-
-    Attributes:
-        unit: Its settings.
+    Its answers have `address`, 0x80 to 0x84. It is silent for `boot` after power-on and reset [s],
+    but has started already, at `start_speed` [baud]: an earlier host may have left it at another
+    than 9600. An answer takes `delays` [s], by the command's code, 0 without an entry; real units
+    may take 3 s for MODE and 7 s for CONFIGURE (lms2xx.md 1.3).
     """
 
     def __init__(
@@ -79,13 +70,13 @@ class LmsDevice:
         address: int = ANSWER,
         boot: float = BOOT,
         start_speed: int = DELIVERED_SPEED,
-        delays: Mapping[int, float] = NO_DELAYS,
+        delays: Mapping[int, float] | None = None,
     ) -> None:
         self.speed: int | None = start_speed
         self.deadline = inf
         self.unit = LmsUnit(model, address, start_speed)
         self._boot = boot
-        self._delays = delays
+        self._delays = delays or {}
         self._reader = LmsTelegramReader({ANY_UNIT, address - ANSWER})
         self._line = SerialLine(start_speed)
         self._mirror = Mirror(self.unit.variant)
@@ -104,12 +95,15 @@ class LmsDevice:
         return self._mirror.turn if wanted and self._ready_at is None else None
 
     def connect(self, *, network: bool = False) -> DeviceConnection:
-        """Return the serial connection; all of them are one."""
+        """Return itself: whoever opens the port, there is one serial line."""
         if network:
             self._reader.discard()
             self._line.drop()
             self._schedule()
-        return _SerialConnection(self)
+        return self
+
+    def close(self) -> None:
+        """Leave the unit as it is: it notices nothing."""
 
     def switch_on(self, now: float) -> None:
         """Begin as after a power cycle: only the EEPROM is known."""
@@ -280,19 +274,3 @@ class LmsDevice:
     def _send(self, code: int, body: bytes, now: float) -> None:
         status = bytes((USUAL_STATUS,))
         self._line.send(encode(code, body + status, self.unit.address), now)
-
-
-class _SerialConnection:
-    """The line, whoever opens the port."""
-
-    def __init__(self, device: LmsDevice) -> None:
-        self._device = device
-
-    def receive(self, data: bytes, now: float) -> None:
-        self._device.receive(data, now)
-
-    def outgoing(self, now: float) -> bytes:
-        return self._device.outgoing(now)
-
-    def close(self) -> None:
-        """Leave the unit as it is: it notices nothing."""

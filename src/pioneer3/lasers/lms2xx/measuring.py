@@ -8,7 +8,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 from math import inf, isnan, nan, radians
-from types import MappingProxyType
 from typing import Final
 
 MIRROR_TURN: Final = 1 / 75
@@ -32,12 +31,7 @@ class Units(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class Variant:
-    """A field and a step that the unit can scan.
-
-    Attributes:
-        field_deg: [degrees], with its middle straight ahead.
-        step_cdeg: [1/100 degree].
-    """
+    """A field, its middle straight ahead, and a step that the unit can scan."""
 
     field_deg: int
     step_cdeg: int
@@ -80,20 +74,17 @@ VARIANTS: Final = tuple(
     Variant(*numbers) for numbers in ((180, 100), (180, 50), (100, 100), (100, 50), (100, 25))
 )
 AT_POWER_ON: Final = Variant(180, 50)
-VARIANT_OF_COUNT: Final[Mapping[int, Variant]] = MappingProxyType({v.count: v for v in VARIANTS})
+VARIANT_OF_COUNT: Final[Mapping[int, Variant]] = {v.count: v for v in VARIANTS}
 """The number of readings tells the variant."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MeasuringMode:
-    """A row of the table of measuring modes.
+    """A row of the table of measuring modes, by its `number` in the configuration.
 
-    Attributes:
-        number: In the configuration.
-        bits: Lower bits, which carry the distance.
-        reflectivity: Whether the bits above are one; else they are flags of fields and dazzling.
-        codes: Whether the highest distances are codes.
-        amplitude: Whether there is the strength of the echo in the place of the distance.
+    The lower `bits` carry the distance, or the strength of the echo with `amplitude`. Those above
+    are a reflectivity, or else flags of fields and dazzling. With `codes` the highest distances are
+    codes.
     """
 
     number: int
@@ -138,11 +129,8 @@ class MeasuringMode:
     ) -> list[int]:
         """Return the values of a turn: the inverse of :meth:`ranges` and :meth:`reflectivities`.
 
-        Args:
-            ranges: [m]; `inf`: nothing in range, NaN: not measured. Never 0 in the values.
-            intensities: Share of the light of a white wall, as in a `Sweep`. A value shows how
-                many times two white walls it is, as far as its bits go.
-            units: Of the distances.
+        No distance becomes 0. Intensities are shares of the light of a white wall, as in a `Sweep`;
+        a value shows how many times two white walls one is, as far as its bits go.
         """
         per_metre, top = 1 / units.metres, self.levels - 1
         values = []
@@ -156,20 +144,18 @@ class MeasuringMode:
         return values
 
 
-MEASURING_MODES: Final[Mapping[int, MeasuringMode]] = MappingProxyType(
-    {
-        mode.number: mode
-        for mode in (
-            MeasuringMode(number=0x00, bits=13),
-            MeasuringMode(number=0x01, bits=13, reflectivity=True),
-            MeasuringMode(number=0x02, bits=13),
-            MeasuringMode(number=0x03, bits=14, reflectivity=True),
-            MeasuringMode(number=0x04, bits=14),
-            MeasuringMode(number=0x05, bits=15, reflectivity=True),
-            MeasuringMode(number=0x06, bits=15),
-            MeasuringMode(number=0x0F, bits=16, codes=False),
-            MeasuringMode(number=0x3F, bits=16, codes=False, amplitude=True),
-        )
-    }
-)
+MEASURING_MODES: Final[Mapping[int, MeasuringMode]] = {
+    mode.number: mode
+    for mode in (
+        MeasuringMode(number=0x00, bits=13),
+        MeasuringMode(number=0x01, bits=13, reflectivity=True),
+        MeasuringMode(number=0x02, bits=13),
+        MeasuringMode(number=0x03, bits=14, reflectivity=True),
+        MeasuringMode(number=0x04, bits=14),
+        MeasuringMode(number=0x05, bits=15, reflectivity=True),
+        MeasuringMode(number=0x06, bits=15),
+        MeasuringMode(number=0x0F, bits=16, codes=False),
+        MeasuringMode(number=0x3F, bits=16, codes=False, amplitude=True),
+    )
+}
 """By number."""

@@ -29,12 +29,7 @@ def _turn(variant: Variant, number: int) -> MirrorTurn:
 
 
 class Mirror:
-    """The turns of a variant, again and again.
-
-    Attributes:
-        variant: The present one.
-        number: Of the next turn within its scan, from 0.
-    """
+    """The turns of a variant, again and again; `number` is the next one's in its scan, from 0."""
 
     def __init__(self, variant: Variant) -> None:
         self.restart(variant)

@@ -1,7 +1,7 @@
 """Telegrams of measurements, both directions (lms2xx.md 1.9).
 
 All have a few numbers first, the last of which is the header; then the values; then perhaps the
-two real-time indices. RANGE_AND_REFLECTIVITY has the reflectivities of a part of them behind.
+two real-time indices.
 """
 
 from dataclasses import dataclass
@@ -21,7 +21,6 @@ VALUES: Final = CommandCode.SCAN + ANSWER
 MEAN_VALUES: Final = 0xB6
 SUBRANGE_VALUES: Final = 0xB7
 MEAN_SUBRANGE_VALUES: Final = 0xBF
-RANGES_AND_REFLECTIVITIES: Final = 0xC4
 
 TELEGRAMS: Final = {
     OperatingMode.MEAN: MEAN_VALUES,
@@ -34,28 +33,18 @@ _LAYOUTS: Final[dict[int, tuple[Struct, tuple[str, ...]]]] = {
     MEAN_VALUES: (Struct("<BH"), ("sample",)),
     SUBRANGE_VALUES: (Struct("<HHH"), ("first", "last")),
     MEAN_SUBRANGE_VALUES: (Struct("<BHHH"), ("sample", "first", "last")),
-    RANGES_AND_REFLECTIVITIES: (Struct("<H"), ()),
 }
 """Numbers before the values, the header last, by code."""
-_REFLECTIVITIES: Final = Struct("<HHH")
-"""A header, the first and the last reading of the part, from 1."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Measurement:
-    """One telegram of measurements.
+    """One telegram of measurements, with values as :class:`MeasuringMode` reads them.
 
-    Attributes:
-        code: Of the telegram.
-        values: As :class:`MeasuringMode` reads them, from right to left.
-        units: Of their distances.
-        partial: Whether this is a single turn of a scan that takes several.
-        offset_cdeg: Of the first value of a single turn from the start of the field [1/100 degree].
-        sample: Number of scans that the values are the mean of; 0: no mean.
-        first: First reading of a part of the field, from 1; 0: not a part.
-        last: Last reading of it.
-        indices: Counters of scans and of telegrams, where the unit sends them.
-        reflectivities: Of the readings from `first` to `last`.
+    They go from right to left. They are a single turn of a scan that takes several (`partial`),
+    which begins `offset_cdeg` from the start of the field [1/100 degree]; or the mean of so many
+    scans, `sample`, 0 for no mean; or a part of the field, from the reading `first` to `last`,
+    counted from 1, 0 for no part. Some units send `indices`, counters of scans and telegrams.
     """
 
     code: int
@@ -67,7 +56,6 @@ class Measurement:
     first: int = 0
     last: int = 0
     indices: bytes = b""
-    reflectivities: tuple[int, ...] = ()
 
     @classmethod
     def from_body(cls, code: int, body: bytes) -> "Measurement":
@@ -83,19 +71,9 @@ class Measurement:
             *numbers, header = layout.unpack_from(body)
             count = header & COUNT
             values = unpack_from(f"<{count}H", body, layout.size)
-            extra = dict(zip(names, numbers, strict=True))
-            rest = body[layout.size + 2 * count :]
-            reflectivities = b""
-            if code == RANGES_AND_REFLECTIVITIES:
-                _, first, last = _REFLECTIVITIES.unpack_from(rest)
-                extra |= {"first": first, "last": last}
-                part = max(0, last - first + 1)
-                reflectivities = rest[_REFLECTIVITIES.size :][:part]
-                rest = rest[_REFLECTIVITIES.size + part :]
-                if len(reflectivities) != part:
-                    raise ValueError(f"{part} reflectivities do not fit into the telegram")
         except error:
             raise ValueError(f"{len(body)} bytes are too few for their header") from None
+        rest = body[layout.size + 2 * count :]
         if len(rest) > 2:
             raise ValueError(f"{len(rest)} bytes too many for the header")
         return cls(
@@ -105,8 +83,7 @@ class Measurement:
             partial=bool(header & PARTIAL),
             offset_cdeg=25 * (header >> OFFSET_SHIFT & OFFSET_MASK),
             indices=rest,
-            reflectivities=tuple(reflectivities),
-            **extra,
+            **dict(zip(names, numbers, strict=True)),
         )
 
     def to_body(self) -> bytes:
@@ -119,8 +96,4 @@ class Measurement:
             | self.units << UNITS_SHIFT
         )
         body = layout.pack(*(getattr(self, name) for name in names), header)
-        body += pack(f"<{len(self.values)}H", *self.values)
-        if self.code == RANGES_AND_REFLECTIVITIES:
-            part = len(self.reflectivities) | self.units << UNITS_SHIFT
-            body += _REFLECTIVITIES.pack(part, self.first, self.last) + bytes(self.reflectivities)
-        return body + self.indices
+        return body + pack(f"<{len(self.values)}H", *self.values) + self.indices

@@ -19,7 +19,7 @@ Rules:
 Facts: lms2xx.md 1.3, 1.5 to 1.8, 2.2.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from math import degrees, radians
 from typing import Final, TypeVar
@@ -62,14 +62,11 @@ WITH_INTENSITIES: Final = (0x03,)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Wait:
-    """A step of the script.
+    """A step of the script: send a request, unless it is empty, and wait for an answer.
 
-    Attributes:
-        limit: Longest time for an answer [s].
-        request: Sent first; empty to only listen.
-        codes: Of the telegrams that answer; `None`: any telegram.
-        tries: Number of times that the request is sent before there is no answer.
-        ends_with_noise: Whether any byte ends the step, without an answer.
+    It is sent `tries` times, with `limit` for each answer [s]. Telegrams with one of `codes`
+    answer, or any if they are `None`; with `ends_with_noise` any byte ends the step, without an
+    answer.
     """
 
     limit: float
@@ -98,22 +95,10 @@ def wanted_variant(settings: ScanSettings) -> Variant:
 class SetUp:
     """The script, and its findings.
 
-    Args:
-        now: The time [s, monotonic].
-        speeds: To try, in this order [baud]; empty where the link has none.
-        target: The speed to scan at [baud], or `None`.
-        settings: Wishes.
-        patience: How long to wait.
-        round_trip: How much later than over a cable an answer may come [s].
-
-    Attributes:
-        now: Set by the caller before each step.
-        speed: Of the link [baud], or `None` without one.
-        heard: Whether any byte has come since this was last set to false.
-        has_begun: Whether a telegram is coming; set by the caller before each step.
-        line_speed: Of the unit's line [baud]; known on links without a speed, too.
-        variant: That the unit scans.
-        measuring_mode: That it measures in.
+    It tries `speeds` [baud] in their order, none where the link has none, and goes to `target`. An
+    answer may come `round_trip` later than over a cable [s]. The caller sets `now` and `has_begun`,
+    whether a telegram is coming, before each step, and `heard` whenever a byte comes. `speed` is
+    the link's, `line_speed` the unit's, which is known on links without a speed, too [baud].
     """
 
     def __init__(
@@ -241,7 +226,7 @@ class SetUp:
             if not stopped:
                 yield self._ask_mode(OperatingMode.ON_REQUEST)
             answer = yield self._ask(CommandCode.STATUS, limit=MODE_LIMIT, tries=2)
-            status = _status(answer)
+            status = _block(UnitStatus.from_bytes, answer)
             if status is None:
                 return None
             if status.mode not in commands.STREAMS:
@@ -290,7 +275,7 @@ class SetUp:
             answer = yield self._ask(CommandCode.CONFIG)
             if answer is None:
                 return False
-            config = _config(answer)
+            config = _block(UnitConfig.from_bytes, answer)
             if config is None:
                 yield Remarked("the laser does not tell its configuration")
             else:
@@ -335,16 +320,9 @@ def _change(before: UnitConfig, after: UnitConfig) -> str:
     )
 
 
-def _status(answer: Telegram | None) -> UnitStatus | None:
+def _block(read: Callable[[bytes], T], answer: Telegram | None) -> T | None:
     try:
-        return None if answer is None else UnitStatus.from_bytes(answer.body)
-    except ValueError:
-        return None
-
-
-def _config(answer: Telegram | None) -> UnitConfig | None:
-    try:
-        return None if answer is None else UnitConfig.from_bytes(answer.body)
+        return None if answer is None else read(answer.body)
     except ValueError:
         return None
 

@@ -42,13 +42,10 @@ class Sign(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Telegram:
-    """One telegram.
+    """One telegram, whose first byte began to arrive when it `began` [s, monotonic].
 
-    Attributes:
-        address: 0x80 or more for answers.
-        code: Of the command; 0x80 more in its answer.
-        data: With the status byte at the end, if it is an answer.
-        began: When its first byte began to arrive [s, monotonic].
+    An answer has an address and a code that are 0x80 more, and a status byte at the end of its
+    data.
     """
 
     address: int
@@ -100,18 +97,14 @@ def encode(code: int, data: bytes = b"", address: int = ANY_UNIT) -> bytes:
 class LmsTelegramReader:
     """Incremental decoder: feed it bytes in any chunks, get telegrams, ACK and NAK back.
 
-    It never raises on bad input. A rejected telegram is searched for the true beginning inside it,
-    so noise costs no telegram that arrived whole. A false beginning may claim many bytes to come;
-    when the line pauses, those are given up. ACK and NAK are believed only where they directly
-    follow a telegram, another one of them, or a pause: noise is full of them.
+    It never raises on bad input, and takes telegrams to `addresses` alone. A rejected telegram is
+    searched for the true beginning inside it, so noise costs no telegram that arrived whole. A
+    false beginning may claim many bytes to come; when the line pauses, those are given up. ACK and
+    NAK are believed only where they directly follow a telegram, another one of them, or a pause:
+    noise is full of them.
 
-    Args:
-        addresses: Addresses of the telegrams to accept; others are noise.
-
-    Attributes:
-        byte_time: Time of one byte on the wire [s]; 0 without a serial line.
-        rejected: Number of telegrams with a wrong checksum.
-        skipped: Number of bytes that belonged to nothing.
+    `byte_time` is that of one byte on the wire [s], 0 without a serial line; telegrams with a wrong
+    checksum are `rejected`, bytes that belong to nothing `skipped`.
     """
 
     def __init__(self, addresses: Collection[int]) -> None:

@@ -22,17 +22,10 @@ MODE_TAKEN: Final = bytes((commands.MODE_ACCEPTED,))
 class LmsUnit:
     """The settings of one unit.
 
-    Attributes:
-        model: Its type.
-        address: In its answers.
-        config: In the EEPROM.
-        config_writes: Number of times that the EEPROM has been written.
-        power_on_speed: Speed after power-on [baud], also in the EEPROM.
-        mode: Operating mode.
-        variant: The field and step that it scans.
-        subrange: First and last reading, from 1, that go out in modes that send a part.
-        sample: Scans that are one telegram in modes that send means.
-        speed: Of its line [baud]; a new one is the caller's business.
+    `config`, which has been written so many times, and `power_on_speed` [baud] are in the EEPROM.
+    Modes that send a part of the field send `subrange`, its first and last reading from 1; those
+    that send means take a `sample` of scans for one telegram. `speed` is that of its line [baud]; a
+    new one is the caller's business.
     """
 
     def __init__(self, model: LaserModel, address: int, speed: int) -> None:

@@ -47,16 +47,8 @@ TEXT: Final = bytes(range(0x20, 0x7F)) + b"\r\n"
 class ScipClient:
     """One laser: call :meth:`receive` and :meth:`tick`, obey the events, send :meth:`outgoing`.
 
-    Args:
-        now: The time [s, monotonic]; so for every `now` below.
-        speeds: Baud rates to try in this order; empty for links without a speed.
-        settings: Wishes for the scans.
-        patience: How long to wait.
-        round_trip: How much later than over a cable an answer may come [s].
-
-    Attributes:
-        deadline: When :meth:`tick` must next be called [s].
-        scans: Scans returned.
+    It tries `speeds` [baud] in their order; links without a speed have none. An answer may come
+    `round_trip` later than over a cable [s].
     """
 
     def __init__(

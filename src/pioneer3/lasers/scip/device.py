@@ -17,28 +17,14 @@ from pioneer3.lasers.scip.session import HostSession
 from pioneer3.lasers.scip.unit import WELL, ScipUnit
 from pioneer3.models.lasers import LaserModel
 
-SCIP1_KIND = "urg"
-"""ARIA's name of lasers that begin with SCIP 1.1 (scip.md 1.5)."""
-
 
 class ScipDevice:
-    """One laser that speaks SCIP.
+    """One laser that speaks SCIP: :attr:`unit` and its hosts.
 
-    Args:
-        model: Its type.
-        serial: Its serial number.
-        start_speed: Speed of its serial line after power-on [baud]; `None` for that at delivery of
-            lasers with several speeds. The others are on USB or a network: no speed.
-        scip1: Whether it speaks SCIP 1.1 after power-on; `None`: as its type does.
-        scip2: Whether it knows SCIP 2.0 at all; the first URG-04LX do not.
-        status: STAT of II.
-        firmware: FIRM of VV.
-        boot_time: It is deaf for so long after :meth:`switch_on` [s]; real ones up to 10 s.
-
-    Attributes:
-        speed: Of its serial line [baud], or `None`.
-        deadline: When bytes may leave [s].
-        unit: The laser itself, such as for a `fault`.
+    `start_speed` is that of its serial line after power-on [baud], `None` for that at delivery of
+    lasers with several speeds; the others, on USB or a network, have none. `scip1`: it speaks SCIP
+    1.1 after power-on, `None` as its type does; without `scip2` it never speaks SCIP 2.0, as the
+    first URG-04LX. It is deaf for `boot_time` after :meth:`switch_on` [s]; real ones up to 10 s.
     """
 
     def __init__(
@@ -55,8 +41,8 @@ class ScipDevice:
     ) -> None:
         if start_speed is None and model.speeds:
             start_speed = model.speeds[0]
-        if scip1 is None:
-            scip1 = SCIP1_KIND in model.kinds
+        if scip1 is None:  # as ARIA calls lasers that begin with it (scip.md 1.5)
+            scip1 = "urg" in model.kinds
         self.unit = ScipUnit(
             model,
             serial=serial,

@@ -8,16 +8,10 @@ from pioneer3.models.lasers import Steps
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ScanRequest:
-    """Scans that a host wants.
+    """Scans that a host wants; `text` is the whole command with its comment, for the echo.
 
-    Attributes:
-        letters: Of the command.
-        text: The whole command with its comment, for the echo.
-        start: First step.
-        end: Last step.
-        cluster: Neighbouring steps that become one reading.
-        skip: Scans left out after each one.
-        scans: Number of them; 0: no end.
+    So many neighbouring steps become one reading, `cluster`; so many scans are left out after each
+    one, `skip`; `scans` of 0 have no end.
     """
 
     letters: str
@@ -29,25 +23,15 @@ class ScanRequest:
     scans: int = 0
 
 
-@dataclass(frozen=True, slots=True)
-class BadParameters:
-    """The status for a command with wrong parameters."""
+def read_request(command: str, text: str, steps: Steps) -> ScanRequest | str:
+    """Return the scans that `command` asks for in SCIP 2.0, or the status for wrong parameters.
 
-    status: str
-
-
-def read_request(command: str, text: str, steps: Steps) -> ScanRequest | BadParameters:
-    """Return the scans that `command` asks for in SCIP 2.0.
-
-    Args:
-        command: Such as MD0044072501000; its letters are known.
-        text: The same with its comment.
-        steps: Of the laser.
+    Its letters, as in MD0044072501000, are known; `text` is the same with its comment.
     """
     letters = command[:2]
     streamed = FORMATS[letters].streamed
     if len(command) != (15 if streamed else 12):
-        return BadParameters("0C")
+        return "0C"
     start, end, cluster = command[2:6], command[6:10], command[10:12]
     skip, scans = (command[12:13], command[13:15]) if streamed else ("0", "0")
     for status, digits in (
@@ -58,11 +42,11 @@ def read_request(command: str, text: str, steps: Steps) -> ScanRequest | BadPara
         ("07", scans),
     ):
         if not (digits.isascii() and digits.isdecimal()):
-            return BadParameters(status)
+            return status
     if int(end) > steps.last:
-        return BadParameters("04")
+        return "04"
     if int(end) < int(start):
-        return BadParameters("05")
+        return "05"
     return ScanRequest(
         letters=letters,
         text=text,

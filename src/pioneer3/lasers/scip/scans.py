@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import inf, nan
-from types import MappingProxyType
 from typing import Final
 
 from pioneer3.lasers.scip.wire import decode_values, from_lines, from_plain_lines
@@ -15,8 +14,8 @@ ECHO: Final = b"&"
 MAX_VALUE: Final = (1 << 18) - 1
 WIDE_RANGE: Final = 20000
 """Lasers with a DMAX above this have the codes of the UTM-30LX [mm]."""
-CODES: Final = MappingProxyType({0: inf, 6: inf})
-UTM_CODES: Final = MappingProxyType({1: inf, 2: -inf})
+CODES: Final = {0: inf, 6: inf}
+UTM_CODES: Final = {1: inf, 2: -inf}
 """Values below DMIN that tell more than that there is no reading."""
 
 
@@ -24,11 +23,8 @@ UTM_CODES: Final = MappingProxyType({1: inf, 2: -inf})
 class Format:
     """The data that one measuring command asks for.
 
-    Attributes:
-        width: Characters of a distance.
-        intensities: Whether an intensity of three characters follows each distance.
-        multi_echo: Whether a step may have several echoes.
-        streamed: Whether scans go on, or there is one only.
+    A distance has `width` characters, and an intensity behind it three. With `multi_echo` a step
+    may have several echoes; `streamed` scans go on, of others there is one only.
     """
 
     width: int = 3
@@ -60,12 +56,10 @@ FORMATS: Final = {
 
 @dataclass(frozen=True, slots=True)
 class ScanReadings:
-    """The numbers of one scan.
+    """The numbers of one scan: distances [mm], or codes, of the first echo of each step.
 
-    Attributes:
-        distances: [mm], or codes; the first echo of each step.
-        intensities: Of these; empty without.
-        echoes: All distances of each step [mm]; empty for formats with one echo.
+    `intensities` are of these, or empty; `echoes` are all distances of each step [mm], empty for
+    formats with one echo.
     """
 
     distances: list[int]
@@ -78,11 +72,7 @@ def decode(
 ) -> ScanReadings | None:
     """Return the readings in the data lines of a scan, or `None` if they are not `count` good ones.
 
-    Args:
-        lines: The lines after the time stamp.
-        format_: Of the data.
-        count: Number of steps that were asked for.
-        summed: Whether the lines have checksums.
+    `lines` come after the time stamp; those that are `summed` have checksums.
     """
     if not lines:
         return None

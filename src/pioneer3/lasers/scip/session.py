@@ -8,12 +8,7 @@ from typing import Final
 
 from pioneer3.lasers.device import Sweep
 from pioneer3.lasers.line import SerialLine
-from pioneer3.lasers.scip.requests import (
-    BadParameters,
-    ScanRequest,
-    read_request,
-    read_scip1_request,
-)
+from pioneer3.lasers.scip.requests import ScanRequest, read_request, read_scip1_request
 from pioneer3.lasers.scip.scans import FORMATS, WIDE_RANGE
 from pioneer3.lasers.scip.sweeps import data_lines
 from pioneer3.lasers.scip.unit import MULTI_ECHO, ScipUnit
@@ -33,15 +28,9 @@ UNKNOWN: Final = "0E"
 
 
 class HostSession:
-    """The connection of one host.
+    """The connection of one host: the `line` to it, `closed` once it is gone for good.
 
-    Args:
-        unit: The laser.
-        changed: Called after each change of the line or the unit.
-
-    Attributes:
-        line: The bytes to the host.
-        closed: Whether the host is gone for good.
+    `changed` is called after each change of the line or the unit.
     """
 
     def __init__(self, unit: ScipUnit, changed: Callable[[], None]) -> None:
@@ -117,32 +106,23 @@ class HostSession:
     def measured(self, sweep: Sweep, stamp_ms: int, now: float) -> None:
         """Send the readings of a turn to this host, if it wants them.
 
-        Args:
-            sweep: The readings.
-            stamp_ms: The unit's time at step 0 of the turn.
-            now: The time [s].
+        `stamp_ms` is the unit's time at step 0 of the turn.
         """
         waiting, self._waiting = self._waiting, []
         for request in waiting:
             self._send_scan(request, sweep, stamp_ms, now)
-        stream = self._stream
-        if stream is None or self._is_skipped(stream) or self._is_congested(now):
+        stream, line = self._stream, self.line
+        if stream is None:
+            return
+        self._skipped += 1
+        congested = line.is_busy(now) if line.speed else line.waiting > MOST_SCANS
+        if self._skipped <= stream.skip or congested:
             return
         self._skipped = 0
         self._left -= bool(stream.scans)
         self._send_scan(stream, sweep, stamp_ms, now, left=self._left)
         if stream.scans and not self._left:
             self._end_stream()
-
-    def _is_congested(self, now: float) -> bool:
-        """Whether the line still carries a scan at `now` [s]; a network takes more of them."""
-        if self.line.speed:
-            return self.line.is_busy(now)
-        return self.line.waiting > MOST_SCANS
-
-    def _is_skipped(self, stream: ScanRequest) -> bool:
-        self._skipped += 1
-        return self._skipped <= stream.skip
 
     def _send_scan(
         self, request: ScanRequest, sweep: Sweep, stamp_ms: int, now: float, *, left: int = 0
@@ -278,8 +258,8 @@ class HostSession:
     def _measure(self, command: str, text: str) -> str:
         """Begin to measure; return the status, empty where the scan itself is the answer."""
         request = read_request(command, text, self._unit.steps)
-        if isinstance(request, BadParameters):
-            return request.status
+        if isinstance(request, str):
+            return request
         if self._unit.fault:
             return self._unit.fault
         if FORMATS[request.letters].streamed:

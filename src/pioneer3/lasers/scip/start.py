@@ -72,13 +72,9 @@ class Ask:
 
 @dataclass(frozen=True, slots=True)
 class Reply:
-    """The answer to :class:`Ask`.
+    """The answer to :class:`Ask`; its status is empty if there was no good one in time.
 
-    Attributes:
-        status: Empty if there was no good answer in time.
-        lines: The data lines.
-        asked: When the command was sent [s, monotonic].
-        answered: When the whole answer had come.
+    The command was sent when `asked`, and the whole answer had come when `answered` [s, monotonic].
     """
 
     status: str = ""
@@ -99,16 +95,10 @@ class _NoAnswerError(Exception):
 class Start:
     """Finds the laser and starts its scans; :meth:`run` may be called again if they stop.
 
-    Args:
-        speeds: Baud rates to try in this order; empty for links without a speed.
-        settings: Wishes for the scans.
-
-    Attributes:
-        clock: The laser's clock, of the latest run.
-        identity: Once known.
-        started_at: The speed at which the laser was found, where it has been changed since [baud].
-        refused: Answers whose data were spoilt.
-        findings: Text about the latest trouble, for the reason of a loss; empty without.
+    It tries `speeds` [baud] in their order; links without a speed have none, and `baud` is `None`.
+    `started_at` is the speed at which the laser was found, where it has been changed since [baud].
+    `refused` counts answers whose data were spoilt; `findings` tell the latest trouble, for the
+    reason of a loss.
     """
 
     def __init__(self, speeds: Sequence[int], settings: ScanSettings) -> None:
@@ -118,17 +108,12 @@ class Start:
         self.refused = 0
         self.findings = ""
         self._speeds = tuple(speeds)
-        self._baud = speeds[0] if speeds else None
+        self.baud = speeds[0] if speeds else None
         self._settings = settings
         self._keep_speed = False
         self._scip1 = False
         self._resets = 0
         self._in_vain = False
-
-    @property
-    def baud(self) -> int | None:
-        """The speed in use, or `None` on links without one."""
-        return self._baud
 
     def run(self) -> ScipScript[ScanStream]:
         """Return the stream that has been started."""
@@ -165,11 +150,11 @@ class Start:
 
     def _find(self) -> ScipScript[None]:
         """Go over all speeds until the laser answers and is idle."""
-        number = self._speeds.index(self._baud) if self._baud is not None else 0
+        number = self._speeds.index(self.baud) if self.baud is not None else 0
         while True:
             if self._speeds:
-                self._baud = self._speeds[number % len(self._speeds)]
-                yield LineSpeedWanted(self._baud)
+                self.baud = self._speeds[number % len(self._speeds)]
+                yield LineSpeedWanted(self.baud)
             if (yield from self._wake()):
                 return
             number += 1
@@ -219,15 +204,15 @@ class Start:
 
     def _speed_up(self, steps: Steps) -> ScipScript[None]:
         """Change to the fastest speed that both know, where the line is too slow for the scans."""
-        wanted = next(streams(steps, self._settings, self._baud, scip1=self._scip1))
-        if self._baud is None or self._keep_speed or fits(wanted, self._baud):
+        wanted = next(streams(steps, self._settings, self.baud, scip1=self._scip1))
+        if self.baud is None or self._keep_speed or fits(wanted, self.baud):
             return
-        slow = self._baud
+        slow = self.baud
         for baud in sorted((speed for speed in self._speeds if speed > slow), reverse=True):
             text = f"S{baud:06}7654321" if self._scip1 else f"SS{baud:06}"
             reply = yield Ask(text.encode())
             if reply.status in OK:
-                self._baud = baud
+                self.baud = baud
                 self.started_at = self.started_at or slow
                 yield LineSpeedWanted(baud)
                 yield Pause(BREATH)
@@ -235,13 +220,13 @@ class Start:
                     return
                 yield Remarked(f"the laser does not answer at {baud} baud, which it agreed to")
             if not reply.status or reply.status in OK:
-                self._keep_speed, self._baud = True, slow
+                self._keep_speed, self.baud = True, slow
                 raise _NoAnswerError
             if reply.status == ALREADY_SET:
                 return
 
     def _compare_clocks(self) -> ScipScript[None]:
-        lead = TM1_LONGER * 10 / self._baud if self._baud else 0.0
+        lead = TM1_LONGER * 10 / self.baud if self.baud else 0.0
         reply = yield Ask(b"TM0")
         if reply.status in {"00", "02"}:
             for number in range(COMPARISONS):
@@ -260,10 +245,10 @@ class Start:
         """Switch the laser on and start scans; return `None` if it has to be found again."""
         if self._scip1:
             yield from self._ask(b"L1")
-            return next(streams(steps, self._settings, self._baud, scip1=True))
+            return next(streams(steps, self._settings, self.baud, scip1=True))
         reply = yield from self._ask(b"BM")
         if reply.status in LASER_ON:
-            for stream in streams(steps, self._settings, self._baud):
+            for stream in streams(steps, self._settings, self.baud):
                 reply = yield from self._ask(stream.command)
                 if reply.status in OK:
                     return stream
@@ -290,7 +275,7 @@ class Start:
         yield Ask(b"RS")
         yield Pause(BREATH)
         if self.started_at is not None:  # a reset also resets the speed
-            self._baud, self.started_at = self.started_at, None
+            self.baud, self.started_at = self.started_at, None
 
     def _ask(self, command: bytes) -> ScipScript[Reply]:
         """Return the answer to `command`.

@@ -21,15 +21,10 @@ SHORT_VALUE: Final = 4095
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ScanStream:
-    """Scans of one kind.
+    """Scans of one kind, from the step `start` to the step `end`.
 
-    Attributes:
-        letters: Of the command.
-        steps: The laser's geometry.
-        start: First step.
-        end: Last step.
-        cluster: Neighbouring steps that become one reading.
-        skip: Scans left out after each one.
+    So many neighbouring steps become one reading, `cluster`; so many scans are left out after each
+    one, `skip`.
     """
 
     letters: str

@@ -21,12 +21,7 @@ _Value = TypeVar("_Value")
 
 @dataclass(frozen=True, slots=True)
 class Codes:
-    """Values in place of distances.
-
-    Attributes:
-        nothing: Nothing came back.
-        near: Something is nearer than the laser measures.
-    """
+    """Values in place of distances: nothing came back, or something is nearer than is measured."""
 
     nothing: int
     near: int
@@ -52,15 +47,8 @@ def data_lines(
 ) -> bytes:
     """Return the data lines of `sweep`, which has all steps of the laser.
 
-    Args:
-        sweep: The readings.
-        format_: Of the data.
-        steps: Of the laser.
-        codes: Of the laser.
-        start: First step that is sent.
-        end: Last step.
-        cluster: Neighbouring steps of which the shortest distance is sent.
-        summed: Whether the lines have checksums.
+    They are of the steps from `start` to `end`, the shortest distance of each `cluster`; those that
+    are `summed` have checksums.
     """
     longest = steps.longest
     if format_.width == 2:

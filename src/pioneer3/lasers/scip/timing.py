@@ -22,11 +22,7 @@ SETTLING: Final = 3.0
 
 
 class ScipClock:
-    """Maps the laser's stamps onto our time.
-
-    Attributes:
-        compared: Whether there has been an answer to TM.
-    """
+    """Maps the laser's stamps onto our time; `compared` once there was an answer to TM."""
 
     def __init__(self) -> None:
         self.compared = False
@@ -50,14 +46,10 @@ class ScipClock:
         return self._seconds
 
     def compare(self, stamp_ms: int, asked: float, answered: float, lead: float = 0.0) -> None:
-        """Take an answer to TM1.
+        """Take an answer to TM1, the laser's time, that was asked for and answered then [s].
 
-        Args:
-            stamp_ms: The laser's time.
-            asked: When the request was sent.
-            answered: When the answer came.
-            lead: How much nearer to the request than to the answer the laser looked at its clock,
-                because the answer is longer [s].
+        The laser looked at its clock `lead` nearer to the request than to the answer, because the
+        answer is longer [s].
         """
         seconds = self.unwrap(stamp_ms)
         if not self.compared or answered - asked < self._round_trip:
@@ -65,15 +57,10 @@ class ScipClock:
             self._offset = (asked + answered - lead) / 2 - seconds
 
     def our_time(self, stamp_ms: int, arrived: float | None, took: float) -> float | None:
-        """Return our time of a scan's stamp.
+        """Return our time of a scan's stamp, or `None` while nothing is known to derive it from.
 
-        Args:
-            stamp_ms: The stamp.
-            arrived: When the first byte of the scan came, or `None` if that is not known.
-            took: Shortest time from the stamp to the first byte [s].
-
-        Returns:
-            The time, or `None` if nothing is known yet that it could be derived from.
+        The first byte of the scan `arrived` then, or at a time that is not known, and `took` at
+        least so long after the stamp [s].
         """
         seconds = self.unwrap(stamp_ms)
         if arrived is not None:

@@ -3,78 +3,58 @@
 Facts: scip.md 4, 5.1.
 """
 
+from dataclasses import dataclass, field
 from math import inf
 from typing import Final
 
 from pioneer3.lasers.device import MirrorTurn
-from pioneer3.lasers.scip.sweeps import codes_of
+from pioneer3.lasers.scip.sweeps import Codes, codes_of
 from pioneer3.lasers.scip.timing import WRAP
-from pioneer3.models.lasers import LaserModel
+from pioneer3.models.lasers import LaserModel, Steps
 from pioneer3.units import MS
 
 WELL: Final = "Sensor works well."
-STABLE: Final = "Stable 000 no error."
-"""The two ways in which STAT of II says that nothing is wrong."""
+"""STAT of II, by which nothing is wrong; others say `Stable 000 no error.`"""
 OTHER_SPEEDS: Final = (250000, 500000, 750000)
 """That lasers with a serial line know, too [baud]."""
 MULTI_ECHO: Final = {"utm-30lx"}
 """Models that send several echoes, over Ethernet as the UTM-30LX-EW."""
 
 
+@dataclass(slots=True)
 class ScipUnit:
-    """The state that all hosts of a laser share.
+    """The state that all hosts of a laser share, begun as :class:`ScipDevice` is asked for.
 
-    Args:
-        model: Its type.
-        serial: Its serial number.
-        firmware: FIRM of VV.
-        status: STAT of II.
-        start_speed: Of its serial line after power-on [baud], or `None` without one.
-        begins_in_scip1: Whether it speaks SCIP 1.1 after power-on.
-        knows_scip2: Whether it knows SCIP 2.0 at all.
-        boot_time: It is deaf for so long after power-on [s].
-
-    Attributes:
-        fault: Status in answer to BM and to measuring commands in place of success; empty: none.
-        laser_on: Whether the laser shines.
-        sensitive: Whether HS1 has made it more sensitive.
-        slower: Percentage by which CR has made the motor slower.
-        streams: Number of hosts that get scans without asking for each.
-        boots: Number of restarts.
+    `fault` is the status in answer to BM and to measuring commands in place of success, empty for
+    none. HS1 has made the laser more `sensitive`, CR its motor `slower` by a percentage; so many
+    hosts get scans without asking for each, `streams`; `boots` counts restarts.
     """
 
-    def __init__(
-        self,
-        model: LaserModel,
-        *,
-        serial: str,
-        firmware: str,
-        status: str,
-        start_speed: int | None,
-        begins_in_scip1: bool,
-        knows_scip2: bool,
-        boot_time: float,
-    ) -> None:
-        if model.steps is None:
-            raise ValueError(f"{model.name} does not speak SCIP")
-        self.model = model
-        self.steps = model.steps
-        self.codes = codes_of(model, model.steps)
-        self.serial = serial
-        self.firmware = firmware
-        self.status = status
-        self.start_speed = start_speed
-        self.begins_in_scip1 = begins_in_scip1
-        self.knows_scip2 = knows_scip2
-        self.fault = ""
-        self.laser_on = begins_in_scip1
-        self.sensitive = False
-        self.slower = 0
-        self.streams = 0
-        self.boots = 0
-        self._boot_time = boot_time
-        self._ready_at = -inf
-        self._clock_began = 0.0
+    model: LaserModel
+    serial: str
+    firmware: str
+    status: str
+    start_speed: int | None
+    begins_in_scip1: bool
+    knows_scip2: bool
+    boot_time: float
+    fault: str = field(default="", init=False)
+    laser_on: bool = field(init=False)
+    sensitive: bool = field(default=False, init=False)
+    slower: int = field(default=0, init=False)
+    streams: int = field(default=0, init=False)
+    boots: int = field(default=0, init=False)
+    steps: Steps = field(init=False)
+    codes: Codes = field(init=False)
+    _ready_at: float = field(default=-inf, init=False)
+    _clock_began: float = field(default=0.0, init=False)
+
+    def __post_init__(self) -> None:
+        if self.model.steps is None:
+            raise ValueError(f"{self.model.name} does not speak SCIP")
+        self.steps = self.model.steps
+        self.codes = codes_of(self.model, self.steps)
+        self.laser_on = self.begins_in_scip1
 
     @property
     def speeds(self) -> tuple[int, ...]:
@@ -100,7 +80,7 @@ class ScipUnit:
         """Begin as after a power cycle."""
         self.boots += 1
         self.streams = 0
-        self._ready_at = now + self._boot_time
+        self._ready_at = now + self.boot_time
         self.reset(now)
         self.laser_on = self.begins_in_scip1
 

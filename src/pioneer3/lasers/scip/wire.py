@@ -23,11 +23,9 @@ ENDED: Final = b"\n\n"
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """One answer, not yet checked.
+    """One answer, not yet checked, whose first byte came when it `began` [s, monotonic].
 
-    Attributes:
-        lines: Without LF; at least one, none of them empty.
-        began: When its first byte came [s, monotonic].
+    Its `lines` have no LF; there is at least one, and none is empty.
     """
 
     lines: list[bytes]
@@ -155,14 +153,9 @@ def from_pairs(lines: Iterable[bytes], *, summed: bool = True) -> dict[str, str]
 
 
 class AnswerReader:
-    """Cuts a stream of bytes, in any pieces, into answers. Noise is neither raised nor kept.
-
-    Attributes:
-        bytes_dropped: Bytes that were too many for an answer.
-    """
+    """Cuts a stream of bytes, in any pieces, into answers. Noise is neither raised nor kept."""
 
     def __init__(self) -> None:
-        self.bytes_dropped = 0
         self._buffer = bytearray()
         self._began = 0.0
         self._return_held = False
@@ -207,5 +200,4 @@ class AnswerReader:
 
     def _limit(self) -> None:
         if len(self._buffer) > MAX_ANSWER:
-            self.bytes_dropped += len(self._buffer)
             self._buffer.clear()
