@@ -83,7 +83,7 @@ async def test_noise_is_counted_and_the_session_survives_it() -> None:
         assert await session.handshake()
         robot.to_host = noisy
         await session.listen(5.0)
-        assert session.bad_checksums > 3
+        assert session.reader.bad_checksums > 3
         assert 30 < len(session.sips) < 50
         await session.close()
 

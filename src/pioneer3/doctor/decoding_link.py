@@ -56,12 +56,9 @@ def described(report: Report) -> str:
         field.name: getattr(report, field.name)
         for field in fields(cast("DataclassInstance", report))
     }
-    carried = " ".join(f"{name}={_shown(value)}" for name, value in shown.items() if _is_set(value))
+    is_set = {name: value for name, value in shown.items() if value not in (None, b"", ())}
+    carried = " ".join(f"{name}={_shown(value)}" for name, value in is_set.items())
     return f"{to_payload(report)[0]:#04x} {type(report).__name__} {carried}".rstrip()
-
-
-def _is_set(value: object) -> bool:
-    return value not in (None, b"", ())
 
 
 def _shown(value: object) -> str:

@@ -9,15 +9,7 @@ from dataclasses import replace
 from itertools import pairwise
 from typing import Final
 
-from pioneer3.doctor.facts import (
-    FAILED,
-    FORBIDDEN,
-    UNREACHABLE,
-    Finding,
-    Heard,
-    Level,
-    LinkFacts,
-)
+from pioneer3.doctor.facts import Finding, Heard, Level, LinkFacts
 from pioneer3.doctor.port_checks import check_adapter, check_answer, check_port
 from pioneer3.doctor.ports import find_port
 from pioneer3.doctor.probe_session import ProbeSession
@@ -45,13 +37,7 @@ async def gather(
     model: GivenModel = None,
     seconds: float = 3.0,
 ) -> LinkFacts:
-    """Return the facts about `url` after listening for `seconds`.
-
-    Args:
-        url: Of the robot.
-        baud: Serial speed to try first.
-        model: Its model, if somebody names one.
-        seconds: For which to listen.
+    """Return the facts about `url` after listening for `seconds`, at `baud` first.
 
     Raises:
         ConfigError: `url` names no port, or there is no such model.
@@ -89,18 +75,22 @@ async def examine(
 
 
 async def _listen(session: ProbeSession, seconds: float) -> Heard:
-    """Return a summary of the reception from now on; earlier reports count for readings only."""
+    """Return a summary of the reception from now on; earlier reports count for readings only.
+
+    A CONFIG whose checksum is always wrong is therefore not counted as a fault of the cable.
+    """
     clock = asyncio.get_running_loop().time
-    before, began = len(session.sips), clock()
+    before, began, reader = len(session.sips), clock(), session.reader
+    packets, bad, skipped = reader.packets, reader.bad_checksums, reader.bytes_skipped
     await session.listen(seconds)
     stamps = [began, *(stamp for stamp, _ in session.sips[before:]), clock()]
     return Heard(
         seconds=max(stamps[-1] - began, 1e-3),
         reports=len(stamps) - 2,
         longest_gap=max(later - earlier for earlier, later in pairwise(stamps)),
-        packets=session.packets,
-        bad_checksums=session.bad_checksums,
-        bytes_skipped=session.bytes_skipped,
+        packets=reader.packets - packets,
+        bad_checksums=reader.bad_checksums - bad,
+        bytes_skipped=reader.bytes_skipped - skipped,
         sonars=frozenset(r.number for _, sip in session.sips for r in sip.sonar),
         snapshot=_last_snapshot(session, session.info),
         config_trusted=session.config_trusted,
@@ -116,19 +106,6 @@ def _last_snapshot(session: ProbeSession, info: RobotInfo | None) -> Snapshot | 
     stamp, sip = session.sips[-1]
     return assembler.assemble(sip, stamp, model=info.model, config=info.config)
 
-
-__all__ = [
-    "FAILED",
-    "FORBIDDEN",
-    "UNREACHABLE",
-    "Finding",
-    "Heard",
-    "Level",
-    "LinkFacts",
-    "diagnose",
-    "exit_code",
-    "gather",
-]
 
 CHECKS: Final = (
     check_port,

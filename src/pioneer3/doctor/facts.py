@@ -29,13 +29,9 @@ class Level(StrEnum):
 class Finding:
     """One check and its outcome.
 
-    Attributes:
-        check: Its subject, in a word or two.
-        level: Its severity.
-        found: The observation.
-        meaning: Its explanation; empty where it is plain.
-        advice: For the user; empty where there is nothing to do.
-        code: Exit code of the command, where this is the first failure.
+    `found` is the observation; `meaning`, its explanation, is empty where it is plain, `advice`
+    where there is nothing to do. `code` is the exit code of the command, where this is the first
+    failure.
     """
 
     check: str
@@ -48,19 +44,13 @@ class Finding:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Heard:
-    """Summary of the bytes received from a robot.
+    """Summary of the bytes received from a robot in some seconds.
 
-    Attributes:
-        seconds: Duration [s].
-        reports: Number of information packets.
-        longest_gap: Longest interval between two of them [s].
-        packets: Number of frames of any kind.
-        bad_checksums: Number of rejected frames.
-        bytes_skipped: Number of bytes that belonged to no frame.
-        sonars: Numbers of the transducers that were read.
-        snapshot: The last one, or `None` if there was none.
-        config_trusted: False where CONFIG's checksum was wrong, but twice the same.
-        ended: The reason for an early end of the session, or `None`.
+    `reports` counts information packets, `packets` frames of any kind, `bad_checksums` rejected
+    ones, and `bytes_skipped` what belonged to no frame. `longest_gap` is between two reports [s];
+    `sonars` are the numbers of the transducers that were read. `config_trusted` is false where
+    CONFIG's checksum was wrong, but twice the same; `ended` is the reason for an early end of the
+    session.
     """
 
     seconds: float
@@ -79,16 +69,10 @@ class Heard:
 class LinkFacts:
     """The facts about one link.
 
-    Attributes:
-        url: Of the link.
-        port: Properties of a serial port; `None` for other links.
-        refused: The error that kept the link from opening.
-        closed: Whether the far end closed the link without sending anything.
-        other_device: The device that answers in place of a robot.
-        heard_at: Serial speeds at which bytes were received [baud].
-        info: Description of the robot; `None` when none answered.
-        streaming: Whether the robot still served an earlier session.
-        heard: Summary of the bytes received from it.
+    `port` is `None` for other links than serial ports; `refused` is the error that kept the link
+    from opening. It is `closed` if the far end did so without sending anything; bytes were
+    `heard_at` serial speeds [baud]. `info` is `None` when no robot answered; one that was
+    `streaming` still served an earlier session.
     """
 
     url: str

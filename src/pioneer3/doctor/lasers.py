@@ -28,13 +28,7 @@ takes 1.1 s."""
 
 @dataclass(frozen=True, slots=True)
 class FoundLaser:
-    """A port with a laser.
-
-    Attributes:
-        url: Argument for `--laser`.
-        protocol: Its language.
-        name: Its own, as far as it gave one, for people.
-    """
+    """A port with a laser: the `url` for `--laser`, and its own name as far as it gave one."""
 
     url: str
     protocol: LaserProtocol

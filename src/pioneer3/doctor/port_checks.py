@@ -1,16 +1,10 @@
 """Findings about the connection: the port, the adapter, the device that answers."""
 
 from collections.abc import Iterator
+from functools import partial
 from typing import Final
 
-from pioneer3.doctor.facts import (
-    FAILED,
-    FORBIDDEN,
-    UNREACHABLE,
-    Finding,
-    Level,
-    LinkFacts,
-)
+from pioneer3.doctor.facts import FAILED, FORBIDDEN, UNREACHABLE, Finding, Level, LinkFacts
 from pioneer3.doctor.ports import PortHolder, SerialPort, latency_file
 from pioneer3.doctor.recognition import DeviceKind, OtherDevice
 from pioneer3.errors import PortBusyError, PortNotFoundError, PortPermissionError, UnknownHostError
@@ -18,6 +12,8 @@ from pioneer3.links.serial import SPEEDS, how_to_get_permission
 from pioneer3.robot.supervisor import kind
 
 LONGEST_LATENCY_MS: Final = 1
+_closed = partial(Finding, check="port", level=Level.FAIL)
+_no_answer = partial(Finding, check="answer", level=Level.FAIL, code=UNREACHABLE)
 
 
 def check_port(facts: LinkFacts) -> Iterator[Finding]:
@@ -28,19 +24,12 @@ def check_port(facts: LinkFacts) -> Iterator[Finding]:
     if facts.refused is None:
         yield Finding(check="port", level=Level.OK, found=f"{facts.url} opens")
         return
-    found = _without(facts.url, str(facts.refused))
-    yield Finding(
-        check="port",
-        level=Level.FAIL,
-        found=found,
+    yield _closed(
+        found=str(facts.refused).removeprefix(f"{facts.url}: "),
         meaning="No connection at all: the robot's protocol has not been tried.",
         advice=_network_advice(facts),
         code=UNREACHABLE,
     )
-
-
-def _without(url: str, text: str) -> str:
-    return text.removeprefix(f"{url}: ")
 
 
 def _network_advice(facts: LinkFacts) -> str:
@@ -59,9 +48,7 @@ def _serial_port(port: SerialPort, facts: LinkFacts) -> Iterator[Finding]:
     if port.holders:
         yield _busy(port.holders, where)
     elif isinstance(facts.refused, PortNotFoundError):
-        yield Finding(
-            check="port",
-            level=Level.FAIL,
+        yield _closed(
             found=f"{port.path} does not exist",
             meaning="The cable or its USB adapter is not plugged in, or has another name now.",
             advice="Plug it in, then run: p3 find-port",
@@ -69,9 +56,7 @@ def _serial_port(port: SerialPort, facts: LinkFacts) -> Iterator[Finding]:
         )
     elif isinstance(facts.refused, PortPermissionError) or not port.allowed:
         command = how_to_get_permission(port.device)
-        yield Finding(
-            check="port",
-            level=Level.FAIL,
+        yield _closed(
             found=f"{where} exists, but this user may not open it",
             meaning="Serial ports belong to a group of users, and you are not in it (yet).",
             advice=f"{command[:1].upper()}{command[1:]} (a new terminal is not enough).",
@@ -80,9 +65,7 @@ def _serial_port(port: SerialPort, facts: LinkFacts) -> Iterator[Finding]:
     elif isinstance(facts.refused, PortBusyError):
         yield _busy((), where)
     elif facts.refused is not None:
-        yield Finding(
-            check="port",
-            level=Level.FAIL,
+        yield _closed(
             found=str(facts.refused),
             advice="Choose another port: p3 find-port lists them.",
             code=UNREACHABLE,
@@ -101,9 +84,7 @@ def _serial_port(port: SerialPort, facts: LinkFacts) -> Iterator[Finding]:
 
 def _busy(holders: tuple[PortHolder, ...], where: str) -> Finding:
     who = ", ".join(f"{holder.name} (process {holder.pid})" for holder in holders)
-    return Finding(
-        check="port",
-        level=Level.FAIL,
+    return _closed(
         found=f"{where} is in use by {who or 'another program'}",
         meaning="Two programs on one port each get half of the robot's bytes.",
         advice=_how_to_free(holders, where),
@@ -161,68 +142,46 @@ def check_answer(facts: LinkFacts) -> Iterator[Finding]:
 
 def _hung_up(facts: LinkFacts) -> Finding:
     if facts.is_serial:
-        return Finding(
-            check="answer",
-            level=Level.FAIL,
+        return _no_answer(
             found="the port failed while it was in use",
             meaning="The adapter was unplugged, or lost its power.",
             advice="Plug it in again, straight into the computer, then run: p3 find-port",
-            code=UNREACHABLE,
         )
-    return Finding(
-        check="answer",
-        level=Level.FAIL,
+    return _no_answer(
         found="the other end hangs up without a word",
         meaning="Most likely it serves another program: a robot or simulator has one host.",
         advice="Quit the other program, or wait 2 s if it has crashed, then try again.",
-        code=UNREACHABLE,
     )
 
 
 def _silence(facts: LinkFacts) -> Finding:
     if facts.is_serial:
         speeds = ", ".join(map(str, SPEEDS))
-        return Finding(
-            check="answer",
-            level=Level.FAIL,
+        return _no_answer(
             found=f"nothing answers at {speeds} baud",
             meaning="The robot is off, or the cable leads elsewhere.",
             advice="In this order: is the robot on (LED lit)? Is the cable in the socket marked "
             "HOST, and nothing in the other one? Is it a straight cable, no null modem? "
             "Press reset on the robot. Another port? p3 find-port",
-            code=UNREACHABLE,
         )
-    return Finding(
-        check="answer",
-        level=Level.FAIL,
+    return _no_answer(
         found="the connection opens, but nothing answers",
         meaning="Some other program listens there, or a serial bridge whose robot is off.",
         advice="Check the port number (simulators: 8101) and that the robot is on.",
-        code=UNREACHABLE,
     )
 
 
 def _about(other_device: OtherDevice, facts: LinkFacts) -> Finding:
     if facts.streaming:
-        return Finding(
-            check="answer",
-            level=Level.FAIL,
+        return _no_answer(
             found=f"a robot that sends, but does not receive: {other_device.name}",
             meaning="Its reports of an earlier session arrive; nothing that is sent to it does.",
             advice="Look at the cable: one of its lines is broken, or it is meant for something "
             "else. Press reset on the robot.",
-            code=UNREACHABLE,
         )
     meaning, advice = _OTHER_DEVICES[other_device.kind]
     at = f" (at {', '.join(map(str, facts.heard_at))} baud)" if facts.heard_at else ""
-    return Finding(
-        check="answer",
-        level=Level.FAIL,
-        found=f"{_named(other_device)}{at}",
-        meaning=meaning,
-        advice=advice,
-        code=UNREACHABLE,
-    )
+    return _no_answer(found=f"{_named(other_device)}{at}", meaning=meaning, advice=advice)
 
 
 def _named(other_device: OtherDevice) -> str:

@@ -4,9 +4,8 @@ import os
 import re
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from types import MappingProxyType
 from typing import Final
 
 from pioneer3.errors import ConfigError
@@ -14,34 +13,30 @@ from pioneer3.links.urls import split_url
 
 DEV, SYS, PROC = Path("/dev"), Path("/sys"), Path("/proc")
 
-_VENDORS: Final[Mapping[int, str]] = MappingProxyType(
-    {
-        0x0403: "FTDI",
-        0x0557: "ATEN",
-        0x067B: "Prolific",
-        0x10C4: "Silicon Labs",
-        0x15D1: "Hokuyo",
-        0x1A86: "WCH",
-        0x9710: "MosChip",
-    }
-)
-_CHIPS: Final[Mapping[tuple[int, int], str]] = MappingProxyType(
-    {
-        (0x0403, 0x6001): "FTDI FT232R",
-        (0x0403, 0x6010): "FTDI FT2232",
-        (0x0403, 0x6011): "FTDI FT4232",
-        (0x0403, 0x6014): "FTDI FT232H",
-        (0x0403, 0x6015): "FTDI FT-X",
-        (0x0557, 0x2008): "ATEN UC-232A",
-        (0x067B, 0x2303): "Prolific PL2303",
-        (0x10C4, 0xEA60): "Silicon Labs CP210x",
-        (0x15D1, 0x0000): "Hokuyo URG laser",
-        (0x1A86, 0x5523): "WCH CH341",
-        (0x1A86, 0x55D4): "WCH CH9102",
-        (0x1A86, 0x7523): "WCH CH340",
-        (0x9710, 0x7720): "MosChip MCS7720",
-    }
-)
+_VENDORS: Final[Mapping[int, str]] = {
+    0x0403: "FTDI",
+    0x0557: "ATEN",
+    0x067B: "Prolific",
+    0x10C4: "Silicon Labs",
+    0x15D1: "Hokuyo",
+    0x1A86: "WCH",
+    0x9710: "MosChip",
+}
+_CHIPS: Final[Mapping[tuple[int, int], str]] = {
+    (0x0403, 0x6001): "FTDI FT232R",
+    (0x0403, 0x6010): "FTDI FT2232",
+    (0x0403, 0x6011): "FTDI FT4232",
+    (0x0403, 0x6014): "FTDI FT232H",
+    (0x0403, 0x6015): "FTDI FT-X",
+    (0x0557, 0x2008): "ATEN UC-232A",
+    (0x067B, 0x2303): "Prolific PL2303",
+    (0x10C4, 0xEA60): "Silicon Labs CP210x",
+    (0x15D1, 0x0000): "Hokuyo URG laser",
+    (0x1A86, 0x5523): "WCH CH341",
+    (0x1A86, 0x55D4): "WCH CH9102",
+    (0x1A86, 0x7523): "WCH CH340",
+    (0x9710, 0x7720): "MosChip MCS7720",
+}
 HOKUYO: Final = 0x15D1
 
 
@@ -57,18 +52,12 @@ class PortHolder:
 class SerialPort:
     """One serial port as the system knows it.
 
-    Attributes:
-        path: The name to use: the stable one of /dev/serial/by-id where there is one.
-        device: The present device file, such as `/dev/ttyUSB0`.
-        product: Product name that the adapter sends.
-        vendor_id: USB, `None` for ports that are no USB device.
-        product_id: Likewise.
-        serial_number: That the adapter sends; empty without.
-        socket: Of the USB port it is plugged into, as udev's ID_PATH; empty where udev has none.
-        latency_ms: Time for which an FTDI adapter holds bytes back.
-        allowed: Whether this user may open it.
-        holders: Processes that have it open, as far as this user may see.
-        console: Whether the kernel prints its messages there.
+    `path` is the name to use, the stable one of /dev/serial/by-id where there is one; `device` is
+    the present device file, such as `/dev/ttyUSB0`. Ports that are no USB device have no
+    `vendor_id` and `product_id`. `socket` is the USB port it is plugged into, as udev's ID_PATH,
+    empty where udev has none; `latency_ms` the time for which an FTDI adapter holds bytes back.
+    This user may open it if it is `allowed`, and sees some of its `holders`; the kernel prints its
+    messages on a `console`.
     """
 
     path: str
@@ -143,14 +132,8 @@ def is_serial(url: str) -> bool:
 
 
 def _examined(port: SerialPort) -> SerialPort:
-    return SerialPort(
-        path=port.path,
-        device=port.device,
-        product=port.product,
-        manufacturer=port.manufacturer,
-        vendor_id=port.vendor_id,
-        product_id=port.product_id,
-        serial_number=port.serial_number,
+    return replace(
+        port,
         socket=socket_of(port.device),
         latency_ms=latency_of(port.device),
         allowed=not Path(port.device).exists() or os.access(port.device, os.R_OK | os.W_OK),
@@ -161,10 +144,7 @@ def _examined(port: SerialPort) -> SerialPort:
 
 def latency_of(device: str, sys: Path = SYS) -> int | None:
     """Return an FTDI adapter's latency timer [ms]; `None` for other ports."""
-    try:
-        text = latency_file(device, sys).read_text("ascii").strip()
-    except (OSError, UnicodeDecodeError):
-        return None
+    text = _text_of(latency_file(device, sys)).strip()
     return int(text) if text.isdecimal() else None
 
 
@@ -184,10 +164,7 @@ def socket_of(device: str, dev: Path = DEV) -> str:
 
 def is_console(device: str, sys: Path = SYS) -> bool:
     """Return whether the kernel prints its messages on `device`."""
-    try:
-        active = (sys / "class/tty/console/active").read_text("ascii").split()
-    except (OSError, UnicodeDecodeError):
-        return False
+    active = _text_of(sys / "class/tty/console/active").split()
     return Path(device).parent == DEV and Path(device).name in active
 
 
@@ -203,10 +180,8 @@ def holders_of(device: str, proc: Path = PROC, me: int | None = None) -> Iterato
 
 
 def _processes(proc: Path) -> Iterator[int]:
-    try:
+    with suppress(OSError):
         yield from (int(entry.name) for entry in proc.iterdir() if entry.name.isdecimal())
-    except OSError:
-        return
 
 
 def _holds(process: Path, device: str) -> bool:
@@ -229,12 +204,16 @@ def _open_files(process: Path) -> Iterator[tuple[str, str]]:
 
 
 def _is_far_end(fdinfo: Path, device: str) -> bool:
-    try:
-        lines = fdinfo.read_text("ascii").splitlines()
-    except (OSError, UnicodeDecodeError):
-        return False
-    wanted = ["tty-index:", Path(device).name]
+    wanted, lines = ["tty-index:", Path(device).name], _text_of(fdinfo).splitlines()
     return device.startswith("/dev/pts/") and any(line.split() == wanted for line in lines)
+
+
+def _text_of(path: Path) -> str:
+    """Return the text of a file of the kernel's, empty where it cannot be read."""
+    try:
+        return path.read_text("ascii")
+    except (OSError, UnicodeDecodeError):
+        return ""
 
 
 def _name_of(process: Path) -> str:

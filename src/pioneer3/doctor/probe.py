@@ -7,6 +7,7 @@ from enum import StrEnum
 from typing import Final
 
 from pioneer3.arcos.host_events import Timing
+from pioneer3.doctor.facts import UNREACHABLE
 from pioneer3.doctor.lasers import laser_at
 from pioneer3.doctor.ports import SerialPort
 from pioneer3.doctor.probe_session import QUICK, ProbeSession
@@ -20,8 +21,6 @@ from pioneer3.errors import (
 from pioneer3.links import open_link
 from pioneer3.robot.supervisor import RobotInfo, is_simulator
 
-NOT_REACHABLE: Final = 3
-"""Exit code of the command line (facts.md 14.4)."""
 SIMULATOR_URL: Final = "tcp://localhost:8101"
 
 
@@ -45,12 +44,8 @@ class ProbeVerdict(StrEnum):
 class Probed:
     """One port, and the result of probing it.
 
-    Attributes:
-        url: Argument for `--port`.
-        verdict: The result.
-        detail: Name of the device, or the obstacle, for people.
-        port: Properties of a serial port.
-        info: Description of the robot that answered.
+    `url` is the argument for `--port`; `detail` is the name of the device, or the obstacle, for
+    people.
     """
 
     url: str
@@ -113,12 +108,8 @@ async def probe_all(
 ) -> list[Probed]:
     """Return the results for all serial `ports`, then all `urls`, in their order.
 
-    They are probed side by side, so that it takes as long as the slowest of them.
-
-    Args:
-        ports: Of this computer.
-        urls: Of the network.
-        progress: Given the ports that have not been judged yet, at first and after each.
+    They are probed side by side, so that it takes as long as the slowest of them; `progress` is
+    given the ports that have not been judged yet, at first and after each.
     """
     waiting = [*(port.path for port in ports), *urls]
 
@@ -171,12 +162,9 @@ def choose(found: Iterable[Probed]) -> Probed | None:
 def came_back(
     before: Iterable[SerialPort], without: Iterable[SerialPort], after: Iterable[SerialPort]
 ) -> tuple[SerialPort, ...]:
-    """Return the ports that were plugged in again.
+    """Return the ports that were plugged in again; a device may have another number then.
 
-    Args:
-        before: Ports at first.
-        without: Ports after the cable was pulled.
-        after: Ports after it was plugged in again; its device may have another number.
+    `without` are those that are there after the cable was pulled.
     """
     stayed = {port.device for port in without}
     appeared = [port for port in after if port.device not in stayed]
@@ -214,4 +202,4 @@ def not_probed(ports: Iterable[SerialPort], urls: Iterable[str]) -> list[Probed]
 def found_code(found: Sequence[Probed]) -> int:
     """Return the exit code: 0 when a robot was found or ports were only listed, else 3."""
     only_listed = any(each.verdict is ProbeVerdict.NOT_PROBED for each in found)
-    return 0 if only_listed or choose(found) else NOT_REACHABLE
+    return 0 if only_listed or choose(found) else UNREACHABLE

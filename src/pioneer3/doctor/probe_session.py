@@ -44,16 +44,11 @@ MAX_RECEIVED: Final = 4096
 class ProbeSession:
     """The facts that one session finds about the device at the end of a link.
 
-    Attributes:
-        identity: Of the robot, once it answered.
-        speed: At which it answered [baud]; `None` on links without a speed.
-        streaming: Whether it was still serving an earlier session.
-        config: Its CONFIG report.
-        config_settled: Whether it sent that, or the time for it has passed.
-        config_trusted: False where the checksum was wrong, but twice the same.
-        sips: Every information packet with the time of its arrival [s].
-        failure: The reason that there is no session.
-        closed: Whether the far end closed the link.
+    A robot that answered has an `identity` and, on links with a speed, the `speed` at which it did
+    [baud]; `streaming`: it was still serving an earlier session. `config_settled`: it sent CONFIG,
+    or the time for that has passed. `config_trusted` is false where the checksum was wrong, but
+    twice the same. `sips` are the information packets with the time of arrival [s]; `failure` is
+    the reason that there is no session, and the far end `closed` the link.
     """
 
     def __init__(self, link: Link, timing: Timing = THOROUGH, *, model: GivenModel = None) -> None:
@@ -73,7 +68,6 @@ class ProbeSession:
         self._early_reader = PacketReader()
         self._heard: defaultdict[int | None, bytearray] = defaultdict(bytearray)
         self._sent = bytearray()
-        self._packets = self._bad_checksums = self._bytes_skipped = 0
 
     @property
     def is_over(self) -> bool:
@@ -81,19 +75,9 @@ class ProbeSession:
         return self.closed or self.failure is not None
 
     @property
-    def packets(self) -> int:
-        """Frames accepted since listening began."""
-        return self._host.reader.packets - self._packets
-
-    @property
-    def bad_checksums(self) -> int:
-        """Frames rejected since listening began."""
-        return self._host.reader.bad_checksums - self._bad_checksums
-
-    @property
-    def bytes_skipped(self) -> int:
-        """Bytes that belonged to no frame since listening began."""
-        return self._host.reader.bytes_skipped - self._bytes_skipped
+    def reader(self) -> PacketReader:
+        """Counts the frames of the session."""
+        return self._host.reader
 
     @property
     def heard_at(self) -> tuple[int | None, ...]:
@@ -122,13 +106,7 @@ class ProbeSession:
         return self.identity is not None
 
     async def listen(self, seconds: float) -> None:
-        """Keep the session open for `seconds`, with the counters set to zero.
-
-        A CONFIG whose checksum is always wrong is therefore not counted as a fault of the cable.
-        """
-        reader = self._host.reader
-        self._packets, self._bad_checksums = reader.packets, reader.bad_checksums
-        self._bytes_skipped = reader.bytes_skipped
+        """Keep the session open for `seconds`."""
         end = self._clock() + seconds
         while not self.is_over and self._clock() < end:
             await self._step(end)

@@ -33,12 +33,7 @@ class DeviceKind(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class OtherDevice:
-    """Something that answers, but not as a robot.
-
-    Attributes:
-        kind: Of the device.
-        name: Its name, as far as it sent one, for people.
-    """
+    """Something that answers, but not as a robot; its name as far as it sent one, for people."""
 
     kind: DeviceKind
     name: str

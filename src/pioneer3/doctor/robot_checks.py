@@ -1,6 +1,7 @@
 """Findings about the robot that answered, and about the line to it."""
 
 from collections.abc import Iterator
+from functools import partial
 from typing import Final
 
 from pioneer3.doctor.facts import FAILED, Finding, Heard, Level, LinkFacts
@@ -20,6 +21,7 @@ NOISY = 0.001
 """Share of corrupt frames above which there is a warning."""
 VERY_NOISY = 0.05
 """Share of corrupt frames above which there is a failure."""
+_warning = partial(Finding, level=Level.WARN)
 
 
 def check_speed(facts: LinkFacts) -> Iterator[Finding]:
@@ -30,9 +32,8 @@ def check_speed(facts: LinkFacts) -> Iterator[Finding]:
     if speed == START_SPEED:
         yield _ok("speed", f"{speed} baud")
         return
-    yield Finding(
+    yield _warning(
         check="speed",
-        level=Level.WARN,
         found=f"{speed} baud; robots start at {START_SPEED}",
         meaning="An earlier program switched the robot and left it so, or its settings say so.",
         advice="Nothing to do: pioneer3 tries all speeds and remembers. Others need the robot "
@@ -47,9 +48,8 @@ def check_session(facts: LinkFacts) -> Iterator[Finding]:
     if not facts.streaming:
         yield _ok("session", "the robot was waiting for a host")
         return
-    yield Finding(
+    yield _warning(
         check="session",
-        level=Level.WARN,
         found="the robot was still serving an earlier session",
         meaning="Its last program did not close its session (crash, kill, cable pulled).",
         advice="Nothing to do: that session has been closed now.",
@@ -82,17 +82,15 @@ def check_config(facts: LinkFacts) -> Iterator[Finding]:
         return
     config = facts.info.config
     if config is None:
-        yield Finding(
+        yield _warning(
             check="config",
-            level=Level.WARN,
             found="the robot did not send its configuration",
             meaning=f"The usual values of {facts.info.model.title} are used for limits and alarms.",
             advice="Harmless with old firmware; else look at the checksums below.",
         )
     elif facts.heard is not None and not facts.heard.config_trusted:
-        yield Finding(
+        yield _warning(
             check="config",
-            level=Level.WARN,
             found="the configuration comes with a wrong checksum, each time the same",
             meaning="A known fault of some P3-DX-SH controllers. It is used all the same.",
         )
@@ -197,9 +195,8 @@ def _stop_button(now: Snapshot) -> Finding:
 
 def _motors(now: Snapshot) -> Iterator[Finding]:
     if now.motors.enabled:
-        yield Finding(
+        yield _warning(
             check="motors",
-            level=Level.WARN,
             found="on, although they were told to be off",
             meaning="Somebody pressed the MOTORS button, or a joystick is in use.",
         )
@@ -207,9 +204,8 @@ def _motors(now: Snapshot) -> Iterator[Finding]:
         yield _ok("motors", "off, as they should be now; the first command switches them on")
     if now.motors.stalled:
         sides = (("left", now.motors.left_stalled), ("right", now.motors.right_stalled))
-        yield Finding(
+        yield _warning(
             check="stall",
-            level=Level.WARN,
             found=f"{' and '.join(side for side, stalled in sides if stalled)} wheels blocked",
             meaning="The robot pushes against something.",
             advice="Free it, or drive the other way.",
@@ -231,9 +227,8 @@ def battery_finding(now: Snapshot, info: RobotInfo) -> Finding:
             code=FAILED,
         )
     if now.battery.low:
-        return Finding(
+        return _warning(
             check="battery",
-            level=Level.WARN,
             found=f"{found}: low",
             meaning="The robot's own alarm level is reached; it beeps.",
             advice="Charge it soon.",
@@ -249,9 +244,8 @@ def _sonar(heard: Heard, info: RobotInfo) -> Iterator[Finding]:
         yield _ok("sonar", f"{got} transducers")
         return
     missing = ", ".join(str(n) for n in range(expected) if n not in heard.sonars)
-    yield Finding(
+    yield _warning(
         check="sonar",
-        level=Level.WARN,
         found=f"{got} of {expected} transducers, none from {missing}",
         meaning="No rear ring on this robot, a loose cable, or sonar switched off.",
         advice="A robot without rear ring needs nothing: its readings are just missing.",
@@ -260,9 +254,8 @@ def _sonar(heard: Heard, info: RobotInfo) -> Iterator[Finding]:
 
 def _faults(now: Snapshot) -> Iterator[Finding]:
     if now.faults:
-        yield Finding(
+        yield _warning(
             check="faults",
-            level=Level.WARN,
             found=", ".join(now.faults),
             meaning="The controller reports these about itself.",
             advice="Switch the robot off and on; if they stay, see the robot's manual.",

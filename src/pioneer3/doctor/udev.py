@@ -22,13 +22,7 @@ NOT_IN_NAMES: Final = re.compile(r"[^A-Za-z0-9_.-]+")
 
 @dataclass(frozen=True, slots=True)
 class UdevRule:
-    """A line for udev.
-
-    Attributes:
-        about: The device, for people.
-        link: Its name below /dev; `$result` or `%c` is what the program prints.
-        text: The line.
-    """
+    """A line for udev; in `link`, a name below /dev, the program prints `$result` or `%c`."""
 
     about: str
     link: str
@@ -38,9 +32,7 @@ class UdevRule:
 def rules(ports: Sequence[SerialPort], program: str) -> tuple[UdevRule, ...]:
     """Return a rule for each USB serial port; Hokuyo lasers share one.
 
-    Args:
-        ports: Of this computer.
-        program: Path of `pioneer3`, for lasers that must be asked.
+    `program` is the path of `pioneer3`, for lasers that must be asked.
     """
     found = [_rule(port, program) for port in ports if port.vendor_id is not None]
     return tuple(dict.fromkeys(found))

@@ -1,6 +1,5 @@
 """Gamepads of this Linux machine: which are there, and the events that they send."""
 
-import asyncio
 import os
 import struct
 import sys
@@ -11,6 +10,7 @@ from pathlib import Path
 
 from pioneer3.errors import ConfigError, PortPermissionError
 from pioneer3.teleop.gamepad import Gamepad
+from pioneer3.teleop.terminal import chunks_of
 
 EVENT = struct.Struct("@llHHi")
 """Seconds, microseconds, type, code, value."""
@@ -48,12 +48,10 @@ class Range:
 
 @dataclass(slots=True)
 class Decoder:
-    """Decodes events, and passes them to `gamepad`.
+    """Decodes events, and passes buttons and axes to `gamepad`.
 
-    Attributes:
-        gamepad: Takes buttons and axes.
-        ranges: Of the axes, by code.
-        pressed: Numbers of the buttons that were pressed since this was emptied.
+    `ranges` are those of the axes, by code; `pressed` are the numbers of the buttons that were
+    pressed since this was emptied.
     """
 
     gamepad: Gamepad
@@ -99,14 +97,9 @@ READ = 2
 
 @dataclass(frozen=True, slots=True)
 class GamepadDevice:
-    """An open gamepad.
+    """An open gamepad, whose `descriptor` does not block.
 
-    Attributes:
-        path: Where it was found.
-        name: Its own.
-        descriptor: To read events from; does not block.
-        ranges: Of its axes, by code.
-        start: The values of its axes when it was opened, by code.
+    `ranges` of its axes, and `start`, their values when it was opened, are by code.
     """
 
     path: Path
@@ -120,8 +113,7 @@ class GamepadDevice:
 def open_gamepad(wanted: str = "") -> Iterator[GamepadDevice | None]:
     """Open the gamepad that is `wanted`: by path, by a part of its name, or the first.
 
-    Yields:
-        It, or `None` while there is none.
+    It yields `None` while there is none.
 
     Raises:
         ConfigError: this is no Linux, or the path is no gamepad's.
@@ -139,26 +131,9 @@ def open_gamepad(wanted: str = "") -> Iterator[GamepadDevice | None]:
 
 async def read(device: GamepadDevice) -> AsyncIterator[bytes]:
     """Yield the bytes of the gamepad as they come; ends when it is unplugged."""
-    loop = asyncio.get_running_loop()
-    chunks: asyncio.Queue[bytes] = asyncio.Queue()
-
-    def ready() -> None:
-        try:
-            chunk = os.read(device.descriptor, 4096)
-        except BlockingIOError:
-            return
-        except OSError:  # ENODEV: unplugged
-            chunk = b""
-        if not chunk:
-            loop.remove_reader(device.descriptor)
-        chunks.put_nowait(chunk)
-
-    loop.add_reader(device.descriptor, ready)
-    try:
+    with chunks_of(device.descriptor) as chunks:
         while chunk := await chunks.get():
             yield chunk
-    finally:
-        loop.remove_reader(device.descriptor)
 
 
 def _find(wanted: str) -> GamepadDevice | None:

@@ -9,11 +9,11 @@ from pioneer3.runtime.arbiter import GAMEPAD
 from pioneer3.runtime.robot import Robot
 from pioneer3.teleop.evdev import Decoder, GamepadDevice
 from pioneer3.teleop.gamepad import SCHEME, Gamepad, Scheme
+from pioneer3.teleop.keyboard_drive import COMMAND_TIMEOUT
 
 RENEW = 0.05
 """Pause between two commands while the button is held [s]."""
-COMMAND_TIMEOUT = 0.3
-"""A command that is not renewed ends after this [s]: this program may hang too."""
+
 SEARCH = 1.0
 """Pause between two looks for a gamepad [s]."""
 
@@ -24,12 +24,8 @@ Read = Callable[[GamepadDevice], AsyncIterator[bytes]]
 class GamepadDriver:
     """Drives `robot` with whatever gamepad there is, until cancelled.
 
-    Args:
-        robot: Connected.
-        open_device: Opens the gamepad, or yields `None` while there is none.
-        read: Yields its bytes until it is unplugged.
-        tell: Given news for people: a gamepad that comes or goes.
-        scheme: The buttons and the speeds.
+    `open_device` opens the gamepad, or yields `None` while there is none; `read` yields its bytes
+    until it is unplugged; `tell` is given news for people: a gamepad that comes or goes.
     """
 
     def __init__(

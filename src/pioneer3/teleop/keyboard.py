@@ -60,15 +60,8 @@ class Keyboard:
 
     Each of the two axes follows its last key for :data:`HOLD`, so that alternating two keys drives
     a curve; with `latch`, a key acts until another one or a stop, as in the lab's `rob_key`, but
-    only for `patience` after the last key of any kind.
-
-    Attributes:
-        speed: Of a forward key [m/s].
-        turn_rate: Of a turning key [rad/s].
-        latch: One press keeps moving.
-        patience: Time that a latched key acts without a further one [s].
-        max_speed: Bound for faster [m/s].
-        max_turn_rate: Bound for faster [rad/s].
+    only for `patience` after the last key of any kind [s]. Speeds are in [m/s, rad/s]; faster goes
+    no further than the largest.
     """
 
     speed: float = 0.5
@@ -155,10 +148,8 @@ FLICK_RATE: Final = 3.0
 def key_of_rotation(x: float, y: float, z: float) -> Key | None:
     """Return the key that a phone's turning stands for, if any.
 
-    Args:
-        x: About its right-hand side [rad/s]: forward, back.
-        y: About its upper side: stop.
-        z: About its screen: left, right.
+    It turns about its right-hand side, `x`, for forward and back, about its upper side, `y`, for
+    stop, and about its screen, `z`, for left and right [rad/s].
     """
     if abs(x) > FLICK_RATE:
         return Key.FORWARD if x > 0 else Key.BACK

@@ -22,17 +22,14 @@ COMMAND_TIMEOUT = 0.3
 class KeyboardDriver:
     """Drives `robot` with keys, until the quit key.
 
-    Args:
-        robot: Connected.
-        keyboard: Speeds, and how long a key acts.
-        show: Given the live line, again and again; `None` where nobody reads it.
+    `show` is given the live line, again and again; it is `None` where nobody reads it.
     """
 
     def __init__(
         self, robot: Driven, keyboard: Keyboard, show: Callable[[str], None] | None = None
     ) -> None:
         self._robot = robot
-        self._keyboard = keyboard
+        self.keyboard = keyboard
         self._show = show
         self._hold = Hold("keyboard")
         self._clock = asyncio.get_running_loop().time
@@ -69,17 +66,12 @@ class KeyboardDriver:
         now, pilot = self._robot.snapshot, self._robot.supervisor.pilot
         return (now is not None and now.motors.moving) or not pilot.asked(self._clock()).is_zero
 
-    @property
-    def keyboard(self) -> Keyboard:
-        """The speeds of its keys."""
-        return self._keyboard
-
     def line(self) -> str:
         """Return the live line: speed or why it stands, speeds set, battery, nearest sonar, pose.
 
         While the robot moves, 79 columns hold it; a narrow terminal cuts off the least important.
         """
-        robot, now, keyboard = self._robot, self._robot.snapshot, self._keyboard
+        robot, now, keyboard = self._robot, self._robot.snapshot, self.keyboard
         if now is None:
             status = robot.supervisor.status.latest
             return f"{status.connection.value.upper()}: {status.message}" if status else ""
@@ -101,7 +93,7 @@ class KeyboardDriver:
     async def _renew(self) -> None:
         while True:
             if self._robot.supervisor.pilot.blocked:
-                self._keyboard.press(Key.STOP, self._clock())  # a latched key must be pressed anew
+                self.keyboard.press(Key.STOP, self._clock())  # a latched key must be pressed anew
             self._command()
             self._tell()
             await asyncio.sleep(RENEW if self._show else RENEW_UNSEEN)
@@ -111,7 +103,7 @@ class KeyboardDriver:
             self._show(self.line())
 
     def _command(self) -> None:
-        twist, seconds = self._keyboard.wanted(self._clock())
+        twist, seconds = self.keyboard.wanted(self._clock())
         if not twist.is_zero:
             self._robot.arbiter.hold(self._hold, twist, min(seconds, COMMAND_TIMEOUT))
 
@@ -130,4 +122,4 @@ class KeyboardDriver:
                 key = Key.STOP  # else a latched key would drive on once it is released
             case Key.RESET:
                 supervisor.reset_emergency_stop()
-        self._keyboard.press(key, self._clock())
+        self.keyboard.press(key, self._clock())

@@ -31,8 +31,7 @@ LOOK = 0.1
 class PatientDriver(TerminalDriver):
     """Textual's, except that it never waits for the terminal.
 
-    Attributes:
-        missed: Whether something was not written, so that the screen must be drawn anew.
+    It has `missed` something that was not written if the screen must be drawn anew.
     """
 
     missed = False

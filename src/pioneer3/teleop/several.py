@@ -10,6 +10,7 @@ from typing import Final
 
 from pioneer3.teleop.keyboard import Key, Keyboard
 from pioneer3.teleop.keyboard_drive import KeyboardDriver
+from pioneer3.teleop.terminal import ARROWS, ESCAPE
 
 
 class RobotChooser(Enum):
@@ -24,12 +25,9 @@ class RobotChooser(Enum):
 
 @dataclass(frozen=True, slots=True)
 class KeyRow:
-    """Keys that do one thing.
+    """Keys that do one thing, by the text that a terminal sends.
 
-    Attributes:
-        name: For people; empty for a second name, which the help leaves out.
-        words: Their effect.
-        acts: By the text that a terminal sends.
+    `name` is for people, empty for a second name, which the help leaves out.
     """
 
     name: str
@@ -37,13 +35,8 @@ class KeyRow:
     acts: dict[str, Key | RobotChooser]
 
 
-ARROWS: Final = {"A": Key.FORWARD, "B": Key.BACK, "C": Key.RIGHT, "D": Key.LEFT}
 TABLE: Final = (
-    KeyRow(
-        "arrows",
-        "drive",
-        {f"\x1b{form}{end}": key for form in "[O" for end, key in ARROWS.items()},
-    ),
+    KeyRow("arrows", "drive", {**ARROWS}),
     KeyRow("space", "stop all", {" ": Key.STOP}),
     KeyRow("k", "emergency stop of all", {"k": Key.EMERGENCY}),
     KeyRow("Ctrl-R", "release it", {"\x12": Key.RESET}),
@@ -62,7 +55,6 @@ KEYS: Final = "   ".join(f"{row.name}: {row.words}" for row in TABLE if row.name
 CHOOSING: Final = (
     "Which ones? 0-9, q and the mouse mark, a marks all   y: drive those   Esc: as before"
 )
-ESCAPE: Final = "\x1b"
 ACTS: Final = {token: act for row in TABLE for token, act in row.acts.items()}
 FOR_ALL: Final = {Key.STOP, Key.EMERGENCY, Key.RESET}
 """Keys that every robot obeys, chosen or not."""
@@ -87,11 +79,9 @@ def numbers(names: Sequence[str]) -> dict[str, int]:
 class Selection:
     """Robots that obey the keys, and those marked to be next. Pure.
 
-    Attributes:
-        numbers: The number of each robot; all are typed with as many digits as the highest has.
-        chosen: The robots that drive, in the order of their numbers; never none.
-        marked: The next ones while somebody chooses several, else `None`.
-        typed: The digits of a number that is not complete.
+    Numbers are typed with as many digits as the highest has, and `typed` are those of one that is
+    not complete. `chosen` are the robots that drive, in the order of their numbers, never none;
+    `marked` are the next ones while somebody chooses several, else `None`.
     """
 
     numbers: dict[str, int]
@@ -178,15 +168,10 @@ class Selection:
 
 
 class KeyRouter:
-    """Routes keys to the drivers of robots.
+    """Routes keys to the drivers of robots; `show` is given the live line of the robot chosen.
 
-    Args:
-        numbers: The number of each robot.
-        show: Given the live line of the robot chosen.
-
-    Attributes:
-        selection: The robots that drive; the others stand.
-        emergency: Whether the emergency stop is latched, also of robots that join later.
+    The robots of `selection` drive, the others stand. A latched `emergency` stop counts for robots
+    that join later, too.
     """
 
     def __init__(

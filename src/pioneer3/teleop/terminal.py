@@ -17,15 +17,11 @@ except ImportError:  # Windows
     termios = None  # type: ignore[assignment]
 
 ESCAPE = "\x1b"
+ENDS = {"A": Key.FORWARD, "B": Key.BACK, "C": Key.RIGHT, "D": Key.LEFT}
+ARROWS = {f"{ESCAPE}{form}{end}": key for form in "[O" for end, key in ENDS.items()}
+"""Keys by the text that a terminal sends for an arrow, whichever of its two modes it is in."""
 SEQUENCES = {
-    "\x1b[A": Key.FORWARD,
-    "\x1b[B": Key.BACK,
-    "\x1b[C": Key.RIGHT,
-    "\x1b[D": Key.LEFT,
-    "\x1bOA": Key.FORWARD,
-    "\x1bOB": Key.BACK,
-    "\x1bOC": Key.RIGHT,
-    "\x1bOD": Key.LEFT,
+    **ARROWS,
     "w": Key.FORWARD,
     "s": Key.BACK,
     "d": Key.RIGHT,
@@ -116,17 +112,7 @@ async def keys(descriptor: int) -> AsyncIterator[Key]:
 
 async def tokens(descriptor: int) -> AsyncGenerator[str, None]:
     """Yield the text of each key, a character or an escape sequence; ends with the terminal."""
-    loop = asyncio.get_running_loop()
-    chunks: asyncio.Queue[bytes] = asyncio.Queue()
-
-    def ready() -> None:
-        try:
-            chunks.put_nowait(os.read(descriptor, 1024))
-        except OSError:
-            chunks.put_nowait(b"")
-
-    loop.add_reader(descriptor, ready)
-    try:
+    with chunks_of(descriptor) as chunks:
         while chunk := await chunks.get():
             while UNFINISHED.search(chunk.decode("utf-8", "ignore")):
                 if not (rest := await _soon(chunks)):
@@ -134,6 +120,25 @@ async def tokens(descriptor: int) -> AsyncGenerator[str, None]:
                 chunk += rest
             for token in TOKEN.findall(chunk.decode("utf-8", "ignore")):
                 yield token
+
+
+@contextmanager
+def chunks_of(descriptor: int) -> Iterator[asyncio.Queue[bytes]]:
+    """Yield a queue of the bytes that come during the block; after the end, of empty chunks."""
+    loop, chunks = asyncio.get_running_loop(), asyncio.Queue[bytes]()
+
+    def ready() -> None:
+        try:
+            chunk = os.read(descriptor, 4096)
+        except BlockingIOError:
+            return
+        except OSError:  # hung up, unplugged
+            chunk = b""
+        chunks.put_nowait(chunk)
+
+    loop.add_reader(descriptor, ready)
+    try:
+        yield chunks
     finally:
         loop.remove_reader(descriptor)
 
