@@ -29,11 +29,10 @@ sonar             `pioneer3 sonar`
 topic_driving     drives a robot on topics by keys or by a mode; the same in ROS 1 and ROS 2
 diagnosis         `pioneer3 info`, `doctor` and `find-port`
 tables            tables of a robot, a diagnosis and a list of ports for a terminal
-patrol            `pioneer3 patrol`: from place to place of a map, again and again
 model             `pioneer3 model`
 robot             `pioneer3 robot`: the own file of a robot
 laser             `pioneer3 laser`: a laser range finder alone, without a robot
-goto              `pioneer3 goto`: to a place of the map by its name, or to a point
+goto              `pioneer3 goto` and `patrol`: to places of the map by their names, or to points
 places            places of a map on the command line: a name, or numbers
 drive             `pioneer3 drive`
 sim               `pioneer3 sim`

@@ -1,10 +1,10 @@
 """`pioneer3 demo`."""
 
 import sys
-from typing import TextIO
 
 from pioneer3.cli.options import LINK, Flag, LinkOptions, Patience, Speed
-from pioneer3.cli.process import run_until_told_to_leave
+from pioneer3.cli.process import run_until_told_to_leave, write_line
+from pioneer3.errors import ConfigError
 
 
 def demo(
@@ -44,26 +44,17 @@ async def _demo(
     *,
     plain: bool,
 ) -> int:
-    from contextlib import AsyncExitStack
     from functools import partial
 
-    from pioneer3.cli.process import busy_sign, write_line
     from pioneer3.demo.modes import MODES
     from pioneer3.demo.start import start_plain, start_screen
-    from pioneer3.errors import ConfigError
     from pioneer3.robot.devices import Acts
 
     keys = [one.key for one in MODES]
     if mode.lower() not in keys:
         raise ConfigError(f"--mode {mode}: it must be one of {' '.join(keys)}")
-    if not plain and not (_is_terminal(sys.stdin) and _is_terminal(sys.stdout)):
+    if not plain and not all(one is not None and one.isatty() for one in (sys.stdin, sys.stdout)):
         raise ConfigError("the demo's screen needs a terminal; --plain does without one")
-    async with AsyncExitStack() as stack:
-        with busy_sign(f"Connecting to {link.url} ..."):
-            robot = await stack.enter_async_context(link.connect(max_speed=max_speed))
+    async with link.connect(max_speed=max_speed, shown=True) as robot:
         start = partial(start_plain, write=write_line) if plain else start_screen
         return await start(robot, first=mode.lower(), patience=patience, acts=Acts(acts))
-
-
-def _is_terminal(stream: TextIO | None) -> bool:
-    return stream is not None and stream.isatty()

@@ -1,10 +1,15 @@
 """`pioneer3 info`, `doctor` and `find-port`."""
 
-import sys
 from typing import TYPE_CHECKING
 
 from pioneer3.cli.options import LINK, WHICH, Baud, Flag, LinkOptions, RobotOptions, Seconds
-from pioneer3.cli.process import run_until_told_to_leave, write_error
+from pioneer3.cli.process import (
+    busy_sign,
+    read_line,
+    run_until_told_to_leave,
+    write_error,
+    write_json,
+)
 
 if TYPE_CHECKING:
     from pioneer3.doctor.facts import Finding
@@ -28,14 +33,7 @@ def info(*, link: LinkOptions = LINK, json: Flag = False) -> int:
 
 
 async def _info(link: LinkOptions, *, json: bool) -> int:
-    from contextlib import AsyncExitStack
-
-    from pioneer3.cli.process import busy_sign, write_json
-
-    async with AsyncExitStack() as stack:
-        with busy_sign(f"Connecting to {link.url} ..."):
-            connecting = link.connect(auto_enable=False)
-            robot = await stack.enter_async_context(connecting)
+    async with link.connect(auto_enable=False, shown=True) as robot:
         if json:
             write_json(_as_data(robot), indent=2)
         else:
@@ -91,7 +89,6 @@ def doctor(
 async def _doctor(which: RobotOptions, baud: int | None, seconds: float, *, json: bool) -> int:
     import asyncio
 
-    from pioneer3.cli.process import busy_sign, write_json
     from pioneer3.doctor.diagnose import (
         diagnose,
         exit_code,
@@ -153,7 +150,6 @@ async def _find_port(*, no_probe: bool, wait: bool, json: bool) -> int:
 async def _looked_at(
     ports: "tuple[SerialPort, ...]", urls: tuple[str, ...], *, no_probe: bool
 ) -> "list[Probed]":
-    from pioneer3.cli.process import busy_sign
     from pioneer3.doctor.probe import not_probed, probe_all
 
     if no_probe:
@@ -166,13 +162,12 @@ async def _looked_at(
 
 async def _replugged() -> "tuple[SerialPort, ...]":
     """Lead a person through unplugging and plugging in; return the ports that came back."""
-    from pioneer3.cli.process import busy_sign
     from pioneer3.doctor.ports import list_ports
     from pioneer3.doctor.probe import came_back, wait_for_plug
 
     before = list_ports()
     write_error("Unplug the robot's cable from this computer, then press Enter. ", end="")
-    await _enter_pressed()
+    await read_line()
     without = list_ports()
     if not came_back(before, without, before):
         write_error("No port has vanished: was the cable in this computer?")
@@ -181,24 +176,7 @@ async def _replugged() -> "tuple[SerialPort, ...]":
         return await wait_for_plug(before, without, list_ports)
 
 
-async def _enter_pressed() -> None:
-    """Wait for a line on stdin; unlike a thread that reads, this can be interrupted."""
-    import asyncio
-
-    loop, ready = asyncio.get_running_loop(), asyncio.Event()
-    try:
-        loop.add_reader(sys.stdin.fileno(), ready.set)
-    except OSError:  # a file, which never makes anybody wait
-        return
-    try:
-        await ready.wait()
-    finally:
-        loop.remove_reader(sys.stdin.fileno())
-    sys.stdin.readline()
-
-
 def _print_json(found: "list[Probed]") -> None:
-    from pioneer3.cli.process import write_json
     from pioneer3.doctor.probe import choose
 
     best = choose(found)

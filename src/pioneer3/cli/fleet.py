@@ -15,6 +15,7 @@ from pioneer3.cli.fleet_tables import list_
 from pioneer3.cli.fleet_work import WORK
 from pioneer3.cli.options import Flag, FleetFile
 from pioneer3.cli.process import write_error, write_line
+from pioneer3.errors import ConfigError
 
 fleet_app = App(
     name="fleet",
@@ -57,7 +58,6 @@ def init(
         ros: Version of ROS on the robots' computers.
         yes: Ask nothing; a file that is there is an error.
     """
-    from pioneer3.errors import ConfigError
     from pioneer3.fleet.edit import Change, text_of
     from pioneer3.fleet.inventory import (
         FILE,
@@ -116,8 +116,6 @@ def ask(question: str, otherwise: str) -> str:
 
 
 def _version(answer: str) -> Literal["", "1", "2"]:
-    from pioneer3.errors import ConfigError
-
     match answer:
         case "1" | "2":
             return answer

@@ -7,8 +7,14 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from pioneer3.cli.options import Flag, FleetFile, Seconds
-from pioneer3.cli.process import run_until_told_to_leave, write_json, write_line, write_warning
-from pioneer3.errors import how_to_get
+from pioneer3.cli.process import (
+    busy_sign,
+    run_until_told_to_leave,
+    write_json,
+    write_line,
+    write_warning,
+)
+from pioneer3.errors import ConfigError, how_to_get
 
 if TYPE_CHECKING:
     from pioneer3.fleet.inventory import Fleet
@@ -58,7 +64,6 @@ async def _discover(
     broadcast: bool,
     json: bool,
 ) -> int:
-    from pioneer3.cli.process import busy_sign
     from pioneer3.fleet.discovery import discover as find
     from pioneer3.fleet.discovery import offers
 
@@ -85,7 +90,6 @@ def _fleet(given: Path | None) -> "Fleet | None":
     """Return the fleet; `None` if there is no file yet."""
     import os
 
-    from pioneer3.errors import ConfigError
     from pioneer3.fleet.inventory import find_fleet, read_fleet
 
     try:

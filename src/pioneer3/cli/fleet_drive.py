@@ -17,6 +17,7 @@ from pioneer3.cli.options import (
     fleet_of,
 )
 from pioneer3.cli.process import run_until_told_to_leave, write_json
+from pioneer3.errors import ConfigError
 
 if TYPE_CHECKING:
     from pioneer3.fleet.drive import Manner
@@ -60,7 +61,6 @@ def drive(
         lined_up: The robots stand side by side, so far apart, from left to right by their
             numbers, all looking ahead: then they know where the others are.
     """
-    from pioneer3.errors import ConfigError
     from pioneer3.fleet.drive import Manner
 
     given = fleet_of(fleet)
@@ -152,9 +152,7 @@ def _print(answers: "tuple[Stopped, ...]") -> None:
         state = "stands" if each.ok else "NOT CONFIRMED" if each.reached else "NOT REACHED"
         shown = Text(state, "green" if each.ok else "bold red")
         made.add_row(each.robot, shown, f"{each.seconds:.2f} s", each.why or _note(each))
-    console = Terminal()
-    if not console.is_terminal:
-        console.width = 400  # a file or a program takes long lines
+    console = Terminal(wide=True)
     console.print(made)
     missed = sum(not each.ok for each in answers)
     if missed:

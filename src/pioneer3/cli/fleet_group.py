@@ -13,6 +13,7 @@ from pioneer3.cli.fleet_ros import connecting
 from pioneer3.cli.motion import keyword, mode_options, positional, with_signature
 from pioneer3.cli.options import FleetFile, Length, Seconds, Speed, TurnRate, fleet_of
 from pioneer3.cli.process import run_until_told_to_leave
+from pioneer3.errors import ConfigError
 
 if TYPE_CHECKING:
     from pioneer3.fleet.drive import Manner
@@ -97,7 +98,6 @@ def _run(
     lined_up: float | None,
     speeds: tuple[float, float, float | None],
 ) -> int:
-    from pioneer3.errors import ConfigError
     from pioneer3.fleet.drive import Manner
     from pioneer3.fleet.group import GroupKey
 

@@ -10,6 +10,7 @@ from cyclopts import Parameter
 
 from pioneer3.cli.options import Flag, FleetFile, fleet_of
 from pioneer3.cli.process import write_line
+from pioneer3.errors import ConfigError, FilePermissionError
 
 if TYPE_CHECKING:
     from pioneer3.doctor.facts import Finding
@@ -41,7 +42,6 @@ def hosts(
     import socket
 
     from pioneer3.doctor.facts import Level
-    from pioneer3.errors import FilePermissionError
     from pioneer3.fleet.edit import Change, text_of
     from pioneer3.fleet.hosts import check_hosts, entries, with_entries
 
@@ -114,7 +114,6 @@ def aliases(
         apply: Write them as a block into ~/.bashrc, with the difference and a backup.
         file: Another start-up file than ~/.bashrc.
     """
-    from pioneer3.errors import ConfigError
     from pioneer3.fleet.edit import Change, text_of
     from pioneer3.fleet.ssh_config import aliases as made
     from pioneer3.fleet.ssh_config import with_aliases

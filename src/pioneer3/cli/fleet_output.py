@@ -11,7 +11,7 @@ from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
-from pioneer3.cli.process import write_error, write_json
+from pioneer3.cli.process import read_line, write_error, write_json
 from pioneer3.cli.tables import findings_table
 from pioneer3.cli.terminal import Terminal
 from pioneer3.doctor.facts import Level
@@ -49,9 +49,7 @@ class RobotLines:
 def finish(outcomes: Sequence[Outcome], *, quiet: bool = False) -> int:
     """Print the summary to standard error; return the exit code.
 
-    Args:
-        outcomes: Of all robots.
-        quiet: Say nothing of those where all went well.
+    It is `quiet` about robots where all went well.
     """
     console = Terminal(stderr=True)
     failed = [each for each in outcomes if not each.ok]
@@ -121,12 +119,7 @@ def _hours(seconds: float | None) -> str:
 
 
 def print_diagnoses(diagnoses: Sequence[Diagnosis], *, every: bool) -> None:
-    """Print the findings about each robot's computer.
-
-    Args:
-        diagnoses: Of all robots.
-        every: Whether to show the checks that went well, too.
-    """
+    """Print the findings about each robot's computer; `every` one, or those that are not well."""
     console = Terminal()
     for each in diagnoses:
         well = [finding for finding in each.findings if finding.level is Level.OK]
@@ -139,8 +132,7 @@ def print_diagnoses(diagnoses: Sequence[Diagnosis], *, every: bool) -> None:
 class TerminalAsker:
     """Asks the person at the terminal; see :class:`pioneer3.fleet.key.Asker`.
 
-    Args:
-        accept_new: Accept all host keys that are new.
+    It accepts all host keys that are new with `accept_new`.
     """
 
     def __init__(self, *, accept_new: bool = False) -> None:
@@ -169,30 +161,24 @@ class TerminalAsker:
 async def asked(question: str, *, hidden: bool = False) -> str:
     """Ask at the terminal; unlike `input` in a thread, this can be interrupted.
 
-    Args:
-        question: Ends in a space.
-        hidden: Whether the answer is a secret, and not shown.
+    The question ends in a space; a `hidden` answer is a secret, and not shown.
     """
     if sys.platform == "win32":  # its event loop cannot wait for a terminal
         return await asyncio.to_thread(getpass if hidden else input, question)
     import termios
 
-    loop, ready, terminal = asyncio.get_running_loop(), asyncio.Event(), sys.stdin.fileno()
+    terminal = sys.stdin.fileno()
     before = termios.tcgetattr(terminal)
     quiet = termios.tcgetattr(terminal)
     quiet[3] &= ~termios.ECHO
     termios.tcsetattr(terminal, termios.TCSADRAIN, quiet if hidden else before)
     write_error(question, end="")
-    loop.add_reader(terminal, ready.set)
     try:
-        await ready.wait()
-        answer = sys.stdin.readline()
+        return (await read_line()).rstrip("\n")
     finally:
-        loop.remove_reader(terminal)
         termios.tcsetattr(terminal, termios.TCSADRAIN, before)
         if hidden:
             write_error("")
-    return answer.rstrip("\n")
 
 
 def _needs_terminal(why: str) -> None:

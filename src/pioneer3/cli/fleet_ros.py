@@ -28,13 +28,9 @@ async def connecting(
 ) -> "AsyncIterator[Connect]":
     """Yield the function that connects to a robot; over ROS this is the node `name`.
 
-    Args:
-        fleet: Of the robots.
-        name: Of the node.
-        max_speed: Keep below this at ports [m/s].
-        patience: Longest wait for a node on a network of ROS 2 [s].
-        sonar: Whether to listen to sonars on ROS 2, which modes need and keys do not.
-        at_once: Whether to go on before robots on ROS report, to stop them, whatever their model.
+    `max_speed` bounds the speeds at ports [m/s]; `patience` is the longest wait for a node on a
+    network of ROS 2 [s]. Modes need the `sonar` of ROS 2, keys do not. With `at_once` it goes on
+    before robots on ROS report, to stop them, whatever their model.
     """
     from pioneer3.fleet.members import connects
     from pioneer3.fleet.reach import model_of

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from pioneer3.cli.options import Flag, FleetFile, Seconds, fleet_of
-from pioneer3.cli.process import run_until_told_to_leave, write_json
+from pioneer3.cli.process import busy_sign, run_until_told_to_leave, write_json
 from pioneer3.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -101,7 +101,6 @@ async def _list_or_watch(
 
 
 async def _list(robots: "tuple[FleetRobot, ...]", questions: "Questions", *, json: bool) -> int:
-    from pioneer3.cli.process import busy_sign
     from pioneer3.fleet.live import exit_code, look
 
     with busy_sign(f"Asking {len(robots)} robots ..."):
@@ -142,9 +141,7 @@ def _print(
         return
     from pioneer3.cli.terminal import Terminal
 
-    console = Terminal()
-    if not console.is_terminal:
-        console.width = 400  # a file or a program takes long lines
+    console = Terminal(wide=True)
     console.print(table(robots, answers, console.width))
 
 

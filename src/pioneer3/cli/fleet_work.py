@@ -9,6 +9,7 @@ from cyclopts import Parameter
 
 from pioneer3.cli.options import SEVERAL, Flag, FleetFile, Seconds, fleet_of
 from pioneer3.cli.process import busy_sign, run_until_told_to_leave, write_json, write_line
+from pioneer3.errors import ConfigError
 
 if TYPE_CHECKING:
     from pioneer3.fleet.spec import FleetRobot
@@ -71,8 +72,6 @@ def run(
         limit: Stop the command after this time.
         robots: Where.
     """
-    from pioneer3.errors import ConfigError
-
     if not command:
         raise ConfigError("no command is given; for instance: pioneer3 fleet run uptime")
     return run_until_told_to_leave(_run(" ".join(command), limit, robots))
@@ -104,8 +103,6 @@ def push(
         paths: Files and folders of this computer, then the place there.
         robots: Where.
     """
-    from pioneer3.errors import ConfigError
-
     if len(paths) < 2:
         raise ConfigError("files and where to are needed: pioneer3 fleet push lab.map maps/")
     return run_until_told_to_leave(_push(paths[:-1], paths[-1], robots))
@@ -139,8 +136,6 @@ def pull(
         to: The folder in which those of the robots are made.
         robots: Where.
     """
-    from pioneer3.errors import ConfigError
-
     if not paths:
         raise ConfigError("no file is given; for instance: pioneer3 fleet pull 'runs/*.mcap'")
     return run_until_told_to_leave(_pull(paths, to, robots))

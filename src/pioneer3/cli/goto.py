@@ -1,9 +1,11 @@
-"""`pioneer3 goto`: to a place of the map by its name, or to a point."""
+"""`pioneer3 goto` and `patrol`: to places of the map by their names, or to points."""
 
 from collections.abc import Coroutine
+from math import inf
 from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
+from cyclopts.validators import Number
 
 from pioneer3.behaviors.modes import Goto
 from pioneer3.cli.live import carry_out
@@ -17,7 +19,7 @@ from pioneer3.cli.options import (
     NavigationOptions,
     Speed,
 )
-from pioneer3.cli.places import MapName, StartPlace, require_place
+from pioneer3.cli.places import MapName, StartPlace, destination_of, require_place
 from pioneer3.errors import ConfigError
 from pioneer3.nav.place_text import numbers_of, pose_of
 
@@ -73,12 +75,15 @@ def goto(
     if map_ is None and numbers is not None:
         return _straight(Goto(**numbers, speed=speed), link, motion, max_speed=max_speed)
 
-    def going(robot: "Robot") -> Coroutine[Any, Any, None]:
-        looks = look_around or start == "unknown"
-        return motion.bounded(_along_a_way(robot, " ".join(place), numbers, speed, looks=looks))
+    async def going(robot: "Robot") -> None:
+        navigator = robot.navigator
+        assert navigator is not None
+        there = destination_of(" ".join(place), place, navigator.line_map, "goto")
+        await require_place(navigator, f"goto {there}", looks=look_around or start == "unknown")
+        await navigator.goto(there, speed)
 
     return carry_out(
-        going,
+        lambda robot: motion.bounded(going(robot)),
         "drives along a planned way",
         link,
         motion,
@@ -99,13 +104,62 @@ def _straight(
     return carry_out(going, mode.doing, link, motion, speed=mode.speed, max_speed=max_speed)
 
 
-async def _along_a_way(
-    robot: "Robot", name: str, numbers: dict[str, float] | None, speed: float, *, looks: bool
-) -> None:
-    from pioneer3.nav.places import Destination, find_place
+def patrol(
+    *places: Annotated[str, Parameter(allow_leading_hyphen=True)],
+    link: LinkOptions = LINK,
+    map_: MapName = None,
+    start: StartPlace = None,
+    look_around: Flag = False,
+    rounds: Annotated[int | None, Parameter(validator=Number(gte=1))] = None,
+    speed: Speed = 0.3,
+    max_speed: Speed | None = None,
+    motion: MotionOptions = MOTION,
+    navigation: NavigationOptions = NAVIGATION,
+) -> int:
+    """Drive from place to place, and begin anew after the last one.
 
-    navigator = robot.navigator
-    assert navigator is not None
-    there = find_place(navigator.line_map, name) if numbers is None else Destination(**numbers)  # type: ignore[arg-type]
-    await require_place(navigator, f"goto {there}", looks=looks)
-    await navigator.goto(there, speed)
+    It stands 3 s at each place. A place that no way leads to is left out until the
+    next round.
+
+    The robot MOVES: stand by its stop button. Any key stops it, k is the emergency
+    stop.
+
+    Example: pioneer3 patrol Lab Kitchen home --map office --rounds 3
+    Example: pioneer3 patrol 7,5 12.4,9.4,90 --map office --port /dev/ttyUSB0
+
+    Args:
+        places: Names of the map, or `x,y`, or `x,y,heading`; `home` is where robots begin.
+        link: The robot.
+        map_: The map: a file, or the name of one that ships; else a simulator's own.
+        start: Where the robot is: a name, `x,y,heading`, or `unknown`; else at the map's home.
+        look_around: Drive about a little first if it is not sure where it is.
+        rounds: So many; without it until it is stopped.
+        speed: At most.
+        max_speed: Keep below this in any case.
+        motion: Bounds.
+        navigation: Settings.
+    """
+    from pioneer3.navigation.simulator import OF_SIMULATOR
+
+    if len(places) < 2:
+        raise ConfigError("patrol: give two places or more, such as: patrol Lab Kitchen")
+
+    async def going(robot: "Robot") -> None:
+        navigator = robot.navigator
+        assert navigator is not None
+        known = navigator.line_map
+        goals = [destination_of(one, one.split(","), known, "patrol") for one in places]
+        await require_place(navigator, "patrol", looks=look_around or start == "unknown")
+        await navigator.patrol(goals, speed, rounds or inf)
+
+    return carry_out(
+        lambda robot: motion.bounded(going(robot)),
+        "drives from place to place",
+        link,
+        motion,
+        speed=speed,
+        max_speed=max_speed,
+        line_map=map_ or OF_SIMULATOR,
+        start=None if start is None else pose_of(start, "patrol"),
+        navigation=navigation,
+    )

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import App, Parameter
 
 from pioneer3.cli.options import AUTO, Distance, Flag, LaserOptions, Seconds
-from pioneer3.cli.process import run_until_told_to_leave
+from pioneer3.cli.process import busy_sign, run_until_told_to_leave, write_json, write_line
+from pioneer3.errors import DeviceError, LinkError
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -20,13 +21,6 @@ if TYPE_CHECKING:
 
 laser_app = App(
     name="laser",
-    help="""Show a laser: its identity, a picture of its scans, the closest reading.
-
-    No robot is needed, and none moves. Without a terminal, a line for each second.
-
-    Example: pioneer3 laser /dev/ttyACM0
-    Example: pioneer3 laser tcp://192.168.0.10:10940 --json
-    """,
     help_format="plaintext",
 )
 
@@ -109,8 +103,6 @@ def identify(port: Where = AUTO) -> int:
 
 
 async def _identify(options: LaserOptions) -> int:
-    from pioneer3.cli.process import write_line
-
     async with _driver(options) as driver:
         serial = (await driver.identified()).serial
         write_line(serial or "unknown")
@@ -124,7 +116,6 @@ async def _driver(options: LaserOptions) -> "AsyncIterator[LaserDriver]":
     Raises:
         LinkError: no laser answers; the message has the reason.
     """
-    from pioneer3.cli.process import busy_sign
     from pioneer3.robot.lasers.driver import LaserDriver
     from pioneer3.tasks import running
 
@@ -146,7 +137,6 @@ async def _identified(driver: "LaserDriver") -> None:
     """
     import asyncio
 
-    from pioneer3.errors import DeviceError, LinkError
     from pioneer3.robot.supervisor import Connection
 
     async def failed() -> str:
@@ -178,8 +168,6 @@ async def _laser(options: LaserOptions, seconds: float, *, json: bool) -> int:
 
 
 async def _write(driver: "LaserDriver", seconds: float) -> int:
-    from pioneer3.cli.process import write_json
-
     await driver.reading(PATIENCE)
     write_json({"url": driver.config.url, "identity": driver.identity})
     async for scan in _scans(driver, seconds):
@@ -189,8 +177,6 @@ async def _write(driver: "LaserDriver", seconds: float) -> int:
 
 async def _tell(driver: "LaserDriver", seconds: float) -> int:
     import asyncio
-
-    from pioneer3.cli.process import write_line
 
     for line in identity_lines(driver):
         write_line(line)
@@ -310,7 +296,6 @@ def view(
 
 
 async def _mask(options: LaserOptions, seconds: float, nearer_than: float) -> int:
-    from pioneer3.cli.process import busy_sign, write_line
     from pioneer3.robot.lasers.mounting import learned, words
 
     async with _driver(options) as driver:

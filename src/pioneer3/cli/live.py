@@ -14,6 +14,7 @@ from pioneer3.cli.process import (
     write_line,
     write_warning,
 )
+from pioneer3.errors import LinkError, MotionError
 from pioneer3.names import printable
 from pioneer3.units import SPEED, TURN_RATE
 
@@ -49,17 +50,8 @@ def carry_out(
 ) -> int:
     """Connect, run `motion` and show it, until it ends or Ctrl-C; then stop. Return the exit code.
 
-    Args:
-        motion: Given the robot.
-        words: The motion, for people.
-        link: Which robot.
-        options: When to end, and how to show it.
-        speed: Asked for [m/s].
-        turn_rate: Asked for [rad/s].
-        max_speed: Bound of the connection [m/s].
-        line_map: To navigate on.
-        start: Where the robot is on it.
-        navigation: How it navigates.
+    `words` tell people the motion; `speed` and `turn_rate` are those asked for, `max_speed` bounds
+    the connection [m/s, rad/s]. The robot navigates on `line_map`, and is at `start` on it.
     """
 
     async def command() -> None:
@@ -104,21 +96,15 @@ async def show_while(
 ) -> None:
     """Run `motion`; meanwhile rewrite a line, or write one each second, or JSON for each snapshot.
 
-    The last line tells where it has ended: the one before it may be a second old.
-    In a terminal any key stops it, and k is the emergency stop.
-
-    Args:
-        robot: The robot.
-        motion: The motion.
-        json: Whether a program reads.
-        words: Returns the line; if not given, :func:`line` does.
+    :func:`line` returns the line, unless `words` does. The last one tells where the motion has
+    ended: the one before it may be a second old. In a terminal any key stops it, and k is the
+    emergency stop.
 
     Raises:
         MotionError: as `motion` does.
     """
     import asyncio
 
-    from pioneer3.errors import MotionError
     from pioneer3.teleop.terminal import is_in_front
 
     listens, pressed = is_in_front(), list[str]()
@@ -188,8 +174,6 @@ def lost(robot: "Driven") -> str:
 async def looks(robot: "Driven", seconds: float = inf) -> AsyncIterator["Snapshot | None"]:
     """Yield each snapshot for `seconds`; `None` again and again while the link is lost."""
     import asyncio
-
-    from pioneer3.errors import LinkError
 
     clock = asyncio.get_running_loop().time
     end = clock() + seconds

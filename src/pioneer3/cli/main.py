@@ -19,14 +19,13 @@ from pioneer3.cli.demo import demo
 from pioneer3.cli.diagnosis import doctor, find_port, info
 from pioneer3.cli.drive import drive
 from pioneer3.cli.fleet import fleet_app
-from pioneer3.cli.goto import goto
+from pioneer3.cli.goto import goto, patrol
 from pioneer3.cli.laser import laser_app
 from pioneer3.cli.map import map_app
 from pioneer3.cli.model import model_app
 from pioneer3.cli.monitor import monitor
 from pioneer3.cli.motion import MODE_COMMANDS, move, turn
 from pioneer3.cli.options import UNITS, shown_default
-from pioneer3.cli.patrol import patrol
 from pioneer3.cli.process import LogFormatter, write_error
 from pioneer3.cli.robot import robot_app
 from pioneer3.cli.ros1 import ros1_app

@@ -8,6 +8,9 @@ from cyclopts.validators import Number
 
 from pioneer3.cli.map_build import build
 from pioneer3.cli.options import UNITS, Flag
+from pioneer3.cli.process import write_json, write_line
+from pioneer3.errors import ConfigError
+from pioneer3.units import ANGLE, LENGTH
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -84,7 +87,6 @@ def check(
         robot: The model that must have room at homes and on the way to goals.
         json: Print JSON for programs, nothing else.
     """
-    from pioneer3.cli.process import write_json
     from pioneer3.sim import map_convert
 
     findings, code = map_convert.check(file, robot)
@@ -116,7 +118,6 @@ def convert(
         resolution: Side of a pixel of a .yaml map [m].
         force: Write over files that are there.
     """
-    from pioneer3.cli.process import write_line
     from pioneer3.sim import map_convert
 
     done = map_convert.convert(source, target, resolution=resolution, force=force)
@@ -166,8 +167,6 @@ def edit(
         rename: OLD=NEW: another name for a place, line or area; once for each.
         remove: The name of a place, line or area to remove; once for each.
     """
-    from pioneer3.cli.process import write_line
-    from pioneer3.errors import ConfigError
     from pioneer3.maps import edit, read_map
     from pioneer3.navigation.map_files import save_map
 
@@ -220,9 +219,6 @@ def _numbers(text: str, numbers: str, least: int, most: int) -> list[float]:
     Raises:
         ConfigError: They are too few or too many, or one of them is no number.
     """
-    from pioneer3.errors import ConfigError
-    from pioneer3.units import ANGLE, LENGTH
-
     words = numbers.split(",")
     if not least <= len(words) <= most:
         raise ConfigError(f"{text}: expected {'x,y,x,y' if least == 4 else 'NAME=x,y[,heading]'}")

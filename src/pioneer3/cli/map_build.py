@@ -13,11 +13,14 @@ from cyclopts import Parameter
 from pioneer3.cli.live import announce, how_to_stop, line, rewrite, show_while, tell_cuts
 from pioneer3.cli.options import LINK, NAVIGATION, Flag, LinkOptions, NavigationOptions, Speed
 from pioneer3.cli.process import busy_sign, run_until_told_to_leave, write_line, write_warning
+from pioneer3.errors import ConfigError, DeviceError
+from pioneer3.geometry import ORIGIN, Pose2
+from pioneer3.nav.place_text import pose_of
+from pioneer3.runtime.signals import LEAVE
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from pioneer3.geometry import Pose2
     from pioneer3.maps import LineMap
     from pioneer3.maps.line_map import MapObject
     from pioneer3.nav.exploring import GivenUp
@@ -85,7 +88,6 @@ def build(
         force: Write over files that are there.
         navigation: Settings.
     """
-    from pioneer3.errors import ConfigError
     from pioneer3.navigation.connect import require_navigation
 
     if from_ is not None:
@@ -108,13 +110,7 @@ def build(
 
 @dataclass(frozen=True, slots=True)
 class _Begin:
-    """A beginning for a map.
-
-    Attributes:
-        line_map: The map that is continued, or `None`.
-        state: Its survey.
-        start: Where the robot is on it, if that was told.
-    """
+    """A beginning: the map that is continued, its survey, and where the robot is on it."""
 
     line_map: "LineMap | None" = None
     state: "Mapping[str, NDArray[Any]] | None" = None
@@ -122,9 +118,6 @@ class _Begin:
 
     @classmethod
     def of(cls, old: Path | None, start: str | None) -> "_Begin":
-        from pioneer3.errors import ConfigError
-        from pioneer3.geometry import Pose2
-        from pioneer3.nav.place_text import pose_of
         from pioneer3.nav.places import find_place
         from pioneer3.navigation.map_files import load_survey
         from pioneer3.sim.worldfile import load_map
@@ -145,7 +138,6 @@ class _Begin:
     @property
     def objects(self) -> "tuple[MapObject, ...]":
         """The places of the map: those of the old one, or a home where the robot begins."""
-        from pioneer3.geometry import ORIGIN
         from pioneer3.maps import MapObject
 
         if self.line_map is not None:
@@ -169,11 +161,7 @@ class _Begin:
 
 
 class _Keeper:
-    """Saves a map on every way out.
-
-    Attributes:
-        builder: Of the map; `None` before the robot is connected and found.
-    """
+    """Saves a map on every way out; `builder` is `None` before the robot is connected and found."""
 
     def __init__(self, target: Path) -> None:
         self.builder: MapBuilder | None = None
@@ -275,8 +263,6 @@ async def _prepare() -> None:
 
 
 def _require_laser(robot: "Robot") -> None:
-    from pioneer3.errors import DeviceError
-
     if not robot.laser.presence.there:
         raise DeviceError(f"a map needs a laser: {robot.laser.presence}")
 
@@ -371,7 +357,6 @@ def _target(output: Path | None, old: Path | None, *, force: bool) -> Path:
     """
     from datetime import datetime
 
-    from pioneer3.errors import ConfigError
     from pioneer3.navigation.map_files import files_of
 
     now = datetime.now().astimezone()
@@ -392,8 +377,6 @@ def _target(output: Path | None, old: Path | None, *, force: bool) -> Path:
 def _deaf() -> Iterator[None]:
     """Ignore signals that would end the program: a map is being saved."""
     import signal
-
-    from pioneer3.runtime.signals import LEAVE
 
     before = {number: signal.signal(number, signal.SIG_IGN) for number in LEAVE}
     try:

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from math import pi
-from types import MappingProxyType
 from typing import Final
 
 import numpy as np
@@ -16,37 +15,29 @@ from pioneer3.maps.line_map import Extent
 from pioneer3.sim.worldfile.drawing import Layer, Marker, WorldDrawing
 
 ARROWS: Final = "→↗↑↖←↙↓↘"
-SIGNS: Mapping[Layer, str] = MappingProxyType({Layer.GOAL: "●", Layer.DOCK: "■", Layer.HOME: "▲"})
-STYLES: Mapping[Layer, str] = MappingProxyType(
-    {
-        Layer.CARPET: "dim magenta",
-        Layer.HEIGHTFIELD: "dim green",
-        Layer.STEP: "blue",
-        Layer.RAMP: "cyan",
-        Layer.TABLE: "dim yellow",
-        Layer.WALL: "",
-        Layer.FORBIDDEN: "red",
-        Layer.PERSON: "magenta",
-        Layer.BOX: "yellow",
-        Layer.BLACK: "dim",
-        Layer.GLASS: "bright_cyan",
-        Layer.REFLECTOR: "bright_magenta",
-        Layer.DOCK: "bold yellow",
-        Layer.GOAL: "bold cyan",
-        Layer.HOME: "bold green",
-    }
-)
+SIGNS: Final[Mapping[Layer, str]] = {Layer.GOAL: "●", Layer.DOCK: "■", Layer.HOME: "▲"}
+STYLES: Final[Mapping[Layer, str]] = {
+    Layer.CARPET: "dim magenta",
+    Layer.HEIGHTFIELD: "dim green",
+    Layer.STEP: "blue",
+    Layer.RAMP: "cyan",
+    Layer.TABLE: "dim yellow",
+    Layer.WALL: "",
+    Layer.FORBIDDEN: "red",
+    Layer.PERSON: "magenta",
+    Layer.BOX: "yellow",
+    Layer.BLACK: "dim",
+    Layer.GLASS: "bright_cyan",
+    Layer.REFLECTOR: "bright_magenta",
+    Layer.DOCK: "bold yellow",
+    Layer.GOAL: "bold cyan",
+    Layer.HOME: "bold green",
+}
 ROUND: Final = (1, 2, 5)
 
 
 class CharacterCanvas(Braille):
-    """Characters that a drawing fits on.
-
-    Args:
-        drawing: Of the map.
-        columns: Characters at most.
-        rows: The same.
-    """
+    """Characters that a drawing of a map fits on, at most so many columns and rows."""
 
     def __init__(self, drawing: WorldDrawing, columns: int, rows: int) -> None:
         bounds = drawing.bounds

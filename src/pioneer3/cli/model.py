@@ -1,13 +1,13 @@
 """`pioneer3 model`: the numbers of a robot's body, and its description for other programs."""
 
-from collections.abc import Callable, Mapping
 from pathlib import Path
-from types import MappingProxyType
-from typing import TYPE_CHECKING, Annotated, Final, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import App, Parameter
 
 from pioneer3.cli.options import Flag
+from pioneer3.cli.process import write_json, write_line
+from pioneer3.errors import ConfigError
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -69,7 +69,6 @@ def show(name: str, *, json: Flag = False) -> int:
         name: One of `pioneer3 model list`, or a .toml or ARIA .p file.
         json: Print JSON for programs, nothing else.
     """
-    from pioneer3.cli.process import write_json
     from pioneer3.cli.terminal import Terminal
     from pioneer3.models import load_model
     from pioneer3.models.numbers import numbers_of
@@ -104,12 +103,10 @@ def export(
         output: The new file; without it, the terminal.
         force: Write over a file that is there.
     """
-    from pioneer3.cli.process import write_line
-    from pioneer3.errors import ConfigError
     from pioneer3.models import load_model
     from pioneer3.text import shown, write_bytes
 
-    text = WRITERS[format_](load_model(name))
+    text = _described(load_model(name), format_)
     if output is None:
         write_line(text.rstrip("\n"))
         return 0
@@ -120,35 +117,23 @@ def export(
     return 0
 
 
-def _urdf(model: "RobotModel") -> str:
+def _described(model: "RobotModel", format_: Format) -> str:
+    from pioneer3.models.description.gazebo import bridge_of
+    from pioneer3.models.description.mjcf import mjcf_of
+    from pioneer3.models.description.sdf import sdf_of
     from pioneer3.models.description.tree import Frames, body_tree
     from pioneer3.models.description.urdf import describe
 
-    frames = Frames()
-    return describe(model, body_tree(model, frames), frames)
-
-
-def _sdf(model: "RobotModel") -> str:
-    from pioneer3.models.description.sdf import sdf_of
-
-    return sdf_of(model)
-
-
-def _bridge(model: "RobotModel") -> str:
-    from pioneer3.models.description.gazebo import bridge_of
-
-    return bridge_of(model)
-
-
-def _mjcf(model: "RobotModel") -> str:
-    from pioneer3.models.description.mjcf import mjcf_of
-
-    return mjcf_of(model, floor=True)
-
-
-WRITERS: Final[Mapping[Format, "Callable[[RobotModel], str]"]] = MappingProxyType(
-    {"urdf": _urdf, "sdf": _sdf, "mjcf": _mjcf, "bridge": _bridge}
-)
+    match format_:
+        case "urdf":
+            frames = Frames()
+            return describe(model, body_tree(model, frames), frames)
+        case "sdf":
+            return sdf_of(model)
+        case "mjcf":
+            return mjcf_of(model, floor=True)
+        case "bridge":
+            return bridge_of(model)
 
 
 def _table(model: "RobotModel", numbers: "tuple[Number, ...]") -> "Table":

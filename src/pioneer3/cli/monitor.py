@@ -5,8 +5,9 @@ from collections.abc import Awaitable
 from math import inf
 from typing import TYPE_CHECKING
 
+from pioneer3.cli.live import looks, lost, watch
 from pioneer3.cli.options import LINK, Flag, LinkOptions, Seconds
-from pioneer3.cli.process import run_until_told_to_leave
+from pioneer3.cli.process import run_until_told_to_leave, write_json, write_line
 
 if TYPE_CHECKING:
     from pioneer3.robot.lasers.driver import LaserDriver
@@ -43,14 +44,7 @@ def monitor(
 
 
 async def _monitor(link: LinkOptions, seconds: float, *, json: bool) -> int:
-    from contextlib import AsyncExitStack
-
-    from pioneer3.cli.process import busy_sign
-
-    async with AsyncExitStack() as stack:
-        with busy_sign(f"Connecting to {link.url} ..."):
-            connecting = link.connect(auto_enable=False)
-            robot = await stack.enter_async_context(connecting)
+    async with link.connect(auto_enable=False, shown=True) as robot:
         if json:
             return await _print_json(robot, seconds)
         if sys.stdout.isatty():
@@ -59,8 +53,6 @@ async def _monitor(link: LinkOptions, seconds: float, *, json: bool) -> int:
 
 
 async def _print_json(robot: "Robot", seconds: float) -> int:
-    from pioneer3.cli.live import watch
-    from pioneer3.cli.process import write_json
     from pioneer3.tasks import running
 
     def show(snapshot: "Snapshot | None" = None) -> None:
@@ -83,8 +75,6 @@ def _lasers(robot: "Robot") -> "list[LaserDriver]":
 
 
 async def _print_lines(robot: "Robot", seconds: float) -> int:
-    from pioneer3.cli.live import lost, watch
-    from pioneer3.cli.process import write_line
     from pioneer3.cli.screen import line
 
     lasers = _lasers(robot)
@@ -100,7 +90,6 @@ async def _show_screen(robot: "Robot", seconds: float) -> int:
     from rich.live import Live
     from rich.text import Text
 
-    from pioneer3.cli.live import looks
     from pioneer3.cli.screen import screen
     from pioneer3.cli.terminal import Terminal
 
@@ -126,8 +115,6 @@ async def _raw(link: LinkOptions, seconds: float, *, json: bool) -> int:
     import asyncio
 
     from pioneer3.arcos.reports import Report
-    from pioneer3.cli.live import lost, watch
-    from pioneer3.cli.process import write_json, write_line
     from pioneer3.doctor.decoding_link import DecodingLink, described
     from pioneer3.links import Link, opener
     from pioneer3.navigation.connect import connect_async

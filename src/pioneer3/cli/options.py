@@ -5,7 +5,7 @@ Numbers are read in SI. Without a unit they are in metres, degrees and seconds.
 
 import os
 from collections.abc import AsyncIterator, Callable, Coroutine, Sequence
-from contextlib import asynccontextmanager
+from contextlib import AsyncExitStack, asynccontextmanager, nullcontext
 from dataclasses import dataclass
 from math import inf
 from pathlib import Path
@@ -14,6 +14,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import Group, Parameter, Token
 from cyclopts.validators import Number
 
+from pioneer3.cli.process import busy_sign
+from pioneer3.errors import ConfigError, MotionError
 from pioneer3.units import ANGLE, DURATION, LENGTH, SPEED, TURN_RATE, Quantity
 
 if TYPE_CHECKING:
@@ -68,7 +70,6 @@ def robots_of(words: Sequence[str], given: Path | None) -> "tuple[OfFleet, ...]"
     Raises:
         ConfigError: There is no such robot, or the file is wrong.
     """
-    from pioneer3.errors import ConfigError
     from pioneer3.fleet.inventory import VARIABLE, find_fleet, read_fleet
     from pioneer3.fleet.reach import camera_of, given_model, named, port_of
 
@@ -98,15 +99,7 @@ def robots_of(words: Sequence[str], given: Path | None) -> "tuple[OfFleet, ...]"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OfFleet:
-    """A robot of a fleet.
-
-    Attributes:
-        name: Of the robot.
-        port: The robot's.
-        camera: URL of its camera, if it has one.
-        model: The one that the file gives it.
-        navigation: Settings of its navigation.
-    """
+    """A robot of a fleet, as the fleet file has it; `camera` is a URL."""
 
     name: str
     port: str
@@ -120,10 +113,8 @@ def reads(
 ) -> Parameter:
     """Return how a number of this `quantity` is read and shown.
 
-    Args:
-        quantity: Gives the units.
-        positive: Whether it must be more than zero.
-        check: Returns the value [SI], or raises ValueError with the reason.
+    It must be more than zero if it is to be `positive`; `check` returns the value [SI], or raises
+    ValueError with the reason.
     """
 
     def convert(_: object, tokens: Sequence[Token]) -> float:
@@ -201,11 +192,8 @@ class LaserOptions:
     ) -> "tuple[LaserSpec, ...]":
         """Return the lasers, after looking for those that are `auto`.
 
-        Args:
-            record: New file for every byte of the robot; each laser has its own, with its name
-                added.
-            taken: Ports that are the robots'.
-            otherwise: Ports of lasers if the options have none.
+        Each laser has its own file of bytes, `record` with its name added. Ports that are `taken`
+        are the robots'; those in `otherwise` are used if the options have none.
 
         Raises:
             ConfigError: An option is wrong.
@@ -214,7 +202,6 @@ class LaserOptions:
         found = list(self.laser or otherwise)
         if not (found or self.laser_pose or self.laser_mask):
             return ()
-        from pioneer3.errors import ConfigError
         from pioneer3.links.urls import split_url
         from pioneer3.robot.lasers.spec import parse_lasers
 
@@ -260,11 +247,7 @@ class RobotOptions:
 
     @property
     def url(self) -> str:
-        """The robot's port.
-
-        Raises:
-            ConfigError: It is given twice, or the fleet file does not tell it.
-        """
+        """The robot's port, as :attr:`url_or_none`, or that of a simulator."""
         return self.url_or_none or DEFAULT_PORT
 
     @property
@@ -272,11 +255,10 @@ class RobotOptions:
         """The robot's port; `None` if neither option is given.
 
         Raises:
-            ConfigError: As for :attr:`url`.
+            ConfigError: It is given twice, or the fleet file does not tell it.
         """
         if self.robot is None:
             return self.port
-        from pioneer3.errors import ConfigError
         from pioneer3.fleet.reach import port_of
 
         if self.port not in {None, os.environ.get(PORT_VARIABLE)}:
@@ -342,25 +324,31 @@ class LinkOptions(RobotOptions):
         line_map: str | Path | None = None,
         start: "Pose2 | str | None" = None,
         navigation: "NavigationOptions | None" = None,
+        shown: bool = False,
     ) -> "AsyncIterator[Robot]":
-        """Connect during the block; after it the connection is closed and the robot stands."""
+        """Connect during the block; after it the connection is closed and the robot stands.
+
+        A sign is `shown` on stderr until the robot is connected.
+        """
         from pioneer3.navigation.connect import connect_async
 
         url = self.url
-        connection = connect_async(
-            url,
-            baud=self.baud,
-            model=self.given_model,
-            max_speed=max_speed,
-            auto_enable=auto_enable,
-            record=self.record,
-            lasers=await self.lasers.specs(self.record, [url], self.fleet_lasers),
-            camera=self.camera or self.fleet_camera,
-            line_map=line_map,
-            start=start,
-            settings=(navigation or NAVIGATION).settings(self),
-        )
-        async with connection as robot:
+        async with AsyncExitStack() as stack:
+            with busy_sign(f"Connecting to {url} ...") if shown else nullcontext():
+                connection = connect_async(
+                    url,
+                    baud=self.baud,
+                    model=self.given_model,
+                    max_speed=max_speed,
+                    auto_enable=auto_enable,
+                    record=self.record,
+                    lasers=await self.lasers.specs(self.record, [url], self.fleet_lasers),
+                    camera=self.camera or self.fleet_camera,
+                    line_map=line_map,
+                    start=start,
+                    settings=(navigation or NAVIGATION).settings(self),
+                )
+                robot = await stack.enter_async_context(connection)
             yield robot
 
 
@@ -421,8 +409,6 @@ class MotionOptions:
         """
         import asyncio
 
-        from pioneer3.errors import MotionError
-
         try:
             async with asyncio.timeout(self.seconds) as limit:
                 await motion
@@ -468,10 +454,9 @@ class WorldOptions:
     ) -> "WorldOverrides":
         """Return the changes to the world file.
 
-        Args:
-            robots: Each, or its `MODEL[:NAME]`; empty for the world's.
-            factory: Model of which every client gets a robot; empty for none.
-            own_ports: Whether robots keep the ports that the world file gives them.
+        A robot may be its `MODEL[:NAME]`; there are those of the world if none is given. Every
+        client gets a robot of the model `factory`, unless it is empty. With `own_ports` robots keep
+        the ports that the world file gives them.
 
         Raises:
             ConfigError: A word is wrong.

@@ -1,5 +1,6 @@
 """Places of a map on the command line: a name, or numbers."""
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
@@ -18,16 +19,18 @@ MapName = Annotated[
 StartPlace = Annotated[str | None, Parameter(metavar="PLACE", allow_leading_hyphen=True)]
 
 
-def destination_of(text: str, line_map: "LineMap", command: str) -> "Destination":
-    """Return the place `x,y` or `x,y,heading`, or the one of a name.
+def destination_of(
+    name: str, words: Sequence[str], line_map: "LineMap", command: str
+) -> "Destination":
+    """Return the place at x, y and perhaps a heading, if that is what the words are, or by name.
 
     Raises:
         ConfigError: A number is wrong, or the map has no such place.
     """
     from pioneer3.nav.places import Destination, find_place
 
-    numbers = numbers_of(text.split(","), command)
-    return find_place(line_map, text) if numbers is None else Destination(**numbers)  # type: ignore[arg-type]
+    numbers = numbers_of(words, command)
+    return find_place(line_map, name) if numbers is None else Destination(**numbers)  # type: ignore[arg-type]
 
 
 async def require_place(navigator: "Navigator", command: str, *, looks: bool) -> None:

@@ -29,10 +29,6 @@ def run_until_told_to_leave(
     """Run `command`; return its exit code, or 128 + the signal that ended it.
 
     A hang-up that is ignored, as under nohup, stays ignored.
-
-    Args:
-        command: The command.
-        loop_factory: Makes the event loop.
     """
     with closing(command):  # Ctrl-C may come before it begins
         return _run(command, loop_factory)
@@ -76,6 +72,22 @@ def _run(
 
 DIGITS = 6
 """After the point of numbers in JSON."""
+
+
+async def read_line() -> str:
+    """Return a line of stdin; unlike `input` in a thread, this can be interrupted."""
+    import asyncio
+
+    loop, ready = asyncio.get_running_loop(), asyncio.Event()
+    try:
+        loop.add_reader(sys.stdin.fileno(), ready.set)
+    except OSError:  # a file, which never makes anybody wait
+        return sys.stdin.readline()
+    try:
+        await ready.wait()
+    finally:
+        loop.remove_reader(sys.stdin.fileno())
+    return sys.stdin.readline()
 
 
 def write_line(text: str) -> None:

@@ -24,14 +24,6 @@ if TYPE_CHECKING:
 
 ros2_app = App(
     name="ros2",
-    help="""Be the robot's ROS 2 node, with or without ROS 2 on this computer.
-
-    Ctrl-C stops the robot. Without a port the node takes the simulator at
-    localhost:8101, else the robot at a serial port.
-
-    Example: pioneer3 ros2 --port /dev/ttyUSB0 --namespace robot1
-    Example: pioneer3 ros2 --backend zenoh --ros-args -p cmd_vel_timeout:=0.3
-    """,
     help_format="plaintext",
 )
 

@@ -1,7 +1,8 @@
 """`pioneer3 ros2 bridge`."""
 
+from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, TypeVar
 
 from cyclopts import Parameter
 
@@ -12,10 +13,9 @@ from pioneer3.errors import ConfigError
 from pioneer3.units import DURATION
 
 if TYPE_CHECKING:
-    from pioneer3.ros.bridge.rows import Side
     from pioneer3.ros.bridge.start import BridgeOptions
-    from pioneer3.ros.node.names import Profile
 
+Choice = TypeVar("Choice", bound=StrEnum)
 Names = Annotated[tuple[str, ...], Several]
 Duration = Annotated[float, reads(DURATION)]
 
@@ -74,13 +74,17 @@ def bridge(
         list_: Only list the table.
         json: List it as JSON.
     """
+    from pioneer3.ros.bridge.rows import Side
     from pioneer3.ros.bridge.start import BridgeOptions, serve
+    from pioneer3.ros.node.names import Profile
 
     options = BridgeOptions(
         node=network.node(name),
         master=master,
-        robot=_side(robot_in),
-        profile=None if profile is None else _profile(profile),
+        robot=_chosen(Side, robot_in, "--robot-in is ros1 or ros2"),
+        profile=_chosen(Profile, profile, "--profile is compatibility, standard or both")
+        if profile is not None
+        else None,
         namespace=namespace or "/",
         ros1_namespace=ros1_namespace,
         ros1_node=ros1_node,
@@ -112,19 +116,8 @@ def _list(options: "BridgeOptions", *, json: bool) -> int:
     return 0
 
 
-def _side(text: str) -> "Side":
-    from pioneer3.ros.bridge.rows import Side
-
+def _chosen(kind: type[Choice], text: str, words: str) -> Choice:
     try:
-        return Side(text)
+        return kind(text)
     except ValueError:
-        raise ConfigError(f"--robot-in is ros1 or ros2, not {text!r}") from None
-
-
-def _profile(text: str) -> "Profile":
-    from pioneer3.ros.node.names import Profile
-
-    try:
-        return Profile(text)
-    except ValueError:
-        raise ConfigError(f"--profile is compatibility, standard or both, not {text!r}") from None
+        raise ConfigError(f"{words}, not {text!r}") from None

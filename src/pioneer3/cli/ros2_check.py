@@ -1,18 +1,15 @@
 """`pioneer3 ros2 check`."""
 
-from typing import TYPE_CHECKING, Annotated, Final
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
 from pioneer3.cli.options import Flag, Seconds
-from pioneer3.cli.process import run_until_told_to_leave
+from pioneer3.cli.process import busy_sign, run_until_told_to_leave, write_json
 from pioneer3.cli.ros2_network import ANYWHERE, NetworkOptions
 
 if TYPE_CHECKING:
     from pioneer3.ros.checks.facts import CheckReport
-
-WIDE: Final = 400
-"""Columns for a file or a program."""
 
 
 def check(
@@ -52,7 +49,6 @@ async def _check(
     *,
     json: bool,
 ) -> int:
-    from pioneer3.cli.process import busy_sign
     from pioneer3.doctor.facts import Level
     from pioneer3.ros.checks.listening import Question, check_robot
 
@@ -69,8 +65,6 @@ async def _check(
 
 
 def _write(report: "CheckReport", code: int) -> None:
-    from pioneer3.cli.process import write_json
-
     rows = [
         {
             "part": row.part,
@@ -93,9 +87,7 @@ def _show(report: "CheckReport") -> None:
     from pioneer3.cli.ros2_check_table import absent_line, summary, table
     from pioneer3.cli.terminal import Terminal
 
-    console = Terminal()
-    if not console.is_terminal:
-        console.width = WIDE
+    console = Terminal(wide=True)
     console.print(table(report, console.width))
     for line in (absent_line(report), summary(report)):
         if line is not None:

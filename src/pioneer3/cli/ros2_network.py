@@ -56,11 +56,7 @@ class NetworkOptions:
     ros_args: str = ""
 
     def node(self, name: str, namespace: str = "/") -> "NodeOptions":
-        """Return the options of a node on this network.
-
-        Raises:
-            ConfigError: there is no such backend.
-        """
+        """Return the options of a node on this network."""
         from pioneer3.ros.ros2.start import NodeOptions
 
         return NodeOptions(

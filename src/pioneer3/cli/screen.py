@@ -10,6 +10,7 @@ from rich.table import Table
 from rich.text import Text
 
 from pioneer3.cli.tables import battery_text
+from pioneer3.demo.drawing import CLOSE, NEAR
 from pioneer3.models import SonarMount
 from pioneer3.robot.explain import Reason, ReasonKind
 from pioneer3.robot.supervisor import Connection, ConnectionStatus, RobotInfo, is_simulator, kind
@@ -17,10 +18,7 @@ from pioneer3.state import LinkQuality, Snapshot, Sonar
 
 FARTHEST = 5.0
 """A full bar [m]."""
-NEAR = 0.5
-"""Range below which a bar is red [m]."""
-CLOSE = 1.0
-"""Range below which a bar is yellow [m]."""
+
 WIDE = 100
 """From this many columns on the bars are long."""
 SHORT_BAR, LONG_BAR = 8, 18
@@ -38,15 +36,10 @@ def screen(
     width: int = 80,
     lasers: Sequence[Text] = (),
 ) -> RenderableType:
-    """Return the whole screen.
+    """Return the whole screen, `width` columns wide, about the robot last connected.
 
-    Args:
-        info: The robot last connected.
-        snapshot: The latest snapshot, or `None` while the link is lost.
-        why: Why the robot stands still, or `None`.
-        status: How it stands with the connection.
-        width: Of the terminal, in columns.
-        lasers: A line about each laser at the computer.
+    `snapshot` is `None` while the link is lost; `why` is the reason to stand still, if it does;
+    `lasers` are lines about those at the computer.
     """
     layout = Layout()
     layout.split_column(

@@ -1,4 +1,7 @@
-"""`pioneer3 sim`."""
+"""`pioneer3 sim`.
+
+Options that are wrong, or contradict each other, raise :exc:`ConfigError`.
+"""
 
 import logging
 import os
@@ -89,11 +92,7 @@ class MapOptions:
     nomap: Flag = False
 
     def name(self) -> str:
-        """Return the map to load.
-
-        Raises:
-            ConfigError: There is to be one, and none.
-        """
+        """Return the map to load."""
         if self.nomap and self.map_:
             raise ConfigError("--map and --nomap: give one of them")
         return "empty" if self.nomap else self.map_ or "office"
@@ -150,11 +149,7 @@ class TimeOptions:
     lock_step: Flag = False
 
     def pace(self) -> "Pacer":
-        """Return the pace.
-
-        Raises:
-            ConfigError: The speed is none, or two are given.
-        """
+        """Return the pace."""
         from pioneer3.sim.server.pacer import Pacer
 
         if self.fast and self.speed != 1.0:
@@ -180,11 +175,7 @@ class ErrorOptions:
     fault: Annotated[str, Unset] = ""
 
     def realism(self) -> "Realism":
-        """Return how like real robots they are.
-
-        Raises:
-            ConfigError: Two ways of odometry error are given.
-        """
+        """Return how like real robots they are."""
         from pioneer3.sim.realism import Realism
 
         mode = self.odom_error_mode
@@ -195,11 +186,7 @@ class ErrorOptions:
         return realism.with_odometry(mode) if mode else realism
 
     def faults(self) -> "LinkFaults":
-        """Return the faults of the cables.
-
-        Raises:
-            ConfigError: A word is wrong.
-        """
+        """Return the faults of the cables."""
         from pioneer3.sim.server.faults import LinkFaults
 
         return LinkFaults.parse(self.fault)
@@ -257,11 +244,7 @@ class MobileSimOptions:
     daemonize: Flag = False
 
     def enter_folder(self) -> None:
-        """Change to the folder of `--cwd`.
-
-        Raises:
-            ConfigError: This is not possible.
-        """
+        """Change to the folder of `--cwd`."""
         if self.cwd is not None:
             try:
                 os.chdir(self.cwd)
@@ -269,11 +252,7 @@ class MobileSimOptions:
                 raise ConfigError(f"--cwd {self.cwd}: {error.strerror}") from None
 
     def log_handler(self) -> logging.Handler:
-        """Return the handler that writes the log file.
-
-        Raises:
-            ConfigError: The file cannot be written.
-        """
+        """Return the handler that writes the log file."""
         assert self.log_file is not None
         try:
             handler = logging.FileHandler(self.log_file)
@@ -283,11 +262,7 @@ class MobileSimOptions:
         return handler
 
     def notes(self) -> list[str]:
-        """Return a line for each option that was given in vain.
-
-        Raises:
-            ConfigError: One is not supported.
-        """
+        """Return a line for each option that was given in vain."""
         for option, remedy in self._given(NOT_SUPPORTED):
             raise ConfigError(f"{option} is not supported: {remedy}")
         return [f"{option} has no effect: {reason}" for option, reason in self._given(NO_EFFECT)]

@@ -4,8 +4,9 @@ import sys
 from math import hypot, inf, isfinite
 from typing import TYPE_CHECKING
 
+from pioneer3.cli.live import looks, lost, watch
 from pioneer3.cli.options import LINK, Flag, LinkOptions, Seconds
-from pioneer3.cli.process import run_until_told_to_leave
+from pioneer3.cli.process import run_until_told_to_leave, write_json, write_line
 from pioneer3.geometry import Pose2
 from pioneer3.units import MM
 
@@ -75,8 +76,6 @@ async def show_sonar(robot: "Driven", seconds: float, *, json: bool) -> int:
 
     Returns the exit code: 1 if the link is lost in the end.
     """
-    from pioneer3.cli.live import lost, watch
-    from pioneer3.cli.process import write_json, write_line
 
     def show(snapshot: "Snapshot") -> None:
         distances = hull_distances(robot.info.model, snapshot.sonar.ranges)
@@ -101,7 +100,6 @@ async def show_sonar(robot: "Driven", seconds: float, *, json: bool) -> int:
 async def _show(robot: "Driven", seconds: float) -> int:
     from rich.live import Live
 
-    from pioneer3.cli.live import looks, lost
     from pioneer3.cli.terminal import Terminal
     from pioneer3.demo.drawing import reach_for, ring
 

@@ -62,7 +62,8 @@ def _summary(robot: RobotInfo, snapshot: Snapshot | None) -> Table:
     laser = model.laser.kind if model.laser else "none"
     rows = {
         "name": robot.identity.name,
-        "model": f"{model.title} ({robot.identity.model}), {_size(robot)}",
+        "model": f"{model.title} ({robot.identity.model}), "
+        f"{model.length:.2f} m long, {model.width:.2f} m wide",
         "link": f"{robot.url}{speed}",
         "limits kept": f"{limits.max_speed:g} m/s, {degrees(limits.max_turn_rate):.0f} deg/s; "
         f"{limits.acceleration:g} m/s², {degrees(limits.turn_acceleration):.0f} deg/s²; "
@@ -74,10 +75,6 @@ def _summary(robot: RobotInfo, snapshot: Snapshot | None) -> Table:
     for name, value in rows.items():
         grid.add_row(name, escape(value))
     return grid
-
-
-def _size(robot: RobotInfo) -> str:
-    return f"{robot.model.length:.2f} m long, {robot.model.width:.2f} m wide"
 
 
 def battery_text(snapshot: Snapshot) -> str:

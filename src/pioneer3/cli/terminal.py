@@ -11,13 +11,16 @@ from pioneer3.names import printable_lines
 class Terminal(Console):
     """Rich's console, which prints whatever it is given with :func:`printable_lines`.
 
-    Args:
-        stderr: Whether it writes to standard error.
-        soft_wrap: Whether the terminal breaks long lines, and not rich.
+    With `soft_wrap` the terminal breaks long lines, and not rich; a file or a program takes those
+    of a `wide` one.
     """
 
-    def __init__(self, *, stderr: bool = False, soft_wrap: bool = False) -> None:
+    def __init__(
+        self, *, stderr: bool = False, soft_wrap: bool = False, wide: bool = False
+    ) -> None:
         super().__init__(highlight=False, stderr=stderr, soft_wrap=soft_wrap)
+        if wide and not self.is_terminal:
+            self.width = 400
 
     def render(
         self, renderable: RenderableType, options: ConsoleOptions | None = None

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Protocol
 from cyclopts import Parameter
 
 from pioneer3.behaviors.modes import MODES, Mode
+from pioneer3.cli.live import announce, how_to_stop
 from pioneer3.cli.motion import keyword, mode_options, with_signature
 from pioneer3.cli.options import Flag, Patience, Seconds, Speed, TurnRate
 from pioneer3.cli.process import write_json, write_line
@@ -36,11 +37,7 @@ Demo = Callable[..., int]
 
 
 class DemoGraph(Protocol):
-    """The ROS graph that a demo finds robots on.
-
-    Attributes:
-        ros: The command with the demos on it, such as `ros1`.
-    """
+    """The ROS graph that a demo finds robots on; `ros` is the command with the demos, as `ros1`."""
 
     @property
     def ros(self) -> str: ...
@@ -53,12 +50,9 @@ class DemoGraph(Protocol):
     ) -> int:
         """Be the node `name` and do `work` with robots, until that ends or Ctrl-C.
 
-        Args:
-            name: Of the node.
-            robots: Their names; without any the only one, or with `several` all there are.
-            model: What they are; `None` for what their nodes tell.
-            work: Drives them, given the topics of the node, too.
-            several: Whether there may be several robots.
+        Without names it is the only robot, or if there may be `several` all there are; `model` is
+        what they are, `None` for what their nodes tell. `work` is given the topics of the node,
+        too.
         """
 
 
@@ -238,8 +232,6 @@ def mode_demo(mode: type[Mode]) -> Demo:
         json: bool = False,
         **values: Any,
     ) -> int:
-        from pioneer3.cli.live import how_to_stop
-
         asked, speed = mode(**values), values.get("speed")
         return _run(
             graph,
@@ -278,10 +270,8 @@ def commands(
 ) -> tuple[Demo, ...]:
     """Return the demos as commands on one kind of graph.
 
-    Args:
-        graph_of: Returns the graph that an argument of the command means.
-        where: That argument.
-        names: In the place of words such as `{ros}` and `{robot}` of their help.
+    `graph_of` returns the graph that `where`, an argument of each command, means; `names` take the
+    place of words such as `{ros}` and `{robot}` in its help.
     """
     return tuple(_command(demo, graph_of, where, names) for demo in DEMOS)
 
@@ -305,8 +295,6 @@ def _run(
     """Do `work` with one robot; `words` are told at the start."""
 
     async def working(driven: "list[TopicRobot]", topics: "Topics") -> None:
-        from pioneer3.cli.live import announce
-
         (robot,) = driven
         if words is not None:
             announce(robot, words)

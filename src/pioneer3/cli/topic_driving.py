@@ -4,6 +4,9 @@ from dataclasses import dataclass
 from math import inf
 from typing import TYPE_CHECKING
 
+from pioneer3.cli.live import announce, rewrite, show_while, tell_cuts
+from pioneer3.cli.process import write_line
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -25,8 +28,6 @@ class KeyOptions:
 async def drive_by_keys(driven: "TopicRobot", options: KeyOptions) -> None:
     """Drive by the keyboard until it says so."""
     from pioneer3.cli.drive import KEYS
-    from pioneer3.cli.live import rewrite, tell_cuts
-    from pioneer3.cli.process import write_line
     from pioneer3.teleop.keyboard import Keyboard
     from pioneer3.teleop.keyboard_drive import KeyboardDriver
     from pioneer3.teleop.terminal import keys, raw_terminal
@@ -47,8 +48,6 @@ async def drive_by_keys(driven: "TopicRobot", options: KeyOptions) -> None:
 
 async def drive_several_by_keys(driven: "Sequence[TopicRobot]", options: KeyOptions) -> None:
     """Drive robots by one keyboard, one at a time or together, until it says so."""
-    from pioneer3.cli.live import announce, rewrite
-    from pioneer3.cli.process import write_line
     from pioneer3.teleop.keyboard import Keyboard
     from pioneer3.teleop.keyboard_drive import KeyboardDriver
     from pioneer3.teleop.several import KEYS, KeyRouter, numbers
@@ -75,7 +74,6 @@ async def drive_by_phone(
     driven: "TopicRobot", topics: "Topics", imu: str, speed: float, turn_rate: float
 ) -> None:
     """Drive by the flicks of a phone that publishes on `imu`."""
-    from pioneer3.cli.live import rewrite
     from pioneer3.ros.client.phone import flicks
     from pioneer3.teleop.keyboard import Keyboard
     from pioneer3.teleop.keyboard_drive import KeyboardDriver
@@ -93,8 +91,6 @@ async def drive_by_mode(
     speed: float | None = None,
 ) -> None:
     """Let `mode` drive for `seconds`, and show it; `speed` was asked for."""
-    from pioneer3.cli.live import show_while, tell_cuts
-
     limits = driven.info.limits
     tell_cuts(limits, speed, None)
     length = inf if seconds is None else seconds

@@ -31,11 +31,7 @@ LONG = 6
 
 
 class DemoApp(App[None]):
-    """Shows a :class:`Program` and hands it the keys.
-
-    Args:
-        make: Makes the program when the screen is there.
-    """
+    """Shows a :class:`Program`, made once the screen is there, and hands it the keys."""
 
     ENABLE_COMMAND_PALETTE = False
     BINDINGS: ClassVar[list[BindingType]] = [

@@ -20,12 +20,9 @@ class ColumnCell:
 
 @dataclass(frozen=True, slots=True)
 class ColumnRow:
-    """Columns at one instant.
+    """Columns at one instant, from left to right.
 
-    Attributes:
-        cells: From left to right.
-        tail: What follows the last one, without a header.
-        gap: Between two columns.
+    `tail` follows the last one, without a header; `gap` is between two.
     """
 
     cells: tuple[ColumnCell, ...] = ()

@@ -1,7 +1,7 @@
 """Pictures to scale, made of characters: the robot, its echoes, its trail."""
 
 from collections import deque
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from enum import StrEnum
 from itertools import groupby
 from math import ceil, cos, hypot, inf, isfinite, pi, radians, sin
@@ -20,13 +20,9 @@ NONE: Final = -1
 
 
 class Braille:
-    """A picture of dots and letters.
+    """A picture of dots and letters, so many characters wide and high.
 
-    Args:
-        columns: Width [characters].
-        rows: Height [characters].
-        styles: Of all dots and letters. Where some meet in a character, the last of them in this
-            order colours it.
+    Where some meet in a character, the last of them in the order of `styles` colours it.
     """
 
     def __init__(self, columns: int, rows: int, styles: Sequence[str]) -> None:
@@ -54,22 +50,15 @@ class Braille:
         inside = column >= 0 and column + count <= self.columns
         return inside and not any(cell in self._letters for cell in cells)
 
-    def lines(self) -> list[str]:
-        """Return the picture as plain text, each line `columns` wide."""
-        return ["".join(letter for letter, _ in row) for row in self._cells()]
-
     def text(self) -> Text:
         """Return the picture in colours."""
         text = Text(no_wrap=True, overflow="crop", end="")
-        for number, row in enumerate(self._cells()):
-            text.append("\n" if number else "")
-            for style, cells in groupby(row, key=itemgetter(1)):
-                text.append("".join(letter for letter, _ in cells), style or None)
-        return text
-
-    def _cells(self) -> Iterator[list[tuple[str, str]]]:
         for row in range(self.rows):
-            yield [self._cell(row, column) for column in range(self.columns)]
+            text.append("\n" if row else "")
+            cells = [self._cell(row, column) for column in range(self.columns)]
+            for style, same in groupby(cells, key=itemgetter(1)):
+                text.append("".join(letter for letter, _ in same), style or None)
+        return text
 
     def _cell(self, row: int, column: int) -> tuple[str, str]:
         rank = self._ranks[row][column]
@@ -94,10 +83,8 @@ class Ink(StrEnum):
 class Canvas(Braille):
     """Dots on a plane around the robot: x [m] is up, y [m] is left.
 
-    Args:
-        columns: Width in characters, two dots each.
-        rows: Height in characters, four dots each; dots are about square.
-        reach: From the middle to the nearest edge [m].
+    A character has two dots across and four down, which are about square. `reach` is from the
+    middle to the nearest edge [m].
 
     Raises:
         ValueError: there is no room, or nothing to reach.
@@ -186,14 +173,9 @@ def ring(
 ) -> Canvas:
     """Return the picture: the robot facing up, an arc for each echo, rings of metres.
 
-    Args:
-        model: Sizes and places of the sonars.
-        ranges: Of each sonar [m]; what is not finite is not drawn.
-        columns: Width [characters].
-        rows: Height [characters].
-        reach: From the robot's centre to the nearest edge of the picture [m].
-        laser: Points that the laser hit, (x, y) in the robot's frame [m].
-        trail: Where the robot has been, in the same frame.
+    Ranges [m] are those of each sonar; what is not finite is not drawn. The nearest edge of the
+    picture is `reach` from the robot's centre [m]. Points that the laser hit, and the trail of
+    places where the robot has been, are in its frame [m].
 
     Raises:
         ValueError: there is no room, or nothing to reach.
@@ -216,11 +198,7 @@ def around_laser(
 ) -> Canvas:
     """Return the picture of a laser alone: its points, rings of metres, itself in the middle.
 
-    Args:
-        points: That the laser hit, x ahead and y to the left [m].
-        columns: Width [characters].
-        rows: Height [characters].
-        reach: From the laser to the nearest edge of the picture [m].
+    The points are in the laser's frame [m], and the nearest edge is `reach` away from it [m].
 
     Raises:
         ValueError: there is no room, or nothing to reach.
@@ -239,11 +217,9 @@ SHOWN = 0.9
 
 
 def reach_for_points(points: Iterable[tuple[float, float]], before: float) -> float:
-    """Return the reach [m] that shows most of a laser's points, steadily.
+    """Return the reach [m] that shows most of a laser's points [m], steadily.
 
-    Args:
-        points: In the picture's frame [m].
-        before: The reach until now, which is kept while it fits as well.
+    The one `before` is kept while it fits as well.
     """
     distances = sorted(hypot(x, y) for x, y in points)
     if not distances:
@@ -256,9 +232,7 @@ def reach_for_points(points: Iterable[tuple[float, float]], before: float) -> fl
 def reach_for(ranges: Iterable[float], before: float = REACHES[-1]) -> float:
     """Return the reach [m] that shows half of the echoes, steadily.
 
-    Args:
-        ranges: Of each sonar [m]; what is not finite does not count.
-        before: The reach until now, which is kept while it fits as well.
+    Ranges [m] that are not finite do not count; the reach `before` is kept while it fits as well.
     """
     echoes = sorted(filter(isfinite, ranges))
     if not echoes:

@@ -18,13 +18,10 @@ ALWAYS = Presence(True, "Every robot can do this.")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Gauge:
-    """A value to be drawn as a bar.
+    """A value to be drawn as a bar, and its text in words.
 
-    Attributes:
-        share: 0 to 1 of a full bar, or -1 to 1 if `signed`.
-        text: The value in words.
-        alarm: Whether people should look at it.
-        big: Whether it is the main value of the mode.
+    A full bar has the `share` 1, or -1 to the other side if it is `signed`. People should look at
+    an `alarm`; the main value of the mode is `big`.
     """
 
     name: str
@@ -38,15 +35,9 @@ class Gauge:
 class Context:
     """The robot and the people at it, as every mode of the demo sees them.
 
-    Args:
-        robot: Connected.
-        say: Tells people a sentence.
-        work: Runs a coroutine while the mode is active, and tells what it fails with; returns what
-            ends it before.
-        acts: The colour tracker.
-
-    Attributes:
-        origin: Where the pose is 0, 0, 0 in odometry's frame; only what is shown depends on it.
+    `work` runs a coroutine while the mode is active, and tells what it fails with; it returns what
+    ends it before. The pose is 0, 0, 0 at `origin` in odometry's frame; only what is shown depends
+    on it.
     """
 
     def __init__(
@@ -89,15 +80,10 @@ class Context:
 class Description:
     """A mode of the demo in words (facts.md 8).
 
-    Attributes:
-        key: Activates it, in lower or upper case.
-        name: ARIA's.
-        hint: Its purpose, in a few words.
-        needs: The equipment for it, and the source from which the demo knows.
-        help: Its own keys and their effects, a line each.
-        make: Makes it for a robot.
-        label: A shorter name for lists; the name if empty.
-        by_hand: Whether what its keys set goes on until another key, so that hands must stay near.
+    `key` activates it, in lower or upper case. `name` is ARIA's, and `label` a shorter one for
+    lists. It `needs` equipment, and tells the source from which the demo knows; `help` has its own
+    keys and their effects, a line each. `by_hand`: what its keys set goes on until another key, so
+    that hands must stay near.
     """
 
     key: str
@@ -114,20 +100,16 @@ class Description:
 class DemoMode:
     """A mode of the demo for one robot.
 
-    Attributes:
-        about: Its key, its name, its help.
-        presence: Whether the robot has its equipment, and the source.
-        enter: The block that is held while it is active.
-        on_key: Takes a key; returns whether that means anything.
-        again: Called when it is chosen while it is active.
-        row: ARIA's columns at this moment; `None` while there is nothing to show.
-        gauges: Bars for a screen.
-        details: Longer texts, a line each.
-        points: To draw around the robot, x ahead and y to the left of it [m].
+    `presence` is that of its equipment. It begins by `begin`, and holds the block `enter` while it
+    is active; `again` is called when it is chosen while it is. `on_key` takes a key, and returns
+    whether that means anything. It shows ARIA's columns in a `row`, if there is anything to show,
+    bars, longer texts of a line each, and points to draw around the robot, x ahead and y to the
+    left of it [m].
     """
 
     about: Description
     presence: Callable[[], Presence] = lambda: ALWAYS
+    begin: Callable[[], object] = lambda: None
     enter: Callable[[], AbstractContextManager[object]] = nullcontext
     on_key: Callable[[str], bool] = lambda key: False
     again: Callable[[], object] = lambda: None

@@ -13,11 +13,7 @@ EVERY = 1.0
 
 
 class Plain:
-    """Writes ARIA's lines: the help when a mode begins, its header, then changes.
-
-    Args:
-        write: Given each line.
-    """
+    """Writes ARIA's lines: the help when a mode begins, its header, then changes."""
 
     def __init__(self, write: Callable[[str], None]) -> None:
         self._write = write

@@ -5,7 +5,6 @@ import logging
 from collections.abc import Callable, Coroutine, Iterable, Mapping, Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import replace
-from types import MappingProxyType
 from typing import Any, Protocol, TypeVar
 
 from pioneer3.demo.columns import ColumnRow
@@ -16,7 +15,8 @@ from pioneer3.robot.devices import Acts, Presence
 from pioneer3.robot.pilot import STOPPED
 from pioneer3.robot.supervisor import Connection
 from pioneer3.runtime.robot import Robot
-from pioneer3.teleop.keyboard import PATIENCE, patient
+from pioneer3.teleop.keyboard import PATIENCE, Key, patient
+from pioneer3.teleop.terminal import ARROWS, ESCAPE
 
 HELP_KEYS = frozenset("hH?/")
 EMERGENCY_KEYS = frozenset("kK")
@@ -25,27 +25,21 @@ STOP_KEY = "space"
 RESET_KEY = "ctrl+r"
 QUIT_KEYS = frozenset({"escape", "ctrl+c", "ctrl+d", "ctrl+q"})
 
-ESCAPE = "\x1b"
-NAMES: Mapping[str, str] = MappingProxyType(
-    {
-        **{
-            f"{ESCAPE}{form}{letter}": name
-            for form in "[O"
-            for letter, name in zip("ABCD", ("up", "down", "right", "left"), strict=True)
-        },
-        f"{ESCAPE}[5~": "pageup",
-        f"{ESCAPE}[6~": "pagedown",
-        ESCAPE: "escape",
-        " ": "space",
-        "\r": "enter",
-        "\n": "enter",
-        "\x7f": "backspace",
-        "\x08": "backspace",
-        "\x03": "ctrl+c",
-        "\x04": "ctrl+d",
-        "\x12": RESET_KEY,
-    }
-)
+ARROW_NAMES = {Key.FORWARD: "up", Key.BACK: "down", Key.RIGHT: "right", Key.LEFT: "left"}
+NAMES: Mapping[str, str] = {
+    **{text: ARROW_NAMES[key] for text, key in ARROWS.items()},
+    f"{ESCAPE}[5~": "pageup",
+    f"{ESCAPE}[6~": "pagedown",
+    ESCAPE: "escape",
+    " ": "space",
+    "\r": "enter",
+    "\n": "enter",
+    "\x7f": "backspace",
+    "\x08": "backspace",
+    "\x03": "ctrl+c",
+    "\x04": "ctrl+d",
+    "\x12": RESET_KEY,
+}
 """By the text that a terminal sends."""
 
 
@@ -76,17 +70,9 @@ class Display(Protocol):
 class Program:
     """Holds the modes; one of them is active. Every way out of :meth:`run` stops the robot.
 
-    Args:
-        robot: Connected.
-        face: Shows it to people.
-        first: Key of the mode to begin with.
-        patience: How long a speed set by hand lasts without a key [s]; see :func:`patient`.
-        acts: The colour tracker.
-        modes: In the order in which they are listed.
-
-    Attributes:
-        active: The mode that the keys are for.
-        over: Set when the demo shall end.
+    `face` shows it to people; `first` is the key of the mode to begin with. A speed set by hand
+    lasts for `patience` without a key [s]; see :func:`patient`. `over` is set when the demo shall
+    end.
     """
 
     def __init__(
@@ -203,6 +189,7 @@ class Program:
         if mode.presence().there is False:
             self._face.say(f"{mode.about.name}: {mode.presence()}")
         else:
+            self._guard(mode.about.name, mode.begin)
             self._guard(mode.about.name, lambda: self._held.enter_context(mode.enter()))
 
     def _leave(self) -> None:

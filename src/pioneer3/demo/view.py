@@ -29,7 +29,10 @@ def headline(robot: Robot) -> Text:
     text.append(f" {kind(info)} ", f"bold {style}")
     text.append(f" {info.identity.name}, {info.model.title}  ", "bold")
     text.append(f"{info.url} ", "grey62")
-    text.append(state.upper() if state is not Connection.CONNECTED else state, _state_style(state))
+    if state is Connection.CONNECTED:
+        text.append(state, "green")
+    else:
+        text.append(state.upper(), "bold white on red")
     if snapshot is not None:
         low = snapshot.battery.low
         text.append(f" {snapshot.link.rate:.0f}/s")
@@ -92,10 +95,6 @@ def _grouped(names: Iterable[str]) -> list[str]:
         else:
             rest.append(name)
     return rest + ([f"sonar {' '.join(arrays)}"] if arrays else [])
-
-
-def _state_style(state: Connection) -> str:
-    return "green" if state is Connection.CONNECTED else "bold white on red"
 
 
 EIGHTHS = " ▏▎▍▌▋▊▉█"

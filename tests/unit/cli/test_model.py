@@ -2,12 +2,13 @@
 
 import json
 from pathlib import Path
+from typing import get_args
 from xml.etree import ElementTree as ET
 
 import pytest
 
 from pioneer3.cli.main import Exit, execute
-from pioneer3.cli.model import WRITERS
+from pioneer3.cli.model import Format
 from pioneer3.models import load_model, model_names
 
 ROOTS = {"urdf": "robot", "sdf": "sdf", "mjcf": "mujoco"}
@@ -45,7 +46,7 @@ def test_show_says_when_parameters_are_from_a_file(
     assert sources["width"] == "the robot's parameter file"
 
 
-@pytest.mark.parametrize("form", WRITERS)
+@pytest.mark.parametrize("form", get_args(Format))
 def test_export_writes_to_the_terminal_or_to_a_file(
     form: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -1,8 +1,7 @@
 """Driving after a colour that ACTS sees (facts.md 8.12)."""
 
 import asyncio
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 
 from pioneer3.acts import BlobPicture
 from pioneer3.behaviors.action import Stack
@@ -26,11 +25,7 @@ def acts(context: Context, about: Description) -> DemoMode:
     """Return the mode that follows a colour."""
     chase = _ColorMode(context)
     return DemoMode(
-        about,
-        presence=chase.presence,
-        enter=chase.enter,
-        on_key=chase.on_key,
-        row=chase.row,
+        about, presence=chase.presence, begin=chase.begin, on_key=chase.on_key, row=chase.row
     )
 
 
@@ -70,11 +65,9 @@ class _ColorMode:
         now = self._context.acts.presence
         return Presence(now.there or None, now.reason)
 
-    @contextmanager
-    def enter(self) -> Iterator[None]:
+    def begin(self) -> None:
         self._follow.moving = False
         self._context.work(self._watch())
-        yield
 
     def on_key(self, key: str) -> bool:
         match key.lower():

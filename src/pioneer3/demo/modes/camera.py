@@ -1,9 +1,7 @@
 """A pan-tilt-zoom camera by hand: its make, its port, then its keys (facts.md 8.6)."""
 
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping
 from math import radians
-from types import MappingProxyType
 
 from pioneer3.demo.mode import Context, DemoMode, Description, Gauge
 from pioneer3.errors import PioneerError
@@ -16,9 +14,7 @@ TILT = radians(3)
 """Angle that a key tilts by [rad]."""
 ZOOM = 0.01
 """Share of the range that a key zooms by."""
-ON_AUX: Mapping[str, CameraName] = MappingProxyType(
-    {"1": "sony", "2": "vcc4", "5": "vcc4-inverted"}
-)
+ON_AUX: Mapping[str, CameraName] = {"1": "sony", "2": "vcc4", "5": "vcc4-inverted"}
 UNKNOWN = {"3": "DPPTU", "4": "AMPTU"}
 ON_COMPUTER = "!@#$%^"
 CHOICES = (
@@ -38,7 +34,7 @@ def camera(context: Context, about: Description) -> DemoMode:
     return DemoMode(
         about,
         presence=hand.presence,
-        enter=hand.enter,
+        begin=hand.begin,
         on_key=hand.on_key,
         gauges=hand.gauges,
         details=hand.details,
@@ -57,12 +53,10 @@ class _Aiming:
             return self._camera.presence
         return Presence(None, "CONFIG does not tell of cameras: choose one, and it is asked.")
 
-    @contextmanager
-    def enter(self) -> Iterator[None]:
+    def begin(self) -> None:
         """Begin with the choice, as long as no camera has been chosen that answers."""
         if self._camera is None or not self._camera.presence.there:
             self._make = self._camera = None
-        yield
 
     def on_key(self, key: str) -> bool:
         if self._camera is not None:

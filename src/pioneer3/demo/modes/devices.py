@@ -48,22 +48,14 @@ def gripper_row(reading: GripperReading) -> ColumnRow:
     """Return beams, paddles and lift."""
     return ColumnRow(
         (
-            ColumnCell("BB outer", WIDTH, _beam(broken=reading.outer_beam_broken)),
-            ColumnCell("BB inner", WIDTH, _beam(broken=reading.inner_beam_broken)),
+            ColumnCell("BB outer", WIDTH, "blocked" if reading.outer_beam_broken else "clear"),
+            ColumnCell("BB inner", WIDTH, "blocked" if reading.inner_beam_broken else "clear"),
             ColumnCell("Paddles", WIDTH, reading.paddles),
             ColumnCell("Lift", WIDTH, "maxed" if reading.lift_at_limit else "clear"),
-            ColumnCell("LeftPaddle", WIDTH, _paddle(touches=reading.left_touches)),
-            ColumnCell("RightPaddle", WIDTH, _paddle(touches=reading.right_touches)),
+            ColumnCell("LeftPaddle", WIDTH, "triggered" if reading.left_touches else "clear"),
+            ColumnCell("RightPaddle", WIDTH, "triggered" if reading.right_touches else "clear"),
         )
     )
-
-
-def _beam(*, broken: bool) -> str:
-    return "blocked" if broken else "clear"
-
-
-def _paddle(*, touches: bool) -> str:
-    return "triggered" if touches else "clear"
 
 
 TCM2_KEYS = {str(int(mode)): mode for mode in Tcm2Mode}

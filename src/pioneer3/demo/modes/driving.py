@@ -1,7 +1,6 @@
 """Driving with keys, guarded and not, and by itself (facts.md 8.3, 8.4)."""
 
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 
 from pioneer3.behaviors.action import Stack
 from pioneer3.behaviors.actions import RatioInput
@@ -45,13 +44,9 @@ def motion_row(context: Context) -> ColumnRow | None:
 def driving_row(
     snapshot: Snapshot, pose: Pose2, *, has_charge: bool = False, emergency: bool = False
 ) -> ColumnRow:
-    """Return the columns of the teleop modes.
+    """Return the columns of the teleop modes, for a robot at `pose` [m, rad].
 
-    Args:
-        snapshot: Of the robot.
-        pose: Where it is [m, rad].
-        has_charge: Whether the robot has ever told its state of charge.
-        emergency: Whether our own emergency stop is latched, too.
+    `has_charge`: it has told its state of charge; `emergency`: our own stop is latched, too.
     """
     cells = motion(snapshot, pose)
     if has_charge:
@@ -106,17 +101,12 @@ class _Hand:
     def mode(self, about: Description) -> DemoMode:
         return DemoMode(
             about,
-            enter=self._enter,
+            begin=self._begin,
             on_key=self._on_key,
             again=self._again,
             row=self._row,
             gauges=self._gauges,
         )
-
-    @contextmanager
-    def _enter(self) -> Iterator[None]:
-        self._begin()
-        yield
 
     def _begin(self) -> None:
         """Stop, and begin with no speed set."""
@@ -194,14 +184,9 @@ def by_itself(
                 stack = mode.stack(context.robot.info.limits)
                 context.start(stack)
 
-        @contextmanager
-        def enter() -> Iterator[None]:
-            begin()
-            yield
-
         return DemoMode(
             about,
-            enter=enter,
+            begin=begin,
             again=begin,
             row=lambda: motion_row(context),
             gauges=lambda: speed_gauges(context),

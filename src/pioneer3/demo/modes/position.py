@@ -37,9 +37,7 @@ TURNING = radians(2)
 class Travel(Action):
     """Moves as MOVE and HEAD do, bounded by the robot's limits.
 
-    Attributes:
-        name: Shown to people.
-        done: Whether it is where it should be, and stands.
+    It is `done` where it should be, and stands.
     """
 
     name: str = "travel"

@@ -2,7 +2,6 @@
 
 from collections import deque
 from collections.abc import Iterator
-from contextlib import contextmanager
 from itertools import groupby
 from math import isfinite
 
@@ -30,17 +29,10 @@ def config(context: Context, about: Description) -> DemoMode:
             return
         lines = (*config_lines(answer), "", *model_lines(context.robot.info.model))
 
-    @contextmanager
-    def enter() -> Iterator[None]:
+    def begin() -> None:
         context.work(ask())
-        yield
 
-    return DemoMode(
-        about,
-        enter=enter,
-        again=lambda: context.work(ask()),
-        details=lambda: lines,
-    )
+    return DemoMode(about, begin=begin, again=begin, details=lambda: lines)
 
 
 def config_lines(answer: Config) -> Iterator[str]:
@@ -86,10 +78,8 @@ def status(context: Context, about: Description) -> DemoMode:
             f" laser system {reading.laser_system}"
         )
 
-    @contextmanager
-    def enter() -> Iterator[None]:
+    def begin() -> None:
         context.work(ask())
-        yield
 
     def details() -> list[str]:
         if context.snapshot is None:
@@ -101,8 +91,8 @@ def status(context: Context, about: Description) -> DemoMode:
 
     return DemoMode(
         about,
-        enter=enter,
-        again=lambda: context.work(ask()),
+        begin=begin,
+        again=begin,
         row=lambda: status_row(context.snapshot) if context.snapshot else None,
         details=details,
     )

@@ -3,7 +3,6 @@
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from math import atan2, cos, hypot, isfinite, isnan, pi, sin
-from types import MappingProxyType
 
 from pioneer3.demo.columns import ColumnCell, ColumnRow, millimetres
 from pioneer3.demo.mode import Context, DemoMode, Description, Gauge
@@ -15,15 +14,13 @@ SONAR_WIDTH = 6
 FARTHEST = 5.0
 """ARIA prints this where nothing echoed [m]."""
 NEAR = 0.5
-GROUPS: Mapping[str, range] = MappingProxyType(
-    {
-        "1": range(32),
-        "2": range(8),
-        "3": range(8, 16),
-        "4": range(16, 24),
-        "5": range(24, 32),
-    }
-)
+GROUPS: Mapping[str, range] = {
+    "1": range(32),
+    "2": range(8),
+    "3": range(8, 16),
+    "4": range(16, 24),
+    "5": range(24, 32),
+}
 
 
 def sonar(context: Context, about: Description) -> DemoMode:
