@@ -1,12 +1,11 @@
 """`pioneer3 fleet discover`."""
 
 from importlib.util import find_spec
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from pioneer3.cli.options import Flag, FleetFile, Seconds
+from pioneer3.cli.options import Flag, FleetFile, Seconds, fleet_if_any
 from pioneer3.cli.process import (
     busy_sign,
     run_until_told_to_leave,
@@ -14,7 +13,7 @@ from pioneer3.cli.process import (
     write_line,
     write_warning,
 )
-from pioneer3.errors import ConfigError, how_to_get
+from pioneer3.errors import how_to_get
 
 if TYPE_CHECKING:
     from pioneer3.fleet.inventory import Fleet
@@ -50,7 +49,7 @@ def discover(
     if not no_broadcast and find_spec("zeroconf") is None:
         write_warning(f"announcements are not heard: {how_to_get('fleet')}")
     targets = addresses_in(addresses)
-    known = _fleet(fleet)
+    known = fleet_if_any(fleet)
     return run_until_told_to_leave(
         _discover(targets, known, seconds, broadcast=not no_broadcast, json=json)
     )
@@ -84,16 +83,3 @@ async def _discover(
     for line in lines:
         write_line(line)
     return 0
-
-
-def _fleet(given: Path | None) -> "Fleet | None":
-    """Return the fleet; `None` if there is no file yet."""
-    import os
-
-    from pioneer3.fleet.inventory import find_fleet, read_fleet
-
-    try:
-        path = find_fleet(given, environment=os.environ, here=Path(), home=Path.home())
-    except ConfigError:
-        return None
-    return read_fleet(path)

@@ -2,6 +2,7 @@
 
 import os
 import sys
+from contextlib import AsyncExitStack
 from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated
 
@@ -86,18 +87,12 @@ async def _ask(
     """Ask once, or again and again with pauses of `every` [s]."""
     from pioneer3.cli.fleet_ros import asking
 
-    if not any(robot.ros == "2" for robot in robots):
-        return await _list_or_watch(robots, questions, every, json=json)
-    async with asking(fleet) as ask:
-        return await _list_or_watch(robots, replace(questions, ros2=ask), every, json=json)
-
-
-async def _list_or_watch(
-    robots: "tuple[FleetRobot, ...]", questions: "Questions", every: float | None, *, json: bool
-) -> int:
-    if every is None:
-        return await _list(robots, questions, json=json)
-    return await _watch(robots, questions, every, json=json)
+    async with AsyncExitStack() as stack:
+        if any(robot.ros == "2" for robot in robots):
+            questions = replace(questions, ros2=await stack.enter_async_context(asking(fleet)))
+        if every is None:
+            return await _list(robots, questions, json=json)
+        return await _watch(robots, questions, every, json=json)
 
 
 async def _list(robots: "tuple[FleetRobot, ...]", questions: "Questions", *, json: bool) -> int:

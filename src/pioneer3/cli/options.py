@@ -62,6 +62,17 @@ def fleet_of(given: Path | None) -> "Fleet":
     return read_fleet(find_fleet(given, environment=os.environ, here=Path(), home=Path.home()))
 
 
+def fleet_if_any(given: Path | None) -> "Fleet | None":
+    """Return the fleet as :func:`fleet_of` does; `None` if there is no file yet."""
+    from pioneer3.fleet.inventory import find_fleet, read_fleet
+
+    try:
+        path = find_fleet(given, environment=os.environ, here=Path(), home=Path.home())
+    except ConfigError:
+        return None
+    return read_fleet(path)
+
+
 def robots_of(words: Sequence[str], given: Path | None) -> "tuple[OfFleet, ...]":
     """Return the robots of a fleet that the words of `--robot` name; empty if they are models.
 
@@ -70,7 +81,7 @@ def robots_of(words: Sequence[str], given: Path | None) -> "tuple[OfFleet, ...]"
     Raises:
         ConfigError: There is no such robot, or the file is wrong.
     """
-    from pioneer3.fleet.inventory import VARIABLE, find_fleet, read_fleet
+    from pioneer3.fleet.inventory import VARIABLE, read_fleet
     from pioneer3.fleet.reach import camera_of, given_model, named, port_of
 
     if not words:
@@ -78,13 +89,10 @@ def robots_of(words: Sequence[str], given: Path | None) -> "tuple[OfFleet, ...]"
     if given is not None and str(given) != os.environ.get(VARIABLE):
         fleet = read_fleet(given)
         robots = fleet.select(words)
+    elif (found := fleet_if_any(None)) is None:
+        return ()
     else:
-        try:
-            path = find_fleet(None, environment=os.environ, here=Path(), home=Path.home())
-        except ConfigError:
-            return ()
-        fleet = read_fleet(path)
-        robots = named(words, fleet)
+        fleet, robots = found, named(words, found)
     return tuple(
         OfFleet(
             name=robot.name,

@@ -11,8 +11,10 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from pioneer3.behaviors.modes import Mode
+    from pioneer3.limits import Limits
     from pioneer3.ros.client.robot import TopicRobot
     from pioneer3.ros.node.middleware import Topics
+    from pioneer3.teleop.keyboard import Keyboard
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -24,11 +26,18 @@ class KeyOptions:
     latch: bool
     patience: float
 
+    def keyboard(self, limits: "Limits") -> "Keyboard":
+        """Return the keyboard for a robot with these limits."""
+        from pioneer3.teleop.keyboard import Keyboard
+
+        return Keyboard.within(
+            limits, self.speed, self.turn_rate, latch=self.latch, patience=self.patience
+        )
+
 
 async def drive_by_keys(driven: "TopicRobot", options: KeyOptions) -> None:
     """Drive by the keyboard until it says so."""
     from pioneer3.cli.drive import KEYS
-    from pioneer3.teleop.keyboard import Keyboard
     from pioneer3.teleop.keyboard_drive import KeyboardDriver
     from pioneer3.teleop.terminal import keys, raw_terminal
 
@@ -36,19 +45,11 @@ async def drive_by_keys(driven: "TopicRobot", options: KeyOptions) -> None:
         write_line(KEYS)
         limits = driven.info.limits
         tell_cuts(limits, options.speed, options.turn_rate)
-        keyboard = Keyboard.within(
-            limits,
-            options.speed,
-            options.turn_rate,
-            latch=options.latch,
-            patience=options.patience,
-        )
-        await KeyboardDriver(driven, keyboard, rewrite).run(keys(terminal))
+        await KeyboardDriver(driven, options.keyboard(limits), rewrite).run(keys(terminal))
 
 
 async def drive_several_by_keys(driven: "Sequence[TopicRobot]", options: KeyOptions) -> None:
     """Drive robots by one keyboard, one at a time or together, until it says so."""
-    from pioneer3.teleop.keyboard import Keyboard
     from pioneer3.teleop.keyboard_drive import KeyboardDriver
     from pioneer3.teleop.several import KEYS, KeyRouter, numbers
     from pioneer3.teleop.terminal import raw_terminal, tokens
@@ -57,13 +58,7 @@ async def drive_several_by_keys(driven: "Sequence[TopicRobot]", options: KeyOpti
     board = KeyRouter(numbers(names), rewrite)
     for name, each in zip(names, driven, strict=True):
         announce(each, f"is number {board.selection.label(name)}")
-        keyboard = Keyboard.within(
-            each.info.limits,
-            options.speed,
-            options.turn_rate,
-            latch=options.latch,
-            patience=options.patience,
-        )
+        keyboard = options.keyboard(each.info.limits)
         board.add(name, KeyboardDriver(each, keyboard, board.shows(name)))
     with raw_terminal() as terminal:
         write_line(KEYS)

@@ -101,11 +101,6 @@ class LmsClient:
         self._told_status = 0
         self._outbox: list[bytes] = []
 
-    @property
-    def speed(self) -> int | None:
-        """The speed of the link [baud], or `None` before it is known or without one."""
-        return self._setup.speed
-
     def receive(self, data: bytes, now: float) -> list[Event]:
         """Process received bytes; return the events that follow."""
         events: list[Event] = []
