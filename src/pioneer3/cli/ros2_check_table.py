@@ -10,7 +10,7 @@ from rich.text import Text
 
 from pioneer3.cli.tables import SIGNS
 from pioneer3.doctor.facts import Level
-from pioneer3.ros.checks.facts import CheckFault, CheckReport, CheckRow, ReportPart
+from pioneer3.ros.checks.facts import CheckReport, CheckRow, ReportPart
 
 HEADS: Final = {
     ReportPart.NODE: "node",
@@ -53,7 +53,8 @@ def verdict(row: CheckRow) -> Text:
         return SIGNS[row.level]
     lines = []
     for fault in row.faults:
-        reason = PACKAGE.sub("", _reason(fault))
+        example = f" ({fault.example})" if fault.example else ""
+        reason = PACKAGE.sub("", fault.reason + example)
         lines.append(Text.assemble(SIGNS[fault.level], " ", (reason, COLORS[fault.level])))
         if fault.advice:
             lines.append(Text(f"→ {fault.advice}", "cyan"))
@@ -115,7 +116,3 @@ def _found(rows: Sequence[CheckRow]) -> str:
         return PACKAGE.sub("", rows[0].found)
     low, high = f"{rates[0]:.1f}", f"{rates[-1]:.1f}"
     return f"{low} Hz" if low == high else f"{low} to {high} Hz"
-
-
-def _reason(fault: CheckFault) -> str:
-    return f"{fault.reason} ({fault.example})" if fault.example else fault.reason

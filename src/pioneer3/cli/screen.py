@@ -109,7 +109,8 @@ def _readings(snapshot: Snapshot) -> Table:
     grid.add_row("speed", f"{twist.v:+z8.3f} m/s")
     grid.add_row("turn", f"{degrees(twist.w):+z8.1f} deg/s")
     grid.add_row("wheels", f"{odometry.left_speed:+z.3f} {odometry.right_speed:+z.3f} m/s")
-    grid.add_row("battery", _warning(battery_text(snapshot), up=snapshot.battery.low))
+    low = "bold yellow" if snapshot.battery.low else ""
+    grid.add_row("battery", Text(battery_text(snapshot), low))
     moving = ", moving" if motors.moving else ""
     grid.add_row("motors", Text(f"on{moving}", "bold green") if motors.enabled else "off")
     grid.add_row("stop button", _alarm("PRESSED", "not pressed", up=motors.stop_button))
@@ -127,10 +128,6 @@ def _readings(snapshot: Snapshot) -> Table:
 
 def _alarm(loud: str, quiet: str, *, up: bool) -> Text:
     return Text(loud, "bold white on red") if up else Text(quiet)
-
-
-def _warning(text: str, *, up: bool) -> Text:
-    return Text(text, "bold yellow" if up else "")
 
 
 def _stall(snapshot: Snapshot) -> Text:
@@ -164,14 +161,11 @@ def _ring(sonar: Sonar, mounts: Sequence[SonarMount], first: int, length: int) -
     grid.add_column(width=length, no_wrap=True)
     grid.add_column(justify="right", width=4, no_wrap=True)
     for number, metres in list(enumerate(sonar.ranges))[first : first + 8]:
-        grid.add_row(_direction(number, mounts), bar(metres, length), _metres(metres))
+        known = number < len(mounts)
+        direction = f"{degrees(mounts[number].theta):+z4.0f}°" if known else f"{number}"
+        grid.add_row(direction, bar(metres, length), _metres(metres))
     name = {0: "front", 8: "rear"}.get(first, f"from number {first}")
     return Group(Text(name, "bold"), grid) if grid.row_count else Text()
-
-
-def _direction(number: int, mounts: Sequence[SonarMount]) -> str:
-    """Return the direction of the transducer; its number where that is not known."""
-    return f"{degrees(mounts[number].theta):+z4.0f}°" if number < len(mounts) else f"{number}"
 
 
 def bar(metres: float, length: int) -> Text:

@@ -11,7 +11,7 @@ from typing import Final
 from rich.text import Text
 
 from pioneer3.geometry import Pose2
-from pioneer3.models import RobotModel, SonarMount
+from pioneer3.models import RobotModel
 
 BLANK: Final = 0x2800
 BITS: Final = ((0x01, 0x08), (0x02, 0x10), (0x04, 0x20), (0x40, 0x80))
@@ -188,8 +188,9 @@ def ring(
         canvas.point(x, y, Ink.LASER)
     _body(canvas, model)
     for mount, distance in zip(model.sonars, ranges, strict=False):
-        if isfinite(distance):
-            _echo(canvas, mount, distance)
+        if isfinite(distance):  # from anywhere in the beam
+            start, end = mount.theta - HALF_BEAM, mount.theta + HALF_BEAM
+            canvas.arc(mount.x, mount.y, distance, nearness(distance), start=start, end=end)
     return canvas
 
 
@@ -265,12 +266,6 @@ def _body(canvas: Canvas, model: RobotModel) -> None:
     half, front = model.width / 2, model.length_front
     canvas.box(-model.length_rear, -half, front, half, Ink.BODY)
     canvas.line(front, 0.0, front + NOSE, 0.0, Ink.BODY)
-
-
-def _echo(canvas: Canvas, mount: SonarMount, distance: float) -> None:
-    """Draw from where the echo may have come."""
-    start, end = mount.theta - HALF_BEAM, mount.theta + HALF_BEAM
-    canvas.arc(mount.x, mount.y, distance, nearness(distance), start=start, end=end)
 
 
 TRAIL_STEP = 0.05

@@ -174,14 +174,12 @@ def holders_of(device: str, proc: Path = PROC, me: int | None = None) -> Iterato
     A process at the far end of a pseudo terminal is the device, not another user of it.
     """
     me = os.getpid() if me is None else me
-    for process in sorted(_processes(proc)):
+    processes: list[int] = []
+    with suppress(OSError):
+        processes += (int(entry.name) for entry in proc.iterdir() if entry.name.isdecimal())
+    for process in sorted(processes):
         if process != me and _holds(proc / str(process), device):
             yield PortHolder(process, _name_of(proc / str(process)))
-
-
-def _processes(proc: Path) -> Iterator[int]:
-    with suppress(OSError):
-        yield from (int(entry.name) for entry in proc.iterdir() if entry.name.isdecimal())
 
 
 def _holds(process: Path, device: str) -> bool:

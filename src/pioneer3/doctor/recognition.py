@@ -45,7 +45,8 @@ def recognise(heard: bytes, sent: bytes = b"") -> OtherDevice | None:
         return None
     if len(sent) >= ECHO_ENOUGH and sent[:ECHO_ENOUGH] in heard:
         return OtherDevice(DeviceKind.ECHO, "what was sent comes back")
-    return laser(heard) or _packets(heard) or _text(heard) or _noise(heard)
+    noise = OtherDevice(DeviceKind.NOISE, f"{len(heard)} bytes such as {heard[:8].hex(' ')}")
+    return laser(heard) or _packets(heard) or _text(heard) or noise
 
 
 def laser(heard: bytes) -> OtherDevice | None:
@@ -74,7 +75,3 @@ def _text(heard: bytes) -> OtherDevice | None:
         return None
     lines = re.split(r"[\r\n]+", heard.decode("ascii", "replace").strip())
     return OtherDevice(DeviceKind.TEXT, f"something that writes {lines[0][:40]!r}")
-
-
-def _noise(heard: bytes) -> OtherDevice:
-    return OtherDevice(DeviceKind.NOISE, f"{len(heard)} bytes such as {heard[:8].hex(' ')}")

@@ -104,7 +104,8 @@ def check_reports(facts: LinkFacts) -> Iterator[Finding]:
     heard = facts.heard
     if facts.info is None or heard is None:
         return
-    cycle = _cycle(facts.info)
+    told = facts.info.config.sip_cycle_ms if facts.info.config else None
+    cycle = (told or 0) * MS or USUAL_CYCLE
     rate, share = heard.reports / heard.seconds, heard.reports * cycle / heard.seconds
     found = f"{rate:.1f} reports/s of {1 / cycle:.0f}, longest gap {heard.longest_gap:.2f} s"
     if heard.ended is not None:
@@ -127,11 +128,6 @@ def check_reports(facts: LinkFacts) -> Iterator[Finding]:
             advice="Look at the checksums below; avoid radio bridges and USB hubs.",
             code=0 if share >= VERY_SLOW else FAILED,
         )
-
-
-def _cycle(info: RobotInfo) -> float:
-    told = (info.config.sip_cycle_ms or 0) * MS if info.config else 0.0
-    return told or USUAL_CYCLE
 
 
 def check_checksums(facts: LinkFacts) -> Iterator[Finding]:

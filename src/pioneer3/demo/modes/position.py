@@ -66,15 +66,13 @@ class Travel(Action):
         aligned = abs(off) <= ALIGNED
         still = abs(twist.v) < STANDING and abs(twist.w) < TURNING
         self.done = there and aligned and still
+        to_go = f"{self._left:z.2f} m and {off / DEGREE:z.0f} deg to go"
         return Desire(
             v=0.0 if there else approach(self._left, limits.max_speed, limits.deceleration),
             heading=None if aligned else self._heading,
             w=0.0 if aligned else None,
-            reason="there" if there and aligned else self._to_go(off),
+            reason="there" if there and aligned else to_go,
         )
-
-    def _to_go(self, off: float) -> str:
-        return f"{self._left:z.2f} m and {off / DEGREE:z.0f} deg to go"
 
 
 DISTANCE = 1.0

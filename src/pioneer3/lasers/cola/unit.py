@@ -231,7 +231,8 @@ class ColaUnit:
         return self._date + timedelta(seconds=now - self._date_at)
 
     def _scan_data(self, sweep: Sweep, now: float) -> ScanData:
-        config = self.settings.data
+        config, date = self.settings.data, self._calendar(now)
+        moment = {field.name: getattr(date, field.name) for field in fields(Moment)}
         return replace(
             scan_data(sweep, self._family, self.settings),
             serial=self._serial,
@@ -243,12 +244,8 @@ class ColaUnit:
             position=Position() if config.position else None,
             name=PLACE if config.name else None,
             comment=PLACE if config.comment else None,
-            moment=_moment(self._calendar(now)) if config.moment else None,
+            moment=Moment(**moment) if config.moment else None,
         )
 
     def _micros(self, at: float) -> int:
         return round((at - self._on_at) * 1e6) % WRAP_US
-
-
-def _moment(date: datetime) -> Moment:
-    return Moment(**{field.name: getattr(date, field.name) for field in fields(Moment)})
