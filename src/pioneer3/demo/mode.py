@@ -101,7 +101,7 @@ class DemoMode:
     """A mode of the demo for one robot.
 
     `presence` is that of its equipment. It begins by `begin`, and holds the block `enter` while it
-    is active; `again` is called when it is chosen while it is. `on_key` takes a key, and returns
+    is active; `again` is called when it is chosen once more. `on_key` takes a key, and returns
     whether that means anything. It shows ARIA's columns in a `row`, if there is anything to show,
     bars, longer texts of a line each, and points to draw around the robot, x ahead and y to the
     left of it [m].

@@ -12,8 +12,8 @@ from typing import Protocol
 class LaserIdentity:
     """The identity that a laser sends; empty for what it does not tell.
 
-    `firmware_date` is as the laser writes it; `status` is how it says that it is, such as `Sensor
-    works well.`
+    `firmware_date` is as the laser writes it; `status` is how it says that it is, such as
+    `Sensor works well.`
     """
 
     vendor: str = ""
