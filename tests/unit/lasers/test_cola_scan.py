@@ -6,7 +6,7 @@ import pytest
 
 from pioneer3.lasers.client import RawScan, ScanSettings
 from pioneer3.lasers.cola.clock import WRAP_US, ColaClock
-from pioneer3.lasers.cola.readings import geometry, raw_scan
+from pioneer3.lasers.cola.readings import raw_scan
 from pioneer3.lasers.cola.scan import (
     Encoder,
     InputEvent,
@@ -42,15 +42,8 @@ def parse(text: str) -> ScanData:
 
 
 def metres(text: str, wishes: ScanSettings | None = None, near: float = 0.05) -> RawScan:
-    scan = parse(text)
-    return raw_scan(
-        scan,
-        geometry(scan),
-        stamp=0.0,
-        interval=1,
-        limits=(near, 20.0),
-        wishes=wishes or ScanSettings(),
-    )
+    wanted = wishes or ScanSettings()
+    return raw_scan(parse(text), arrival=0.0, interval=1, limits=(near, 20.0), wishes=wanted)
 
 
 @pytest.mark.parametrize("text", [LMS1XX, TIM, ENCODERS])
@@ -184,7 +177,7 @@ def test_all_echoes_of_a_reading_come_together() -> None:
 
 def test_a_scan_without_ranges_of_the_first_echo_is_refused() -> None:
     with pytest.raises(TelegramError, match="first echo"):
-        geometry(parse(LMS1XX.replace("DIST1", "DIST2")))
+        metres(LMS1XX.replace("DIST1", "DIST2"))
 
 
 def test_delays_of_the_network_do_not_reach_the_stamps() -> None:

@@ -20,7 +20,8 @@ from pioneer3.teleop.evdev import (
     Range,
 )
 from pioneer3.teleop.gamepad import SCHEME
-from pioneer3.teleop.gamepad_drive import COMMAND_TIMEOUT, GamepadDriver
+from pioneer3.teleop.gamepad_drive import GamepadDriver
+from pioneer3.teleop.keyboard_drive import COMMAND_TIMEOUT
 from tests.support import SimulatedRobot
 
 BRAKING = 0.45

@@ -35,8 +35,12 @@ def _u16(offset: int) -> At:
     return At(offset, "H")
 
 
-@cache
 def _places(cls: type) -> tuple[tuple[str, At], ...]:
+    return _compiled(cls)
+
+
+@cache
+def _compiled(cls: type) -> tuple[tuple[str, At], ...]:
     hints = get_type_hints(cls, include_extras=True)
     return tuple((field.name, hints[field.name].__metadata__[0]) for field in fields(cls))
 
