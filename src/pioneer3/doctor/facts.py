@@ -29,9 +29,13 @@ class Level(StrEnum):
 class Finding:
     """One check and its outcome.
 
-    `found` is the observation; `meaning`, its explanation, is empty where it is plain, `advice`
-    where there is nothing to do. `code` is the exit code of the command, where this is the first
-    failure.
+    Attributes:
+        check: Its subject, in a word or two.
+        level: Its severity.
+        found: The observation.
+        meaning: Its explanation; empty where it is plain.
+        advice: For the user; empty where there is nothing to do.
+        code: Exit code of the command, where this is the first failure.
     """
 
     check: str

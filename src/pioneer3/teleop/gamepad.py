@@ -11,13 +11,21 @@ from pioneer3.geometry import STILL, Twist2
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Scheme:
-    """The buttons, and the speeds [m/s, rad/s] at full stick, without and with turbo.
+    """The buttons, and the speeds.
 
-    `deadman` (L1, LB) must be held to drive, and `turbo` (R1, RB) as well to drive faster. `stop`
-    is the right one of four: B, circle. `emergency_stop` is the small one left of the middle: Back,
-    Share, Select; `reset`, which ends that, the one right of it: Start, Options. The axes are those
-    of the left stick; forward counts down, turn to the right. `dead_zone` is half the width of the
-    middle of an axis, 0 to 1.
+    Attributes:
+        deadman: Must be held to drive: L1, LB.
+        turbo: As well, to drive faster: R1, RB.
+        stop: The right one of four: B, circle.
+        emergency_stop: The small one left of the middle: Back, Share, Select.
+        reset: The small one right of it: Start, Options. Ends the emergency stop.
+        forward_axis: Of the left stick; counts down.
+        turn_axis: Of the left stick; counts to the right.
+        dead_zone: Half width of the middle of an axis, 0 to 1.
+        speed: At full stick [m/s].
+        turn_rate: At full stick [rad/s].
+        turbo_speed: The same with turbo [m/s].
+        turbo_turn_rate: The same with turbo [rad/s].
     """
 
     deadman: int = 4
