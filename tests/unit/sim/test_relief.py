@@ -238,7 +238,7 @@ TABLE = "[[table]]\ncenter=[0,0]\nsize=[1,0.5]\nheight=0.7\n"
         ),
         (
             "[[heightfield]]\nfile='rock.stl'\ncenter=[0,0]\nsize=[1,1]\nheight=1",
-            "rock.stl: header: neither a PGM (P2, P5) nor a PNG picture",
+            "rock.stl: header: no picture",
         ),
         (
             "[[heightfield]]\nfile='flat.pgm'\ncenter=[0,0]\nsize=[1,1]\nheight=1",

@@ -232,7 +232,7 @@ class Table:
 
 @dataclass(frozen=True, kw_only=True)
 class HeightField(GroundSolid):
-    """A floor whose heights a PNG or PGM picture tells, from black at `z` to white above it.
+    """A floor whose heights a picture seen from above tells, from black at `z` to white above it.
 
     Its file is read once: a world that runs does not change with it.
     """
