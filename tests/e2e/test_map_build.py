@@ -280,6 +280,9 @@ def test_a_scan_log_of_aria_becomes_a_map_with_its_goals(
     assert "--scans scan2: lab.2d has scan1" in capsys.readouterr().err
     assert execute(["map", "build", "--scans", "scan2"]) == 2
     assert "only with --from" in capsys.readouterr().err
+    log.write_text("# pioneer3 recording\n")
+    assert execute(["map", "build", "--from", str(log), "--odometry", "tf"]) == 2
+    assert "not of a recording" in capsys.readouterr().err
 
 
 def test_nothing_is_written_over_unless_asked_for(tmp_path: Path) -> None:

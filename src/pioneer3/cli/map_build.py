@@ -274,6 +274,7 @@ def _from_file(
     settings: "NavigationSettings",
     sources: tuple[str | None, str | None],
 ) -> int:
+    from pioneer3.errors import ConfigError
     from pioneer3.navigation.connect import require_navigation
     from pioneer3.navigation.log_files import SourceChoice, chosen_log, is_recording
     from pioneer3.robot.lasers.spec import parse_mounting
@@ -286,6 +287,8 @@ def _from_file(
             tell(f"making a map of {source}: {100 * share:.0f} %")
 
         if is_recording(source):
+            if any(sources):
+                raise ConfigError("--scans, --odometry: not of a recording; --laser names others")
             code = _play(source, progress, link, settings, made)
             if code:
                 return code

@@ -26,6 +26,7 @@ from pioneer3.nav.logged import (
     Pairing,
     Reading,
     Sources,
+    is_mount,
     is_pose,
     range_of,
 )
@@ -35,8 +36,6 @@ RANGE_PARAMETER = "robot_front_laser_max"
 """Parameter of the longest range of the front laser."""
 SAME_POSE = 1e-3
 """Difference below which two poses are the same [m, rad]."""
-MOST_OFFSET = 3.0
-"""Distance of a laser from the middle of its robot at most [m]."""
 STAMP_GAP = 1.0
 """Difference of neighbouring lines' stamps at most [s], unless one of them means nothing."""
 HALF = pi / 2
@@ -119,7 +118,7 @@ class _Reader:
         if mount == ORIGIN and sweep.message.side == "rear":
             mount = known
         if sweep.message.directed:
-            differs = hypot(mount.x, mount.y) > MOST_OFFSET
+            differs = not is_mount(mount)
         else:
             # a laser's pose is as far from the robot's as the laser; a corrected one is anywhere
             away, turned = known.inverse() @ mount, hypot(mount.x, mount.y) + abs(mount.theta)

@@ -3,7 +3,7 @@
 from bisect import bisect_right
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from math import inf, isfinite
+from math import hypot, inf, isfinite
 
 from pioneer3.geometry import Pose2, wrap
 from pioneer3.state import Scan
@@ -14,6 +14,8 @@ CODES = (8.18, 8.2), (16.36, 16.4), (32.74, 32.8)
 """Readings that mean the same where its 13 bits count in 1, 2 or 4 mm [m]."""
 FARTHEST_PLACE = 1e6
 """Distance from the origin beyond which a pose is a mistake [m]."""
+MOST_OFFSET = 10.0
+"""Distance of a laser from the middle of its robot at most [m]."""
 PATIENCE = 5.0
 """Difference of the stamps of a scan and of the odometry beside it at most [s]; beyond it their
 clocks differ, and the order in the log counts."""
@@ -94,6 +96,11 @@ def range_of(metres: float, far: float = NO_ECHO) -> float:
 def is_pose(pose: Pose2) -> bool:
     """Return whether numbers of a log may be a pose: finite, and on this side of the horizon."""
     return abs(pose.x) < FARTHEST_PLACE and abs(pose.y) < FARTHEST_PLACE and isfinite(pose.theta)
+
+
+def is_mount(pose: Pose2) -> bool:
+    """Return whether numbers of a log may be the place of a laser on a robot."""
+    return is_pose(pose) and hypot(pose.x, pose.y) <= MOST_OFFSET
 
 
 class Pairing:

@@ -6,7 +6,7 @@ poses, and :meth:`Mapper.apply` takes the result, whatever has been added meanwh
 """
 
 from collections.abc import Mapping
-from math import cos, hypot, pi, sin
+from math import cos, hypot, sin
 from typing import Any, Self
 
 import numpy as np
@@ -31,9 +31,11 @@ STILL_TURN_ERROR = 0.01
 """Error of the heading of a stretch without a way [rad]."""
 SEARCHED_SIGMAS = 2.5
 """Standard deviations of odometry within which the pose is searched for."""
-SEARCHED_WAY = 3.0
+SEARCHED_WAY = 1.5
 """Distance within which the pose is searched for at most [m]: a log may miss much, and a search
 takes time with its area."""
+SEARCHED_TURN = 1.5
+"""Turn within which the pose is searched for at most [rad]."""
 WIDE_WAY = 0.12
 """Distance of a scan above which matching needs a search before it [m]."""
 WIDE_TURN = 0.1
@@ -233,7 +235,7 @@ class Mapper:
             prior = prior.joined(_expected(self._here, odometry, sigma, sigma_theta))
         aside = hypot(odometry.x, odometry.y) * sigma_theta
         way = min(SEARCHED_WAY, SEARCHED_SIGMAS * (sigma + aside / 2))
-        turn = min(pi, SEARCHED_SIGMAS * sigma_theta)
+        turn = min(SEARCHED_TURN, SEARCHED_SIGMAS * sigma_theta)
         if way > WIDE_WAY or turn > WIDE_TURN:
             guess, _ = self._submap.search(cloud.points, guess, way, turn)
         match = self._match = self._submap.match(cloud, guess, prior)

@@ -12,7 +12,7 @@ import re
 from collections.abc import Iterable, Iterator
 from math import atan2, hypot, isfinite, pi, radians
 
-from pioneer3.geometry import ORIGIN, Pose2, wrap
+from pioneer3.geometry import ORIGIN, TURN, Pose2, wrap
 from pioneer3.nav.logged import (
     NO_ECHO,
     Entry,
@@ -20,6 +20,7 @@ from pioneer3.nav.logged import (
     LoggedPlace,
     LoggedScan,
     Sources,
+    is_mount,
     is_pose,
     range_of,
 )
@@ -65,10 +66,11 @@ class _Reader:
         elif tag == "version" and numbers:
             self._version = numbers[0]
         elif tag == f"sick{self._laser}pose" and len(numbers) == 3:
-            self._mount = _pose(numbers) if is_pose(_pose(numbers)) else ORIGIN
-        elif tag == f"sick{self._laser}conf" and len(numbers) == 3 and isfinite(sum(numbers)):
+            self._mount = _pose(numbers) if is_mount(_pose(numbers)) else ORIGIN
+        elif tag == f"sick{self._laser}conf" and len(numbers) == 3:
             first, last = sorted(numbers[:2])
-            self._directions = (radians(first), radians(last), numbers[2])
+            if isfinite(numbers[2]) and -TURN <= radians(first) < radians(last) <= TURN:
+                self._directions = (radians(first), radians(last), numbers[2])
         return None
 
     def _move(self, pose: Pose2) -> LoggedOdometry | None:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pioneer3.geometry import Pose2
+from pioneer3.nav.logged import is_mount, is_pose
 from pioneer3.robot.lasers.mounting import Mounting
 from pioneer3.state import Scan
 
@@ -75,7 +76,7 @@ class BagFrames:
     def mounting(self, frame: str, base: str) -> Mounting | None:
         """Return where a laser is on the frame of a robot, or `None` if no transform tells it."""
         matrix = self._matrix(frame, base)
-        if matrix is None:
+        if matrix is None or not is_mount(_flat(matrix)):
             return None
         return Mounting(sensor_in_robot=_flat(matrix), upside_down=bool(matrix[2, 2] < 0))
 
@@ -115,9 +116,10 @@ def frame_name(text: str) -> str:
 
 
 def pose_of(place: Any, rotation: Any) -> Pose2 | None:
-    """Return a pose of ROS on the plane; `None` if it is not finite."""
+    """Return a pose of ROS on the plane; `None` if it cannot be one."""
     matrix = matrix_of(place, rotation)
-    return None if matrix is None else _flat(matrix)
+    pose = None if matrix is None else _flat(matrix)
+    return pose if pose is not None and is_pose(pose) else None
 
 
 def _flat(matrix: Matrix) -> Pose2:

@@ -391,7 +391,8 @@ def _ranges(readings: Sequence[Any], near: float, far: float) -> list[float]:
     """Return ranges as in REP 117; of several echoes the nearest counts."""
     if hasattr(readings[0], "echoes"):
         readings = [each.echoes[0] if len(each.echoes) else inf for each in readings]
-    metres = np.asarray(readings, dtype=np.float64)
+    with np.errstate(invalid="ignore"):  # damaged bytes may be NaN of the signalling kind
+        metres = np.asarray(readings, dtype=np.float64)
     metres[metres >= far - AT_LIMIT] = inf
     metres[(metres <= 0) | (metres < near)] = -inf
     ranges: list[float] = metres.tolist()

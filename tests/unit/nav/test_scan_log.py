@@ -98,7 +98,9 @@ def test_goals_that_were_marked_are_places_and_other_tags_are_skipped() -> None:
 @given(st.lists(st.text(max_size=60), max_size=5))
 def test_damaged_lines_are_skipped(lines: list[str]) -> None:
     damaged = ["robot: nan 0 0", "robot: 1e30 0 0", "robot: 1 2", "sick1:", "sick1: 1 2 x 4 5"]
-    damaged += ["sick1conf: 1e999 2 3", "sick1pose: inf 0 0", "version: x", "cairn: Goal"]
+    damaged += ["sick1conf: -1e308 1e308 3", "sick1pose: 1e30 0 0", "version: x", "cairn: Goal"]
     text = "\n".join([OLD, *damaged, *lines, "robot: 1 2 3", "sick1: 1000 1000 1000 inf"])
     good = "robot: 1000 0 0\nsick1: " + "1000 " * 181
-    assert scans(f"{text}\n{good}")[-1].ranges[0] == 1.0
+    scan = scans(f"{text}\n{good}")[-1]
+    assert (scan.ranges[0], scan.angles[0]) == (1.0, pytest.approx(-pi / 2))
+    assert scan.sensor_in_robot.x < 1.0
