@@ -102,5 +102,5 @@ def test_damaged_lines_are_skipped(lines: list[str]) -> None:
     text = "\n".join([OLD, *damaged, *lines, "robot: 1 2 3", "sick1: 1000 1000 1000 inf"])
     good = "robot: 1000 0 0\nsick1: " + "1000 " * 181
     scan = scans(f"{text}\n{good}")[-1]
-    assert (scan.ranges[0], scan.angles[0]) == (1.0, pytest.approx(-pi / 2))
+    assert (scan.ranges[0], scan.angles[0]) == pytest.approx((1.0, -pi / 2))
     assert scan.sensor_in_robot.x < 1.0
