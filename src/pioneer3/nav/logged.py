@@ -19,6 +19,8 @@ MOST_OFFSET = 10.0
 PATIENCE = 5.0
 """Difference of the stamps of a scan and of the odometry beside it at most [s]; beyond it their
 clocks differ, and the order in the log counts."""
+LATE = 2.0
+"""Time by which odometry is held back [s]: scans come later, and in bursts over a network."""
 MOST_WAITING = 100
 """Scans that wait for odometry at most."""
 
@@ -123,7 +125,7 @@ class Pairing:
         while self._waiting and _end(self._waiting[0]) <= reading.stamp:
             yield from self._pair(self._waiting.pop(0))
         if not self._waiting:
-            yield from self._tell(len(self._track))
+            yield from self._tell(self._before(reading.stamp - LATE))
 
     def scan(self, scan: Scan) -> Iterator[Reading]:
         """Take a scan whose odometry is not known; yield it, now or later."""
@@ -149,7 +151,7 @@ class Pairing:
 
     def _pair(self, scan: Scan) -> Iterator[Reading]:
         last = scan.stamp + scan.beam_time * (len(scan.angles) - 1)
-        yield from self._tell(bisect_right(self._track, _end(scan), key=lambda each: each.stamp))
+        yield from self._tell(self._before(_end(scan)))
         yield LoggedScan(
             replace(
                 scan,
@@ -166,10 +168,13 @@ class Pairing:
             del self._track[: self._told - MOST_WAITING]
             self._told = MOST_WAITING
 
+    def _before(self, stamp: float) -> int:
+        """Return how many readings are not later than a time."""
+        return bisect_right(self._track, stamp, key=lambda each: each.stamp)
+
     def _pose_at(self, stamp: float) -> Pose2:
         """Return the robot's pose at a time: on the line between the readings beside it."""
-        track = self._track
-        after = bisect_right(track, stamp, key=lambda each: each.stamp)
+        track, after = self._track, self._before(stamp)
         if after in (0, len(track)):
             return track[max(0, after - 1)].robot_in_odom
         before, behind = track[after - 1], track[after]

@@ -129,12 +129,13 @@ class BagWriter:
         frame: str = "laser",
         step: float = 0.1,
         beam_time: float = 0.0,
+        at: float | None = None,
     ) -> None:
-        """Write a scan that begins at -0.1 rad."""
+        """Write a scan that begins at -0.1 rad; it comes when it is measured, or `at` a time."""
         self.put(
             topic,
             "sensor_msgs/msg/LaserScan",
-            time,
+            at or time,
             header=self.header(time, frame),
             angle_min=-0.1,
             angle_max=-0.1 + step * (len(ranges) - 1),

@@ -9,7 +9,7 @@ import pytest
 
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import ORIGIN, Pose2
-from pioneer3.nav.logged import LoggedOdometry, LoggedScan, Sources
+from pioneer3.nav.logged import LoggedOdometry, LoggedPlace, LoggedScan, Sources
 from pioneer3.navigation.log_files import opened_log
 from pioneer3.state import Scan
 from tests.unit.navigation.bags import ROS_1, BagWriter
@@ -161,6 +161,23 @@ def test_of_several_echoes_the_nearest_counts(tmp_path: Path) -> None:
         )
     (scan,) = scans(tmp_path / "bag")
     assert scan.ranges == (1.0, inf, 2.0)
+
+
+def test_a_scan_that_comes_late_is_told_in_the_order_of_time(tmp_path: Path) -> None:
+    with BagWriter(tmp_path / "bag", "mcap") as writer:
+        for number in range(20):
+            writer.odometry(1.0 + 0.1 * number, Pose2(0.1 * number))
+        writer.scan(2.05, [1.0, 1.0], at=2.95)
+        writer.odometry(3.0, Pose2(2.0))
+    with opened_log(tmp_path / "bag") as log:
+        entries = list(log.entries("/scan", "/odom"))
+    ways = [
+        entry.scan.robot_in_odom.x if isinstance(entry, LoggedScan) else entry.robot_in_odom.x
+        for entry in entries
+        if not isinstance(entry, LoggedPlace)
+    ]
+    assert ways == sorted(ways)
+    assert len(ways) == 22
 
 
 def test_scans_whose_clock_differs_have_the_odometry_before_them_in_the_bag(
