@@ -46,6 +46,7 @@ access            `pioneer3 access`: who may use the page of a robot that runs o
 setup             `pioneer3 setup`: prepares this computer for robots and lasers
 process           the process of a command: its event loop, its signals, its output
 terminal          the terminal of a command, through rich
+aria_options      options with one dash, as ARIA and MobileSim have them
 options           options that several commands share
 ================  ==================================================================================
 """

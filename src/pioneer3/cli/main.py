@@ -13,6 +13,7 @@ from cyclopts import App, CycloptsError, Group, Parameter, UnusedCliTokensError
 
 from pioneer3 import __version__
 from pioneer3.cli.access import access_app
+from pioneer3.cli.aria_options import in_our_words
 from pioneer3.cli.bridge import bridge
 from pioneer3.cli.classroom import class_
 from pioneer3.cli.demo import demo
@@ -26,7 +27,7 @@ from pioneer3.cli.model import model_app
 from pioneer3.cli.monitor import monitor
 from pioneer3.cli.motion import MODE_COMMANDS, move, turn
 from pioneer3.cli.options import UNITS, shown_default
-from pioneer3.cli.process import LogFormatter, write_error
+from pioneer3.cli.process import LogFormatter, write_error, write_warning
 from pioneer3.cli.robot import robot_app
 from pioneer3.cli.ros1 import ros1_app
 from pioneer3.cli.ros2 import gather_ros_arguments, ros2_app
@@ -149,7 +150,7 @@ def execute(arguments: Sequence[str]) -> int:
     """Run one command; return its exit code, errors told in one line."""
     try:
         result = app(
-            gather_ros_arguments(list(arguments)),
+            gather_ros_arguments(in_our_words(arguments, write_warning)),
             exit_on_error=False,
             print_error=False,
             result_action="return_value",

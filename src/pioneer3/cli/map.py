@@ -53,7 +53,7 @@ def show(file: str) -> int:
 def list_maps(folder: Path = Path()) -> int:
     """List the maps and worlds that ship, and those in a folder.
 
-    Example: pioneer3 map list ~/maps
+    Example: pioneer3 map list
 
     Args:
         folder: Looked into, without the folders below.

@@ -280,6 +280,9 @@ MAP, DEFAULT_WORLD, DEFAULT_PORTS, DEFAULT_TIME = (
     TimeOptions(),
 )
 DEFAULT_ERRORS, DEFAULT_MOBILESIM = ErrorOptions(), MobileSimOptions()
+USUAL = "p3at-sh"
+MOST_ROBOTS = 1000
+"""Most robots that one option asks for."""
 MANY = Parameter(negative=(), show_default=False)
 FleetOption = Annotated[Path | None, Parameter(name="--fleet", metavar="FILE")]
 
@@ -287,6 +290,9 @@ FleetOption = Annotated[Path | None, Parameter(name="--fleet", metavar="FILE")]
 def sim(
     *,
     robot: Annotated[tuple[str, ...], Parameter(name=["--robot", "-r"]), MANY] = (),
+    number: Annotated[
+        int | None, Parameter(name=["--number", "-n"], validator=Number(gte=1, lte=MOST_ROBOTS))
+    ] = None,
     robot_factory: Annotated[str, Parameter(name=["--robot-factory", "-R"]), MANY] = "",
     fleet: FleetOption = None,
     map_: MapOptions = MAP,
@@ -310,6 +316,7 @@ def sim(
 
     Args:
         robot: MODEL[:NAME], such as p3dx:bob; once for each. MODEL may be a .toml or .p file.
+        number: So many of each --robot, or of the usual one, such as 10.
         robot_factory: MODEL of which each client of the first port gets a robot while it stays.
         fleet: File of a fleet: a robot for each row, with its name, model and TCP port.
         map_: What stands there.
@@ -328,10 +335,10 @@ def sim(
         write_warning(ports.warning)
     from pioneer3.sim.server.start import simulator
 
-    robots: Sequence[str | RobotSpec] = robot
+    robots: Sequence[str | RobotSpec] = robot if number is None else (robot or (USUAL,)) * number
     if fleet is not None:
-        if robot or robot_factory:
-            raise ConfigError("--fleet gives the robots; leave --robot and --robot-factory out")
+        if robots or robot_factory:
+            raise ConfigError("--fleet gives the robots; leave --robot, -n and --robot-factory out")
         from pioneer3.fleet.inventory import read_fleet
         from pioneer3.fleet.simulated import simulated
 

@@ -59,7 +59,7 @@ def find_model(subtype: str) -> RobotModel | None:
 
 
 def load_model(name_or_path: str | Path) -> RobotModel:
-    """Return a shipped model by its name, or the one in a `.toml` or ARIA `.p` file.
+    """Return a shipped model by its name, with or without `-sh`, or that in a `.toml` or `.p` file.
 
     Raises:
         ConfigError: No such model or file, or the file is wrong; one line that names it, and the
@@ -71,7 +71,7 @@ def load_model(name_or_path: str | Path) -> RobotModel:
             return parse_model(read_model_text(path), _shown(path))
         case ".p":
             return parse_aria(read_model_text(path), _shown(path), _printable(path.stem))
-    model = find_model(str(name_or_path))
+    model = find_model(str(name_or_path)) or find_model(f"{name_or_path}-sh")
     if model is None:
         raise ConfigError(_no_such_model(str(name_or_path)))
     return model
