@@ -73,9 +73,10 @@ class Sonar:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Battery:
-    """The battery [V] and its charger.
+    """The battery and its charger.
 
     Attributes:
+        voltage: [V].
         charge: 0 to 1, or `None` where the robot does not send it.
         low: Whether the voltage is below the alarm level of the robot's own configuration.
     """
@@ -144,9 +145,10 @@ class Words:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LinkQuality:
-    """Quality of the reception in this session.
+    """Quality of the reception.
 
     Attributes:
+        reports: Reports received in this session.
         bad_checksums: Frames dropped because of a wrong checksum.
         bytes_skipped: Bytes that belonged to no frame.
         rate: Reports per second, over the last second [1/s]; 0 after the first one.
