@@ -70,13 +70,10 @@ Event = SessionOpened | SessionClosed | Commanded | WatchdogExpired | WatchdogFe
 class Device:
     """One robot's session: call :meth:`receive` and :meth:`tick`, send :meth:`outgoing`.
 
-    Args:
-        identity: The answer to SYNC2.
-        watchdog: Silence of the host that stops the robot [s]; 0 switches it off.
-
     Attributes:
-        identity: The same; may be changed between two sessions.
-        watchdog: The same; may be changed at any time.
+        identity: The answer to SYNC2; may be changed between two sessions.
+        watchdog: Silence of the host that stops the robot [s]; 0 switches it off. May be changed at
+            any time.
     """
 
     def __init__(self, identity: Identity, watchdog: float = 2.0) -> None:

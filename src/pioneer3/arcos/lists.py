@@ -102,13 +102,9 @@ def sequence(value: object) -> tuple[object, ...] | list[object]:
 
 @dataclass(frozen=True, slots=True)
 class CountedStructs:
-    """A byte, and that many records of `cls`, whose fields have a fixed :mod:`struct` format.
+    """A byte, and that many records of `cls`, a `NamedTuple` whose fields have the letters `format`.
 
-    The same bytes as `Counted(Integer(1), Record(cls))`, seven times faster.
-
-    Attributes:
-        cls: A `NamedTuple`.
-        format: Letters of a record's fields.
+    The same bytes as `Counted(Integer(1), Record(cls))`, seven times faster (:mod:`struct`).
     """
 
     cls: type[tuple[object, ...]]

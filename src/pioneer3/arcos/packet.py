@@ -27,11 +27,7 @@ def checksum(payload: bytes) -> int:
 
 
 def encode(payload: bytes) -> bytes:
-    """Wrap `payload` in header, count and checksum.
-
-    Raises:
-        CommandError: the payload is empty or longer than a frame can carry.
-    """
+    """Wrap `payload` in header, count and checksum; CommandError if it is empty or too long."""
     if not 1 <= len(payload) <= MAX_PAYLOAD:
         raise CommandError(f"a packet carries 1 to {MAX_PAYLOAD} bytes, not {len(payload)}")
     count = len(payload) + 2

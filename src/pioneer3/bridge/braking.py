@@ -41,10 +41,8 @@ class Braking:
     def begin(self, now: float, *, take_power: bool = False, hard: bool = False) -> list[bytes]:
         """Begin to stop; return the packets to send at once.
 
-        Args:
-            now: The time.
-            take_power: Whether the motors lose their power once the robot stands.
-            hard: Whether to stop as hard as the robot can, and take the power at once.
+        The motors lose their power once the robot stands with `take_power`, and at once with
+        `hard`, which stops as hard as the robot can.
         """
         self._takes_power = (self._takes_power and self.active) or take_power or hard
         self.active, self._stands, self._began = True, False, now

@@ -151,15 +151,11 @@ class Bridge:
             self.stop_recording()
 
     def link(self, name: str = "this program", *, gives_way: bool = False) -> Link:
-        """Return a new link to the robot for a host within this process.
+        """Return a new link to the robot for a host within this process, with a name for people.
 
         The first host has the robot, and later ones watch, so the same program has it at one time
-        and watches at another: the link ends when that changes.
-
-        Args:
-            name: Of the host, for people.
-            gives_way: Whether any other host may take the robot from this one. Then this link
-                ends; a later one watches while the other has the robot.
+        and watches at another: the link ends when that changes. From one that `gives_way` any other
+        host may take the robot; a later link watches while the other has it.
         """
         return BridgeLink(self, MemoryPort(name, gives_way=gives_way), self._wait_for_robot)
 
@@ -173,11 +169,9 @@ class Bridge:
 
     @asynccontextmanager
     async def listening(self, host: str = "127.0.0.1", port: int = 0) -> AsyncIterator[int]:
-        """Take hosts over TCP for the length of a block; yield the number of the port.
+        """Take hosts over TCP at an address of this computer; yield the number of the port.
 
-        Args:
-            host: Address of this computer to listen on.
-            port: Number of the port; 0 for a free one.
+        A port of 0 is a free one.
 
         Raises:
             PortBusyError: another program listens there.

@@ -14,7 +14,7 @@ class HostPort(Protocol):
     """The connection of one host.
 
     Attributes:
-        name: Of the host, for people.
+        name: Name of the host, for people.
         gives_way: Whether another host may take the robot from it.
     """
 
@@ -41,14 +41,7 @@ class ClientPhase(Enum):
 
 
 class BridgeClient:
-    """One host.
-
-    Attributes:
-        port: Its connection.
-        phase: Of its session.
-        joined_at, heard_at: When it connected, and sent its last packet [s, monotonic].
-        reader: Of its packets.
-    """
+    """One host, which joined at `joined_at`, and sent its last packet at `heard_at` [s, monotonic]."""
 
     def __init__(self, port: HostPort, now: float) -> None:
         self.port = port
@@ -64,9 +57,7 @@ class BridgeClient:
     def shake_hands(self, payload: bytes, identity: bytes) -> bool:
         """Answer a packet before OPEN; return whether that opened the session.
 
-        Args:
-            payload: Of the packet.
-            identity: Payload of the robot's answer to SYNC2; empty while it is not known.
+        `identity` is the payload of the robot's answer to SYNC2; empty while it is not known.
         """
         match payload[0], self.phase:
             case 0, _:

@@ -66,11 +66,9 @@ class Guard:
         self._moved.clear()
 
     def passed(self, payload: bytes, *, powerless: bool) -> bytes:
-        """Return the payload to send to the robot in the place of one that the host has sent.
+        """Return the payload to send to the robot in the place of `payload`, which the host sent.
 
-        Args:
-            payload: Of the host's packet.
-            powerless: Whether the robot's motors are off.
+        `powerless` says that the robot's motors are off.
         """
         number = payload[0]
         if number in STOPS:

@@ -29,11 +29,7 @@ class PortServer(Protocol):
 
 
 class SocketPort(asyncio.Protocol):
-    """A host at the far end of a socket.
-
-    Args:
-        server: The bridge.
-        ports: Those that are connected; this one is there while it is.
+    """A host at the far end of a socket; `ports` has it while it is connected.
 
     Attributes:
         name: Its address.
@@ -116,13 +112,7 @@ class SocketPort(asyncio.Protocol):
 
 
 class MemoryPort:
-    """A host within this process, as the bridge sees it.
-
-    Attributes:
-        name: Of the host, for people.
-        gives_way: Whether another host may take the robot from it.
-        closed: Whether the connection has ended.
-    """
+    """A host within this process, as the bridge sees it."""
 
     def __init__(self, name: str, *, gives_way: bool) -> None:
         self.name, self.gives_way = name, gives_way
@@ -158,10 +148,7 @@ class MemoryPort:
 class BridgeLink:
     """The link of a host within this process to the robot of a bridge; see `Link`.
 
-    Args:
-        server: The bridge.
-        port: This host, as the bridge sees it.
-        drained: Waits until the robot takes more bytes.
+    `drained` waits until the robot takes more bytes.
     """
 
     speeds: tuple[int, ...] = ()
@@ -183,11 +170,7 @@ class BridgeLink:
         return data
 
     async def write(self, data: bytes) -> None:
-        """Send `data` to the robot.
-
-        Raises:
-            LinkError: the connection has ended.
-        """
+        """Send `data` to the robot; LinkError if the connection has ended."""
         if self._port.closed or self._client is None:
             raise HungUpError(f"{self.url}: the bridge has closed the connection; {HUNG_UP}")
         if not self._server.receive(self._client, data):

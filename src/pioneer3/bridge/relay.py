@@ -49,24 +49,14 @@ def is_routine(packets: Sequence[bytes]) -> bool:
     """Return whether a STOP of a watcher belongs to the beginning or the end of its session.
 
     A driver in doubt stops the robot when a session begins, when its settings are known, and when
-    it leaves. It sends the other packets of that occasion in the same write: the question for the
-    settings, SONAR 1, or SONAR 0 and CLOSE.
-
-    Args:
-        packets: Payloads that came together with the STOP, after it.
+    it leaves. It sends the other `packets` of that occasion in the same write, after the STOP: the
+    question for the settings, SONAR 1, or SONAR 0 and CLOSE.
     """
     return any(packet[0] in ROUTINE for packet in packets)
 
 
 class Relay:
-    """Hosts on the one side, a robot on the other.
-
-    Args:
-        expiry: A holder is cut off after this long without an acknowledgement [s]; 0 for never.
-        silence: A holder is silent after this long without a packet [s]; 0 for never.
-        most_watchers: More are turned away.
-        timing: Timeouts of the handshake with the robot.
-        say: Called with a sentence for people at each change.
+    """Hosts on the one side, a robot on the other; the options are those of a `Bridge`.
 
     Attributes:
         robot: The robot's side.
@@ -181,13 +171,7 @@ class Relay:
         self.changed()
 
     def unacknowledged(self, sent: int, waiting: int, now: float) -> None:
-        """Note how much of the bytes sent to the holder its computer has acknowledged.
-
-        Args:
-            sent: Number of all bytes sent to it.
-            waiting: Number of those that are not acknowledged.
-            now: The time.
-        """
+        """Note that of the bytes `sent` to the holder `waiting` are not acknowledged yet."""
         if sent - waiting > self._acknowledged or not waiting:
             self._acknowledged, self._alive_at = sent - waiting, now
         cut_off = bool(waiting) and self._expiry > 0 and now >= self._alive_at + self._expiry

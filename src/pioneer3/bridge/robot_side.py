@@ -43,11 +43,8 @@ class RobotSideState(Enum):
 class RobotSide:
     """The sessions with one robot, one after the other.
 
-    Args:
-        timing: Timeouts of the handshake.
-
     Attributes:
-        state: Of the session.
+        state: State of the session.
         identity: Payload of the robot's answer to SYNC2; empty before it.
         config: Payload of its last CONFIG; empty before it.
         failure: The reason that the handshake failed; empty if it did not.
@@ -140,12 +137,7 @@ class RobotSide:
         self._braking.cancel()
 
     def end(self, now: float, *, moving: bool) -> None:
-        """Stop the robot, then close the session.
-
-        Args:
-            now: The time.
-            moving: Whether it may move; one that stands for certain is not waited for.
-        """
+        """Stop the robot if it may be `moving`, wait for it to stand, then close the session."""
         if self.state is RobotSideState.SERVING and (moving or not self._braking.at_rest):
             self.brake(now)
             self.state, self._ending_until = RobotSideState.ENDING, now + BRAKING

@@ -30,11 +30,7 @@ class Link(Protocol):
         """
 
     async def write(self, data: bytes) -> None:
-        """Send all of `data`, at once.
-
-        Raises:
-            LinkError: the link is down.
-        """
+        """Send all of `data`, at once; LinkError if the link is down."""
 
     async def set_speed(self, baud: int) -> None:
         """Change the line speed; does nothing on links without one."""

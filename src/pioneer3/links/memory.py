@@ -23,13 +23,7 @@ def bytewise(data: bytes) -> Iterable[bytes]:
 
 @dataclass
 class Noise:
-    """A fault that corrupts and drops a share of the bytes.
-
-    Attributes:
-        random: The random generator.
-        corrupt: Share of the bytes replaced by a random one.
-        drop: Share of the bytes lost.
-    """
+    """A fault that replaces a share of the bytes by random ones, and drops a share."""
 
     random: Random
     corrupt: float = 0.0

@@ -118,12 +118,9 @@ def remember_speed(path: str, baud: int) -> None:
 
 @dataclass(frozen=True, slots=True)
 class PtyPair:
-    """Both ends of a pseudo terminal in raw mode.
+    """Both ends of a pseudo terminal in raw mode, as file descriptors, and the path of the port.
 
-    Attributes:
-        master: File descriptor of the robot's end.
-        slave: That of the host's end; kept open, so that the port outlives a host.
-        path: Of the port that a host opens.
+    The end of the host, `slave`, is kept open, so that the port outlives a host.
     """
 
     master: int
@@ -132,11 +129,7 @@ class PtyPair:
 
 
 def make_pty() -> PtyPair:
-    """Make a pseudo terminal; the caller closes both ends.
-
-    Raises:
-        LinkError: this machine has no pseudo terminal, or none left.
-    """
+    """Make a pseudo terminal, whose ends the caller closes; LinkError if none is to be had."""
     if tty is None:
         raise LinkError("this system has no pseudo terminals; use TCP")
     try:

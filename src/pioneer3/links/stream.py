@@ -144,12 +144,8 @@ def tune(connection: socket.socket) -> None:
 def unacknowledged(file: int) -> int | None:
     """Return the number of bytes sent over a TCP socket that the far computer has not confirmed.
 
-    Args:
-        file: Descriptor of the socket.
-
-    Returns:
-        The number, as Linux counts it (tcp(7), SIOCOUTQ); `None` on another system, and for a
-        socket that is closed.
+    `file` is the descriptor of the socket. Linux counts them (tcp(7), SIOCOUTQ); `None` on another
+    system, and for a socket that is closed.
     """
     if sys.platform != "linux":
         return None

@@ -42,13 +42,7 @@ class Chunk:
 class WireRecording:
     """Writes bytes and events to an open file, one line each; a full disk ends it, no more.
 
-    Args:
-        file: Open for writing text.
-        clock: The time [s, monotonic].
-        began: When the recording began [s]; now if `None`.
-
-    Attributes:
-        failure: The reason why it has ended by itself, or empty.
+    It began at `began` [s], or now. `failure` is the reason why it has ended by itself, or empty.
     """
 
     def __init__(self, file: TextIO, clock: Clock, began: float | None = None) -> None:
@@ -157,11 +151,7 @@ def begun(path: Path, clock: Clock) -> WireRecording:
 
 @contextmanager
 def recorded(opener: Opener, path: Path, clock: Clock) -> Iterator[Recorder]:
-    """Record every link that `opener` opens to one new file.
-
-    Raises:
-        ConfigError: the file cannot be written; one that exists is left alone.
-    """
+    """Record every link that `opener` opens to one new file; errors as of :func:`begun`."""
     recording = begun(path, clock)
     try:
         yield Recorder(opener, recording)
@@ -199,11 +189,7 @@ class Replay:
             self._began = asyncio.get_running_loop().time()
 
     def due(self) -> float:
-        """Return the time of the next chunk [s, loop time].
-
-        Raises:
-            RecordingOverError: there is none.
-        """
+        """Return the time of the next chunk [s, loop time]; RecordingOverError if there is none."""
         assert self._began is not None
         if not self._chunks:
             raise RecordingOverError(f"{self.url}: the recording is over")
@@ -227,11 +213,7 @@ class ReplayLink:
         self._closed = asyncio.Event()
 
     async def read(self) -> bytes:
-        """Return the next recorded chunk at its time.
-
-        Raises:
-            RecordingOverError: there is none.
-        """
+        """Return the next recorded chunk at its time; RecordingOverError if there is none."""
         await self._started.wait()
         if self._closed.is_set():
             return b""

@@ -62,11 +62,7 @@ def opener(url: str, *, baud: int | None = None) -> Opener:
 
 
 def split_url(url: str) -> tuple[str, str]:
-    """Return scheme (`serial`, `tcp` or `replay`) and the rest.
-
-    Raises:
-        ConfigError: neither a path nor a known scheme.
-    """
+    """Return scheme (`serial`, `tcp` or `replay`) and the rest; ConfigError for anything else."""
     if not isinstance(url, str):
         raise ConfigError(f"a port is written as text, such as {FORMS}; not {url!r}")
     scheme, colon, rest = url.partition(":")
@@ -86,11 +82,7 @@ def split_url(url: str) -> tuple[str, str]:
 
 
 def split_host(url: str) -> tuple[str, int]:
-    """Return host and port of a `tcp:` URL.
-
-    Raises:
-        ConfigError: there is no host, or the port is not a number from 1 to 65535.
-    """
+    """Return host and port of a `tcp:` URL; ConfigError if there is no host, or no such port."""
     text = url if url.startswith("tcp://") else url.replace("tcp:", "tcp://", 1)
     try:
         parts = urlsplit(text)

@@ -80,13 +80,10 @@ class Argument:
 
 @dataclass(frozen=True, slots=True)
 class Bits:
-    """Some bits of an integer argument that several fields share.
+    """Some bits of an integer argument that several fields share, a two's complement if `signed`.
 
-    Attributes:
-        shift: Number of the lowest bit.
-        width: How many bits.
-        signed: Whether they are a two's complement number.
-        continues: Whether the field before this one belongs to the same argument.
+    `shift` is the number of the lowest bit; `continues` says that the field before this one belongs
+    to the same argument.
     """
 
     shift: int

@@ -20,9 +20,7 @@ class Command(Protocol):
 class Unknown:
     """A command without a class here, or with arguments that do not decode.
 
-    Attributes:
-        number: Of the command; `None` if there was not a single byte.
-        arguments: The bytes after the number.
+    `number` is `None` if there was not a single byte.
     """
 
     ID: ClassVar[int] = -1
@@ -111,21 +109,15 @@ def to_payload(command: Command) -> bytes:
 
 
 def moves(command: Command) -> bool:
-    """Return whether a command can move the robot.
-
-    Raises:
-        CommandError: It does not fit the protocol.
-    """
+    """Return whether a command can move the robot; CommandError if it does not fit the protocol."""
     return to_payload(command)[:1] in MOTION
 
 
 def from_payload(payload: bytes, *, simulator: bool = False) -> Command:
     """Return the command that `payload` spells; never raises.
 
-    Args:
-        payload: Id and arguments.
-        simulator: Whether numbers with two meanings (35-38, 59, 61-64, 66-69) have the one
-            that old simulators give them, rather than the robot's.
+    Of `simulator`, numbers with two meanings (35-38, 59, 61-64, 66-69) have the one that old
+    simulators give them, rather than the robot's.
     """
     if not payload:
         return Unknown()

@@ -63,9 +63,7 @@ __all__ = [
 class Sonar:
     """Switch sonar on or off (ARCOS 28, SONAR).
 
-    Attributes:
-        on: Whether it shall ping.
-        array: Which array, 1..4, on firmware that tells them apart; 0 means all of them.
+    `array` is 1..4, on firmware that tells arrays apart; 0 means all of them.
     """
 
     ID: ClassVar[int] = 28
@@ -77,8 +75,7 @@ class Sonar:
 class Polling:
     """Set the order in which sonars fire (ARCOS 3, POLLING).
 
-    Attributes:
-        numbers: Of the transducers; here the first one is 1.
+    `numbers` are those of the transducers; here the first one is 1.
     """
 
     ID: ClassVar[int] = 3
@@ -289,9 +286,7 @@ class GetAux3:
 class Tone:
     """One tone of SAY.
 
-    Attributes:
-        duration: [s], in steps of 20 ms.
-        half_cycle: Half the period of the wave [raw]; the greater, the lower; 0 is silence.
+    `half_cycle` is half the period of the wave [raw]; the greater, the lower; 0 is silence.
     """
 
     duration: Annotated[float, Scaled(Integer(1), TWENTY_MS)]

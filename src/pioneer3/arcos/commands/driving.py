@@ -62,8 +62,7 @@ class Pulse:
 class Open:
     """Start the reports (ARCOS 1, OPEN; SYNC1 without argument before the session is open).
 
-    Attributes:
-        argument: Ignored by the robot; ARIA sends 1, Player none.
+    Robots ignore `argument`; ARIA sends 1, Player none.
     """
 
     ID: ClassVar[int] = 1
@@ -74,8 +73,7 @@ class Open:
 class Close:
     """Stop everything and wait for SYNC0 (ARCOS 2, CLOSE; SYNC2 while shaking hands).
 
-    Attributes:
-        argument: Ignored by the robot; ARIA sends 1, Player none.
+    Robots ignore `argument`; ARIA sends 1, Player none.
     """
 
     ID: ClassVar[int] = 2
@@ -84,11 +82,7 @@ class Close:
 
 @dataclass(frozen=True, slots=True)
 class RequestConfig:
-    """Ask for one configuration report (ARCOS 18, CONFIG).
-
-    Attributes:
-        argument: Ignored by the robot.
-    """
+    """Ask for one configuration report (ARCOS 18, CONFIG)."""
 
     ID: ClassVar[int] = 18
     argument: Number = 1
@@ -129,8 +123,7 @@ class Stop:
 class EStop:
     """Stop with the greatest deceleration (ARCOS 55, ESTOP).
 
-    Attributes:
-        argument: Ignored by the robot; ARIA sends 0 or 1, the manual has none.
+    Robots ignore `argument`; ARIA sends 0 or 1, the manual has none.
     """
 
     ID: ClassVar[int] = 55
@@ -139,11 +132,7 @@ class EStop:
 
 @dataclass(frozen=True, slots=True)
 class QStop:
-    """Stop with the greatest deceleration: AMRISim's second number (ARCOS 57, QSTOP).
-
-    Attributes:
-        argument: Ignored.
-    """
+    """Stop with the greatest deceleration: AMRISim's second number (ARCOS 57, QSTOP)."""
 
     ID: ClassVar[int] = 57
     argument: Number = 1
@@ -153,9 +142,7 @@ class QStop:
 class Vel2:
     """Set the speed of each wheel (ARCOS 32, VEL2).
 
-    Attributes:
-        left_units: -128..127, in units of the model's Vel2Divisor (P2, P3: 20 mm/s).
-        right_units: Likewise.
+    Speeds are -128..127, in units of the model's Vel2Divisor (P2, P3: 20 mm/s).
     """
 
     ID: ClassVar[int] = 32
@@ -199,13 +186,8 @@ class DHead:
 class SetO:
     """Set the odometry (ARCOS 7, SETO).
 
-    Robots take no arguments and set it to zero. AMRISim also takes a pose, of which missing parts
-    are zero.
-
-    Attributes:
-        x: [m].
-        y: [m].
-        heading: [rad].
+    Robots take no arguments and set it to zero. AMRISim also takes a pose [m, rad], with zero in
+    place of missing parts.
     """
 
     ID: ClassVar[int] = 7
@@ -234,8 +216,7 @@ class SetRV:
 class SetA:
     """Set the translational acceleration or deceleration (ARCOS 5, SETA).
 
-    Attributes:
-        acceleration: [m/s^2]; a negative value is the deceleration, and leaves the acceleration.
+    A negative value [m/s^2] is the deceleration, and leaves the acceleration.
     """
 
     ID: ClassVar[int] = 5
@@ -246,8 +227,7 @@ class SetA:
 class SetRA:
     """Set the rotational acceleration or deceleration (ARCOS 23, SETRA).
 
-    Attributes:
-        acceleration: [rad/s^2]; a negative value is the deceleration, and leaves the acceleration.
+    A negative value [rad/s^2] is the deceleration, and leaves the acceleration.
     """
 
     ID: ClassVar[int] = 23

@@ -1,7 +1,8 @@
 """Commands that only simulators know, new and old (protocol.md 3.3).
 
 The numbers of the old ones, :data:`OLD`, mean something else to a robot. ARIA 2.9.1 still sets up
-simulated lasers with 35 to 38.
+simulated lasers with 35 to 38. A `laser` of `None` is the first one; angles [rad] of a scan count
+from straight ahead.
 """
 
 from dataclasses import dataclass
@@ -76,10 +77,7 @@ class SimOperation(IntEnum):
 class SimSetPose:
     """Move the simulated robot, and leave its odometry (ARCOS 224, SIM_SET_POSE).
 
-    Attributes:
-        x: In the map [m].
-        y: In the map [m].
-        heading: In the map [rad], in whole degrees.
+    The pose is that in the map [m, rad], its heading in whole degrees.
     """
 
     ID: ClassVar[int] = 224
@@ -105,12 +103,7 @@ class SimModelConfig:
 
 @dataclass(frozen=True, slots=True)
 class SimLrfEnable:
-    """Switch the simulated laser (ARCOS 230, SIM_LRF_ENABLE).
-
-    Attributes:
-        mode: Which packets it sends.
-        laser: Which laser; `None` is the first.
-    """
+    """Switch the simulated laser (ARCOS 230, SIM_LRF_ENABLE)."""
 
     ID: ClassVar[int] = 230
     mode: Annotated[SimLaserMode, Enumerated(WORD, SimLaserMode)]
@@ -119,12 +112,7 @@ class SimLrfEnable:
 
 @dataclass(frozen=True, slots=True)
 class SimLrfSetFovStart:
-    """Set where the scan begins (ARCOS 231, SIM_LRF_SET_FOV_START).
-
-    Attributes:
-        angle: From straight ahead [rad].
-        laser: Which laser; `None` is the first.
-    """
+    """Set where the scan begins (ARCOS 231, SIM_LRF_SET_FOV_START)."""
 
     ID: ClassVar[int] = 231
     angle: SignedDegrees
@@ -133,12 +121,7 @@ class SimLrfSetFovStart:
 
 @dataclass(frozen=True, slots=True)
 class SimLrfSetFovEnd:
-    """Set where the scan ends (ARCOS 232, SIM_LRF_SET_FOV_END).
-
-    Attributes:
-        angle: From straight ahead [rad].
-        laser: Which laser; `None` is the first.
-    """
+    """Set where the scan ends (ARCOS 232, SIM_LRF_SET_FOV_END)."""
 
     ID: ClassVar[int] = 232
     angle: SignedDegrees
@@ -149,9 +132,7 @@ class SimLrfSetFovEnd:
 class SimLrfSetRes:
     """Set the angle between two readings (ARCOS 233, SIM_LRF_SET_RES).
 
-    Attributes:
-        step: [rad], in hundredths of a degree; received numbers up to 5 are whole degrees.
-        laser: Which laser; `None` is the first.
+    `step` [rad] is in hundredths of a degree; received numbers up to 5 are whole degrees.
     """
 
     ID: ClassVar[int] = 233
@@ -163,9 +144,7 @@ class SimLrfSetRes:
 class SimCtrl:
     """Control the simulator itself (ARCOS 236, SIM_CTRL).
 
-    Attributes:
-        operation: Of the simulator.
-        text: Name of the map to load, or a line for the log.
+    `text` is the name of the map to load, or a line for the log.
     """
 
     ID: ClassVar[int] = 236

@@ -28,14 +28,9 @@ SRISIM: Final = "SRISim"
 
 
 class CommandRow(NamedTuple):
-    """One command.
+    """One command; `source` is the program that names it.
 
-    Attributes:
-        number: Its id.
-        name: In manuals.
-        arguments: Annotations by name, in wire order.
-        meaning: A sentence without its full stop.
-        source: The program that names it.
+    `arguments` are annotations by name, in wire order; `meaning` is a sentence without full stop.
     """
 
     number: int

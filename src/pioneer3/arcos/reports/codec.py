@@ -21,9 +21,7 @@ class Report(Protocol):
 class UnknownReport:
     """A packet without a class here, or with data that do not decode.
 
-    Attributes:
-        number: Id of the packet; `None` if there was not a single byte.
-        data: The bytes after the id.
+    `number` is `None` if there was not a single byte.
     """
 
     ID: ClassVar[int] = -1
@@ -91,11 +89,7 @@ def _carries_number(cls: type[Report]) -> bool:
 
 
 def to_payload(report: Report) -> bytes:
-    """Return id and data of `report`.
-
-    Raises:
-        CommandError: a value does not fit into its field.
-    """
+    """Return id and data of `report`; CommandError for a value that does not fit into its field."""
     if isinstance(report, Sip):
         return write_sip(report)
     number = b"" if _carries_number(type(report)) else bytes([report.ID])

@@ -55,7 +55,6 @@ class Io:
         digital_in: Bytes of 8 inputs each.
         digital_out: Bytes of 8 outputs each.
         analog_raw: Of which 12 bits count, [4.8828 mV].
-        extra: Bytes that belong to no field.
     """
 
     ID: ClassVar[int] = 0xF0
@@ -99,7 +98,6 @@ class Compass:
         calibration_h: Score of the horizontal calibration.
         calibration_v: Score of the vertical calibration.
         calibration_m_hundredths: Score of the magnetic calibration [0.01].
-        extra: Bytes that belong to no field.
     """
 
     ID: ClassVar[int] = 0xC0
@@ -127,7 +125,6 @@ class Joystick:
         x_raw: 0..1023, 512 is the centre, less is right.
         y_raw: 0..1023, 512 is the centre, more is forward.
         throttle_raw: 0..1023.
-        extra: Bytes that belong to no field.
     """
 
     ID: ClassVar[int] = 0xF8
@@ -146,7 +143,6 @@ class IrRing:
     Attributes:
         port: Where it is connected.
         ranges_raw: [1/2.88 mm]; the i-th looks to -81 + 1.8 i degrees.
-        extra: Bytes that belong to no field.
     """
 
     ID: ClassVar[int] = 0x10
@@ -184,7 +180,6 @@ class GripperState:
         gripper_type: 1 on the user inputs, 2 on the general inputs, else none.
         switches: The bits of its sensors.
         grasp_time_20ms: Time between grasping and stopping [20 ms].
-        extra: Bytes that belong to no field.
     """
 
     ID: ClassVar[int] = 0xE0
@@ -242,7 +237,6 @@ class ArmStatus:
         status: Bit 0 power, bit 1 connected.
         moving: Bit i: joint i + 1 moves.
         positions_raw: Servo positions of the six joints.
-        extra: Bytes that belong to no field.
     """
 
     ID: ClassVar[int] = 0xA0
@@ -282,7 +276,6 @@ class SafetyState:
         state: Of the whole.
         estop_system: 0 unknown, 0x10 failure, 0x20 warning, 0x40 commissioned, 0x50 disabled.
         laser_system: Likewise.
-        extra: Bytes that belong to no field.
     """
 
     ID: ClassVar[int] = 0xD6

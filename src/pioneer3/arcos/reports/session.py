@@ -36,7 +36,6 @@ class SyncIdentity:
         name: Given by its owner; simulators say `MobileSim`.
         family: `Pioneer` for every P2, P3, PeopleBot and AmigoBot.
         model: Parameter-file name such as `p3at-sh`, in any case of letters.
-        extra: Bytes that belong to no field.
     """
 
     ID: ClassVar[int] = 2
@@ -52,7 +51,6 @@ class LinkLost:
 
     Attributes:
         number: 0xFE or 0xFF.
-        extra: Bytes that belong to no field.
     """
 
     ID: ClassVar[int] = 0xFF
@@ -88,7 +86,6 @@ class Config:
         battery_type: 2 if the robot reports its state of charge.
         config_flags: 0 is bootloader, 1 and 2 can download firmware and bootloader, 3 not the
             legacy gyro, 4 MTX configuration system.
-        extra: Bytes that belong to no field.
     """
 
     ID: ClassVar[int] = 0x20

@@ -34,7 +34,6 @@ class SimLaser:
         total: Number of readings in the sweep.
         first: Index of the first reading here; 0 begins a sweep.
         ranges_mm: Counter-clockwise; 0x7FFF and more is nothing.
-        extra: Bytes that belong to no field.
     """
 
     ID: ClassVar[int] = 0x60
@@ -65,7 +64,6 @@ class SimLaserExtended:
         readings: Counter-clockwise.
         laser: Which laser.
         flags: Bit 0: the robot was moved by hand.
-        extra: Bytes that belong to no field.
     """
 
     ID: ClassVar[int] = 0x61
@@ -102,7 +100,6 @@ class SimStat:
         altitude_cm: [cm].
         gps_quality: DOP x 100; 0 without reception, -1 without a geo-reference.
         odometry_error_x_e7: Per metre [1/10^7]; y likewise, heading per radian.
-        extra: Bytes that belong to no field.
     """
 
     ID: ClassVar[int] = 0x62
@@ -145,7 +142,6 @@ class SimInfo:
         version: Of the program.
         flags: Bit 0 has a window, bit 1 restarted after a crash.
         devices: The simulated devices.
-        extra: Bytes that belong to no field.
     """
 
     ID: ClassVar[int] = 0x63
@@ -164,7 +160,6 @@ class MapChanged:
         by_user: Whether a person did it, rather than a client.
         reloaded: 1 if it was loaded again, 0 if it is unchanged.
         file_name: Of the map.
-        extra: Bytes that belong to no field.
     """
 
     ID: ClassVar[int] = 0x66

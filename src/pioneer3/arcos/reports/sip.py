@@ -131,7 +131,6 @@ class Sip:
         charge_percent: 0 if the robot cannot tell.
         timestamp_us: [us], MTX only.
         flags3: MTX only.
-        extra: Bytes that belong to no field.
     """
 
     ID: ClassVar[int] = SIP_STOPPED

@@ -44,15 +44,10 @@ WIDTH: Final = 96
 
 
 def install_package(folder: Path, distro: str = DEFAULT, python: str = sys.executable) -> Path:
-    """Write a ROS 2 install space into `folder` and return its absolute path.
+    """Write a ROS 2 install space for a distribution into `folder`; return its absolute path.
 
     After `source folder/setup.bash` ROS 2 finds the package `pioneer3`, whose programs run with
-    `python`. The files of an earlier version are replaced.
-
-    Args:
-        folder: A prefix for AMENT_PREFIX_PATH.
-        distro: The configuration files are for it.
-        python: Interpreter that has `pioneer3`.
+    `python`, which has it. The files of an earlier version are replaced.
 
     Raises:
         ConfigError: it cannot be written there, or there is no such distribution.

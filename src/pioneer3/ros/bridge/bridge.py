@@ -34,10 +34,10 @@ class TopicBridge:
     """Passes on messages between two networks.
 
     Args:
-        node: In ROS 1.
-        backend: In ROS 2.
+        node: Our node in ROS 1.
+        backend: Our node in ROS 2.
         name: Full name of the node in ROS 2.
-        converter: Of messages.
+        converter: Converts messages.
         rows: The topics.
         services: The services of the robot.
         robot: The side that the robot's node is on.
@@ -77,10 +77,8 @@ class TopicBridge:
     async def run(self, *, discovery: float = DISCOVERY, lease: float = LEASE) -> None:
         """Pass on messages until the node is shut down, or this is cancelled.
 
-        Robots that are driven by messages that were passed on stand in the end.
-
-        Raises:
-            ConfigError: another node of ROS 2 has our name.
+        Robots that are driven by messages that were passed on stand in the end. ConfigError if
+        another node of ROS 2 has our name.
         """
         try:
             await asyncio.to_thread(self._mark)
@@ -107,10 +105,9 @@ class TopicBridge:
                 await asyncio.sleep(FAREWELL)
 
     async def _refuse_double(self, lease: float) -> None:
-        """Make sure that no other node has our name: its messages would count as our own.
+        """Raise ConfigError if another node has our name: its messages would count as our own.
 
-        Raises:
-            ConfigError: another one is there, and has not been killed within the last `lease` [s].
+        One that was killed is forgotten within `lease` [s].
         """
         until = self._loop.time() + lease
         while (await asyncio.to_thread(self._backend.graph)).nodes.count(self._name) > 1:

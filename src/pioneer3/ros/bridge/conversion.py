@@ -21,12 +21,9 @@ Convert = Callable[[Any], Any]
 
 @dataclass(frozen=True, slots=True)
 class FrameNames:
-    """The names of frames on both sides.
+    """The names of frames on both sides: only in ROS 1 they have `prefix`, such as `robot1/`.
 
     ROS 1 allows a leading slash, which tf2 refuses.
-
-    Attributes:
-        prefix: Before all names in ROS 1, such as `robot1/`; not in ROS 2.
     """
 
     prefix: str = ""
@@ -41,13 +38,7 @@ class FrameNames:
 
 
 class Converter:
-    """Converts serialized messages.
-
-    Args:
-        ros1: The types of ROS 1.
-        ros2: The types of ROS 2.
-        frames: The names of frames.
-    """
+    """Converts serialized messages."""
 
     def __init__(
         self, ros1: Ros1Types, ros2: MessageTypes, frames: FrameNames | None = None
@@ -70,10 +61,8 @@ class Converter:
     def to_ros1(self, ros1_type: str, ros2_type: str) -> Convert:
         """Return the function from messages of a type in ROS 2 to those of a type in ROS 1.
 
-        Headers get the numbers of a sequence, as publishers of ROS 1 fill them in.
-
-        Raises:
-            ConfigError: there is no such type, or they differ.
+        Headers get the numbers of a sequence, as publishers of ROS 1 fill them in. ConfigError as
+        of :meth:`to_ros2`.
         """
         first, second = full_name(ros1_type), full_name(ros2_type)
         self.ros1.definition(first), self.ros2.message_type(second)
@@ -128,8 +117,7 @@ class _Mapping:
     def of(self, name: str, other: str) -> Convert:
         """Return the function for a type and its counterpart.
 
-        Raises:
-            ConfigError: they differ in more than missing fields.
+        ConfigError if they differ in more than missing fields.
         """
         steps = list(self._steps(name, other))
         target = self._target

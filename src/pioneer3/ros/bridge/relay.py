@@ -49,15 +49,7 @@ class Output(Protocol):
 
 
 class Sink:
-    """A topic of the side that messages are passed on to.
-
-    Args:
-        name: Of the topic.
-        type_name: Of its messages.
-        output: Publishes them.
-        types: Of this side.
-        guard: Where the messages are velocity commands.
-    """
+    """A topic of the side that messages are passed on to; velocity commands have a `guard`."""
 
     def __init__(
         self,
@@ -152,7 +144,7 @@ class TopicRelay:
     Args:
         row: The topic.
         source: The side that they come from.
-        types: Of that side.
+        types: Types of that side.
         convert: Makes messages of the other side.
         sink: Where they go.
         timeout: The age at which a stamped command is refused [s].
@@ -187,13 +179,9 @@ class TopicRelay:
         self._convert(self._types.decode(self._types.encode(message), self._type))
 
     def take(self, data: bytes, sender: object, node: str, *, old: bool = False) -> None:
-        """Pass on a serialized message.
+        """Pass on a serialized message of `sender`, the identity of a publisher on `node`.
 
-        Args:
-            data: The message.
-            sender: Identity of its publisher.
-            node: Its node, for people.
-            old: Whether it may be older than its arrival says.
+        `old` says that it may be older than its arrival says.
         """
         commands = self.row.commands
         if not (commands or self.row.latched or self.sink.matched):
@@ -248,13 +236,7 @@ class TopicRelay:
 
 
 class Inbox:
-    """Hands things over from any thread to the loop; of many the newest stay.
-
-    Args:
-        take: Called in the loop.
-        loop: The loop.
-        length: Of many.
-    """
+    """Hands things over from any thread to `take` in the loop; of many the newest `length` stay."""
 
     def __init__(
         self,

@@ -62,13 +62,13 @@ class BridgeWay(StrEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BridgedTopic:
-    """A topic that is bridged.
+    """A topic that is bridged; types are short, such as `geometry_msgs/Twist`.
 
     Attributes:
         ros1: Its full name in ROS 1.
         ros2: Its full name in ROS 2.
-        ros1_type: Type of its messages in ROS 1, such as `geometry_msgs/Twist`.
-        ros2_type: Type of its messages in ROS 2, as short.
+        ros1_type: Type of its messages in ROS 1.
+        ros2_type: Type of its messages in ROS 2.
         way: Where messages are passed on to.
         latched: Whether late subscribers get the last message.
         reliable: Whether the bridge wants all messages in ROS 2; best effort suits every publisher.
@@ -116,14 +116,9 @@ class BridgedTopic:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ServiceRow:
-    """A service of the robot that is bridged.
+    """A service of the robot that is bridged, by its full names and types on both sides.
 
-    Attributes:
-        ros1: Its full name in ROS 1.
-        ros2: Its full name in ROS 2.
-        ros1_type: Its type in ROS 1.
-        ros2_type: Its type in ROS 2.
-        topic_type: Type of the topic that stands in for it where ROS 2 has no services.
+    `topic_type` is that of the topic that stands in for it where ROS 2 has no services.
     """
 
     ros1: str
@@ -138,15 +133,11 @@ class ServiceRow:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BridgedRobot:
-    """The robot of a bridge.
+    """The robot of a bridge, whose node is on `side`; `profile` are its names in ROS 1.
 
     Attributes:
-        side: Where its node runs.
-        model: Its kind.
-        distro: Of ROS 2.
-        profile: Its names in ROS 1.
-        namespace: Of its node in ROS 2, `/` or such as `/robot1`.
-        ros1_namespace: Of its names in ROS 1.
+        namespace: That of its node in ROS 2, `/` or such as `/robot1`.
+        ros1_namespace: That of its names in ROS 1.
         ros1_node: RosAria's name, below which the names of RosAria are.
     """
 
@@ -200,8 +191,7 @@ def services_of(robot: BridgedRobot) -> tuple[ServiceRow, ...]:
 def chosen(rows: Iterable[BridgedTopic], only: Sequence[str]) -> tuple[BridgedTopic, ...]:
     """Return the rows of which a name is in `only`, or all where that is empty.
 
-    Raises:
-        ConfigError: no row has one of the names.
+    ConfigError if no row has one of the names.
     """
     (*all_rows,) = rows
     if not only:

@@ -24,14 +24,7 @@ LOOK: Final = 0.02
 
 
 class ServiceBridge:
-    """Passes on calls.
-
-    Args:
-        node: In ROS 1.
-        backend: In ROS 2.
-        types: Of ROS 2.
-        tell: Given a sentence when a call that has no response fails.
-    """
+    """Passes on calls; `tell` is given a sentence when one without a response fails."""
 
     def __init__(
         self, node: Ros1Node, backend: Backend, types: MessageTypes, tell: Callable[[str], None]

@@ -22,11 +22,7 @@ LOOK: Final = 0.1
 
 
 class Bridges:
-    """The other bridges that are known.
-
-    Args:
-        tell: Given a sentence, once.
-    """
+    """The other bridges that are known; `tell` is given a sentence, once."""
 
     def __init__(self, tell: Callable[[str], None]) -> None:
         self.names: dict[Side, set[str]] = {side: set() for side in Side}
@@ -54,14 +50,7 @@ class TopicSource(Protocol):
 
 
 class Ros1Source:
-    """A topic of ROS 1.
-
-    Args:
-        row: The topic.
-        type_: Of its messages.
-        node: Our node.
-        bridges: The others.
-    """
+    """A topic of ROS 1."""
 
     def __init__(
         self, row: BridgedTopic, type_: Definition, node: Ros1Node, bridges: Bridges
@@ -102,15 +91,7 @@ class Ros1Source:
 
 
 class Ros2Source:
-    """A topic of ROS 2.
-
-    Args:
-        row: The topic.
-        type_: Of its messages.
-        backend: Of our node.
-        name: Full name of our node.
-        bridges: The others.
-    """
+    """A topic of ROS 2; `name` is the full name of our node."""
 
     def __init__(
         self, row: BridgedTopic, type_: MessageType, backend: Backend, name: str, bridges: Bridges

@@ -42,11 +42,11 @@ class BridgeOptions:
         master: Address of the ROS 1 master; `None` for that of ROS_MASTER_URI.
         robot: The side that the robot's node is on.
         profile: The robot's names in ROS 1; `None` for those that suit the side.
-        namespace: Of the robot's node in ROS 2.
-        ros1_namespace: Of its names in ROS 1; `None` for the same.
+        namespace: That of the robot's node in ROS 2.
+        ros1_namespace: That of its names in ROS 1; `None` for the same.
         ros1_node: RosAria's name, below which its names are.
         frame_prefix: Before all frames in ROS 1, such as `robot1/`.
-        model: Of the robot.
+        model: Model of the robot.
         timeout: How long a velocity command lasts [s]; 0 until the next one.
         resumes: Whether a stream of commands that fell silent goes on by itself.
         only: Names of the rows to take; empty for all.
@@ -73,11 +73,7 @@ class BridgeOptions:
 
     @property
     def lasting(self) -> float:
-        """How long a velocity command lasts [s]; `inf` until the next one.
-
-        Raises:
-            ConfigError: it is too short.
-        """
+        """How long a velocity command lasts [s], `inf` until the next; ConfigError if too short."""
         if self.timeout == 0:
             return inf
         if not (isfinite(self.timeout) and self.timeout >= SHORTEST):
@@ -89,13 +85,7 @@ class BridgeOptions:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BridgeTable:
-    """Everything that a bridge passes on.
-
-    Attributes:
-        rows: Topics.
-        services: Services of the robot.
-        converter: Of messages.
-    """
+    """Everything that a bridge passes on."""
 
     rows: tuple[BridgedTopic, ...]
     services: tuple[ServiceRow, ...]
@@ -103,11 +93,7 @@ class BridgeTable:
 
 
 def table_of(options: BridgeOptions) -> BridgeTable:
-    """Return the table that the options mean.
-
-    Raises:
-        ConfigError: an option, or the file, is wrong.
-    """
+    """Return the table that the options mean; ConfigError if one, or the file, is wrong."""
     distro = options.node.network.distro_here()
     frames = FrameNames(options.frame_prefix)
     converter = Converter(Ros1Types(), MessageTypes(distro), frames)
@@ -144,12 +130,9 @@ def table_of(options: BridgeOptions) -> BridgeTable:
 
 
 def profile_of(options: BridgeOptions) -> Profile:
-    """Return the robot's names in ROS 1.
+    """Return the robot's names in ROS 1; ConfigError for a profile that cannot be here.
 
     Towards ROS 1 a topic may have several names; from there only one, or messages would come twice.
-
-    Raises:
-        ConfigError: there is no such profile here.
     """
     if options.profile is None:
         return Profile.BOTH if options.robot is Side.ROS2 else Profile.COMPATIBILITY

@@ -51,11 +51,7 @@ class FileTable:
 
 
 def read_topics(path: Path, converter: Converter) -> tuple[BridgedTopic, ...]:
-    """Return the rows of a file.
-
-    Raises:
-        ConfigError: it cannot be read, or is wrong; names file, line and key.
-    """
+    """Return the rows of a file; ConfigError, with file, line and key, if it is wrong."""
     text = decoded(read_bytes(path, LARGEST, kind="topics"))
     source = Source.of(path, text)
     tables = converted(source, load(source), FileTable).topic
@@ -87,11 +83,7 @@ def read_topics(path: Path, converter: Converter) -> tuple[BridgedTopic, ...]:
 
 
 def parse_topic(text: str, way: BridgeWay, converter: Converter) -> BridgedTopic:
-    """Return the row of an option such as `/joy:sensor_msgs/Joy`.
-
-    Raises:
-        ConfigError: it is none.
-    """
+    """Return the row of an option such as `/joy:sensor_msgs/Joy`; ConfigError if it is none."""
     match = ARGUMENT.fullmatch(text)
     if match is None:
         raise ConfigError(f"a topic to bridge is such as /joy:sensor_msgs/Joy, not {text!r}")
@@ -100,11 +92,7 @@ def parse_topic(text: str, way: BridgeWay, converter: Converter) -> BridgedTopic
 
 
 def checked_type(name: str, converter: Converter) -> str:
-    """Return the short name of a type that both sides have.
-
-    Raises:
-        ConfigError: one has not, or they differ.
-    """
+    """Return the short name of a type that both sides have alike; else ConfigError."""
     short = name.replace("/msg/", "/")
     if short.count("/") != 1 or not all(short.split("/")):
         raise ConfigError(f"a type is such as sensor_msgs/Joy, not {name!r}")
@@ -114,11 +102,7 @@ def checked_type(name: str, converter: Converter) -> str:
 
 
 def refuse_circles(rows: tuple[BridgedTopic, ...]) -> None:
-    """Make sure that no topic has two rows, and none is passed on to one that is passed on back.
-
-    Raises:
-        ConfigError: one is.
-    """
+    """Raise ConfigError if a topic has two rows, or one passes on what another passes back."""
     for row, other in permutations(rows, 2):
         if (row.ros1, row.ros2) == (other.ros1, other.ros2):
             raise ConfigError(f"two rows for the same topics: {row}, and {other}")

@@ -47,16 +47,7 @@ log = logging.getLogger(__name__)
 
 
 class DdsBackend:
-    """A participant of DDS.
-
-    Args:
-        node: Its name.
-        types: Of the distribution of the peers.
-        options: Of the network.
-
-    Raises:
-        ConfigError: the library is missing, or an option is wrong.
-    """
+    """A participant of DDS; ConfigError if the library is missing, or an option is wrong."""
 
     strict = True
 
@@ -114,11 +105,7 @@ class DdsBackend:
         return self._subscribe(f"rt{name}", type_, qos, received, left=left)
 
     def serve(self, name: str, type_: ServiceType, respond: Respond) -> Closable:
-        """Offer a service to peers with rmw_cyclonedds_cpp.
-
-        Raises:
-            ConfigError: nobody has said that they have it.
-        """
+        """Offer a service; ConfigError if nobody has said that peers have rmw_cyclonedds_cpp."""
         if not self.serves:
             raise ConfigError("services over DDS need --dds-services, and peers that can call them")
         writer = self._advertise(f"rr{name}Reply", type_.response, HEAD, REQUESTS)
@@ -130,11 +117,7 @@ class DdsBackend:
         return EndpointGroup((reader, server, writer))
 
     def call(self, name: str, type_: ServiceType, request: bytes, timeout: float) -> bytes:
-        """Call a service of a peer with rmw_cyclonedds_cpp.
-
-        Raises:
-            TimeoutError: nobody has responded.
-        """
+        """Call a service of a peer with rmw_cyclonedds_cpp; TimeoutError if nobody responds."""
         writer = self._advertise(f"rq{name}Request", type_.request, HEAD, REQUESTS)
         client = ServiceClient(writer.write)
         reader = self._subscribe(f"rr{name}Reply", type_.response, REQUESTS, client.take, head=HEAD)

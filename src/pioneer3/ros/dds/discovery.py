@@ -27,13 +27,7 @@ KINDS: Final = {
 
 
 class Discovery:
-    """The nodes and endpoints that are known; of use in any thread.
-
-    Args:
-        types: Of the distribution.
-        node: Ours.
-        participant: Identity of our participant.
-    """
+    """The nodes and endpoints that are known; `participant` is our identity. For any thread."""
 
     def __init__(self, types: MessageTypes, node: NodeName, participant: bytes) -> None:
         self._types, self._node, self._participant = types, node, participant
@@ -68,11 +62,7 @@ class Discovery:
         return self._types.encode(info)
 
     def take_info(self, cdr: bytes) -> None:
-        """Take such a message of anybody.
-
-        Raises:
-            ValueError: it is none of this distribution.
-        """
+        """Take such a message of anybody; ValueError if it is none of this distribution."""
         info = self._types.decode(cdr, INFO)
         nodes = {
             printable(NodeName(node.node_name, node.node_namespace).full): [

@@ -26,10 +26,8 @@ log = logging.getLogger(__name__)
 class DdsWriter:
     """A publisher; a message that finds its history full, or is too long, is dropped and counted.
 
-    Args:
-        writer: Of the library.
-        sample: Class of its samples.
-        release: Called when it is closed.
+    `writer` and `sample`, the class of its samples, are of the library; `release` is called when it
+    is closed.
     """
 
     def __init__(self, writer: Any, sample: Any, release: Callable[[], None]) -> None:
@@ -77,11 +75,9 @@ class DdsWriter:
 
 
 class DdsReader:
-    """A subscriber.
+    """A subscriber to `topic`; `reader` is of the library.
 
     Args:
-        reader: Of the library.
-        topic: Its name.
         received: Given each message and its publisher.
         left: Given each publisher that is gone; also if messages of it come later still.
         release: Called when it is closed, with the subscriber.
@@ -102,10 +98,9 @@ class DdsReader:
         self._open = True
 
     def take(self) -> None:
-        """Hand over some of the messages that have come; in the backend's thread.
+        """Hand over some of the messages that have come, in the backend's thread.
 
-        Raises:
-            DDSException: the library has failed.
+        DDSException comes through: the library has failed.
         """
         from cyclonedds.core import DDSException
 

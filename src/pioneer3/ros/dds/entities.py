@@ -32,13 +32,9 @@ class EndpointParts(NamedTuple):
 
 
 class Entities:
-    """Makes and deletes endpoints, and waits for samples; of use in any thread.
+    """Makes and deletes endpoints in a domain, and waits for samples; of use in any thread.
 
     The library itself keeps what it has made until the program ends.
-
-    Args:
-        domain: Number of the domain.
-        types: Of the distribution of the peers.
     """
 
     def __init__(self, domain: int, types: MessageTypes) -> None:

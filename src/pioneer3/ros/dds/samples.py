@@ -10,11 +10,7 @@ from pioneer3.ros.typestore import ARRAY, BASE, NAME
 
 
 class SampleTypes:
-    """Makes the type of a topic's samples; `sample.cdr` are its bytes.
-
-    Args:
-        types: Of the distribution.
-    """
+    """Makes the type of a topic's samples; `sample.cdr` are its bytes."""
 
     def __init__(self, types: MessageTypes) -> None:
         self._fields = types.fields
@@ -22,12 +18,7 @@ class SampleTypes:
         self._structs: dict[str, type] = {}
 
     def of(self, type_: MessageType, head: Mapping[str, str] | None = None) -> Any:
-        """Return the class of samples.
-
-        Args:
-            type_: Of the messages.
-            head: Types of fields that come before the message, by name.
-        """
+        """Return the class of samples; `head` has types of fields before the message, by name."""
         key = f"{type_.name}{'+' if head else ''}"
         if key not in self._made:
             self._made[key] = _of_bytes(self._struct(type_, head or {}))

@@ -34,11 +34,7 @@ def with_id(cdr: bytes, client: int, sequence: int) -> bytes:
 
 
 def without_id(cdr: bytes) -> tuple[bytes, int, int]:
-    """Return a message, and the client and the number of its request.
-
-    Raises:
-        ValueError: it is too short.
-    """
+    """Return a message, and client and number of its request; ValueError if it is too short."""
     end = ENCAPSULATION + REQUEST_ID.size
     if len(cdr) < end:
         raise ValueError("a request without its header")
@@ -50,7 +46,7 @@ class ServiceResponder:
     """Responds to requests of one service, in a thread of its own.
 
     Args:
-        name: Of the service.
+        name: Name of the service.
         respond: Given a serialized request, returns the response.
         refusal: Response to a request that cannot be answered. The protocol has no errors, and a
             client without any response waits for ever.
@@ -102,11 +98,7 @@ class ServiceResponder:
 
 
 class ServiceClient:
-    """Calls a service.
-
-    Args:
-        write: Sends a request with its header.
-    """
+    """Calls a service; `write` sends a request with its header."""
 
     def __init__(self, write: Callable[[bytes], None]) -> None:
         self._write = write
@@ -125,11 +117,7 @@ class ServiceClient:
             waits[0].set()
 
     def call(self, request: bytes, timeout: float) -> bytes:
-        """Return the response to a request.
-
-        Raises:
-            TimeoutError: none came within `timeout` [s].
-        """
+        """Return the response to a request; TimeoutError if none came within `timeout` [s]."""
         number, done, responses = next(self._numbers), threading.Event(), list[bytes]()
         self._waiting[number] = done, responses
         try:

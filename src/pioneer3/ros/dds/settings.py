@@ -45,14 +45,10 @@ log = logging.getLogger(__name__)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DdsOptions:
-    """The options of DDS.
+    """The options of DDS; without `interfaces` and `peers` nothing leaves this computer.
 
-    Attributes:
-        domain: Number of the domain.
-        interfaces: Names or addresses of network interfaces; without any, and without peers,
-            nothing leaves this computer.
-        peers: Addresses of other computers, where multicast does not get through.
-        services: Whether the peers run rmw_cyclonedds_cpp, the only one that can call services.
+    `interfaces` are names or addresses, `peers` addresses of computers where multicast does not get
+    through; `services` says that they run rmw_cyclonedds_cpp, the only one that can call services.
     """
 
     domain: int = 0

@@ -30,11 +30,9 @@ ADDRESS: Final = slice(20, 24)
 
 
 def restrict(ports: range, interfaces: Iterable[str]) -> None:
-    """Let the sockets of a domain receive by these interfaces and by loopback only.
+    """Let the sockets of a domain, which are open at `ports`, receive by some interfaces only.
 
-    Args:
-        ports: Of the domain; its sockets are open.
-        interfaces: Names or addresses.
+    These are given by name or address; loopback is always among them.
 
     Raises:
         OSError: this system cannot, or it has no such interface.
@@ -46,11 +44,7 @@ def restrict(ports: range, interfaces: Iterable[str]) -> None:
 
 
 def allow(receiver: socket.socket, indexes: Iterable[int]) -> None:
-    """Let a socket receive by the interfaces with these indexes only.
-
-    Raises:
-        OSError: this system cannot.
-    """
+    """Let a socket receive by the interfaces with these indexes only; OSError if that cannot be."""
     wanted = sorted(indexes)
     steps = [LOAD_INTERFACE]
     for number, index in enumerate(wanted):
@@ -62,10 +56,7 @@ def allow(receiver: socket.socket, indexes: Iterable[int]) -> None:
 
 
 def open_to_all(ports: range) -> Iterator[socket.socket]:
-    """Yield the sockets of this process that receive at `ports` by all interfaces.
-
-    They are duplicates: close them.
-    """
+    """Yield duplicates, to be closed, of our sockets that receive at `ports` by all interfaces."""
     for each in list(OWN.iterdir()):
         with suppress(OSError):  # closed meanwhile
             duplicate = os.dup(int(each.name))
@@ -81,11 +72,7 @@ def open_to_all(ports: range) -> Iterator[socket.socket]:
 
 
 def index_of(interface: str) -> int:
-    """Return the index of a network interface by its name or address.
-
-    Raises:
-        OSError: there is none.
-    """
+    """Return the index of a network interface by its name or address; OSError if there is none."""
     for index, name in socket.if_nameindex():
         if interface in {name, address_of(name)}:
             return index

@@ -135,14 +135,9 @@ def hardware_id(info: RobotInfo) -> str:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DiagnosticsUpdate:
-    """A new diagnosis.
+    """A new diagnosis of `hardware`, the robot; the name of `node` comes before that of each part.
 
-    Attributes:
-        found: State of each part.
-        node: Name of the node; it comes before the name of each part.
-        hardware: Identity of the robot.
-        stamp: When, as the middleware writes times.
-        make: Returns an empty message of the type named.
+    `stamp` is as the middleware writes times; `make` returns an empty message of the type named.
     """
 
     found: Sequence[DiagnosticStatus]

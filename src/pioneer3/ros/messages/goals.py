@@ -58,12 +58,10 @@ class SentGoal:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GoalsUpdate:
-    """All goals that are listed.
+    """All goals that are listed, the oldest first.
 
-    Attributes:
-        goals: The oldest first.
-        stamp: When, as the middleware writes times; so in all updates.
-        make: Returns an empty message of the type named.
+    `stamp` is as the middleware writes times, as in all updates; `make` returns an empty message of
+    the type named.
     """
 
     goals: Sequence[SentGoal]

@@ -43,12 +43,10 @@ def covariance(state: Odometry, driving: Sequence[float] = DRIVING) -> list[floa
 
 
 def wanted_twist(message: Any) -> Twist2:
-    """Return the forward speed [m/s] and turn rate [rad/s] of a geometry_msgs/Twist.
+    """Return forward speed [m/s] and turn rate [rad/s] of a geometry_msgs/Twist.
 
-    Its other fields do not apply to a robot that moves in a plane and not sideways.
-
-    Raises:
-        CommandError: not finite.
+    Its other fields do not apply to a robot that moves in a plane and not sideways. CommandError
+    for numbers that are not finite.
     """
     return checked(message.linear.x, message.angular.z)
 

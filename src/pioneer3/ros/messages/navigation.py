@@ -28,13 +28,7 @@ WIDEST: Final = 100.0
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MapUpdate:
-    """The map, when a node begins.
-
-    Attributes:
-        grid: The cells.
-        frame: Of the map.
-        stamp: When, as the middleware writes times.
-    """
+    """The map in its frame, when a node begins."""
 
     grid: "OccupancyGrid"
     frame: str
@@ -52,8 +46,8 @@ class NavigationUpdate:
         sure: Whether the robot may act upon that.
         way: Points to the goal [m]; none without a goal.
         heading: At the goal [rad], or `None`.
-        frame: Of the map.
-        moment: When [s, monotonic].
+        frame: Name of the map's frame.
+        moment: Time of the snapshot [s, monotonic].
         stamp: The same as the middleware writes times.
         make: Returns an empty message of the type named.
     """
@@ -72,15 +66,7 @@ class NavigationUpdate:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PlanUpdate:
-    """A way that somebody asked for.
-
-    Attributes:
-        way: Points to the goal [m]; none if there is no way.
-        heading: At the goal [rad].
-        frame: Of the map.
-        stamp: When, as the middleware writes times.
-        make: Returns an empty message of the type named.
-    """
+    """A way that somebody asked for, as in a NavigationUpdate; no points if there is none."""
 
     way: tuple[tuple[float, float], ...]
     heading: float | None
@@ -91,12 +77,7 @@ class PlanUpdate:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SentPose:
-    """A pose that somebody has sent.
-
-    Attributes:
-        frame: Its frame, without a leading slash.
-        pose: In that frame [m, rad].
-    """
+    """A pose [m, rad] that somebody has sent, in a frame, whose name has no leading slash."""
 
     frame: str
     pose: Pose2
@@ -104,11 +85,9 @@ class SentPose:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SentStart(SentPose):
-    """A start that somebody has sent.
+    """A start that somebody has sent, with the standard deviations of its place and its heading.
 
-    Attributes:
-        spread: Standard deviation in each direction [m]; 0 where it is not told.
-        turn_spread: The same of the heading [rad].
+    `spread` is in each direction [m], 0 where it is not told, and `turn_spread` [rad] likewise.
     """
 
     spread: float
@@ -169,21 +148,14 @@ def goal(message: Any, update: NavigationUpdate) -> None:
 
 
 def placed(message: Any) -> SentPose:
-    """Return the pose of a geometry_msgs/PoseStamped.
-
-    Raises:
-        CommandError: It is none in the plane, or has no frame.
-    """
+    """Return the pose of a geometry_msgs/PoseStamped; CommandError without a frame or the plane."""
     return SentPose(frame=_frame(message), pose=flat_pose(message.pose))
 
 
 def plan_request(message: Any) -> tuple[SentPose | None, SentPose]:
-    """Return start and goal of a nav_msgs/GetPlan.
+    """Return start and goal of a nav_msgs/GetPlan; CommandError as of :func:`placed`.
 
     As in move_base, a start without a frame, here `None`, is where the robot is.
-
-    Raises:
-        CommandError: One of them is none in the plane, or the goal has no frame.
     """
     known = str(message.start.header.frame_id).lstrip("/")
     return (placed(message.start) if known else None), placed(message.goal)
@@ -255,13 +227,7 @@ if TYPE_CHECKING:
 def navigation_status(
     map_name: str, estimate: "Estimate", state: "NavigatorState | None"
 ) -> tuple[DiagnosticStatus, DiagnosticStatus]:
-    """Return the states of localization and of navigation.
-
-    Args:
-        map_name: Name of the map.
-        estimate: Where the robot is.
-        state: Of the navigator, or `None` before its first snapshot.
-    """
+    """Return the states of localization and of navigation; before the first, `state` is `None`."""
     return _localization(map_name, estimate), _goal(state)
 
 

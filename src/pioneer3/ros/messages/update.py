@@ -93,11 +93,11 @@ class StateUpdate:
     """A new snapshot of the robot, and all that its conversion needs.
 
     Attributes:
-        snapshot: Of the robot.
-        model: Of the robot.
-        tree: Of the frames on it, without the prefix.
+        snapshot: State of the robot.
+        model: Its model.
+        tree: Tree of the frames on it, without the prefix.
         frames: Names of frames, with the prefix.
-        options: Of messages.
+        options: Options of messages.
         turned: Angles of the left wheels and of the right ones [rad].
         emergency: Whether the emergency stop is latched.
         odom_in_map: Pose of the odom frame in the map, as its stamp and itself; `None` where it is
@@ -149,13 +149,9 @@ class SensorUpdate:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PictureUpdate:
-    """A new picture of the camera.
+    """A new picture of the camera, in a `frame` with z forward, x to the right and y down.
 
-    Attributes:
-        image: The picture.
-        view: Angle from its left edge to its right one [rad]; `None` where nobody tells it.
-        frame: Of the picture: z forward, x to the right, y down.
-        stamp: When it was here.
+    `view` is the angle from its left edge to its right one [rad], `None` where nobody tells it.
     """
 
     image: Image

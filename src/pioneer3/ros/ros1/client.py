@@ -75,14 +75,8 @@ async def run_program(
 ) -> None:
     """Be a ROS node and do `work` with robots, until it is done or the node is shut down.
 
-    Then they stand.
-
-    Args:
-        name: Of the node, unless `arguments` have another.
-        arguments: ROS's own.
-        robots: On the master.
-        model: Their model; if `None`, that in the parameters of their nodes.
-        work: Drives them.
+    Then they stand. `model` of `None` stands for those in the parameters of their nodes; `name` is
+    that of our node, unless ROS's own `arguments` have another.
 
     Raises:
         ConfigError: an argument is none of ROS's, or there is no such model.
@@ -99,11 +93,7 @@ async def robots_by_node(
     """Yield a function that connects to the robot of a node, given its name and a model or `None`.
 
     This program becomes the node `name` with the first robot, and is one until the block ends: who
-    has no robot on ROS needs no ROS.
-
-    Args:
-        name: Of the node.
-        at_once: Whether to go on before robots report, to stop them.
+    has no robot on ROS needs no ROS. `at_once` goes on before robots report, to stop them.
 
     Raises:
         ConfigError: by that function: ROS 1 is not installed.
@@ -128,11 +118,7 @@ async def robots_by_node(
 
 
 def _robot_of(node: str) -> RobotTopics:
-    """Return the robot of a node.
-
-    Raises:
-        ConfigError, NoRobotError: see :func:`robots_by_node`.
-    """
+    """Return the robot of a node; errors as of :func:`robots_by_node`."""
     find_rospy()
     import rosgraph
 
@@ -223,11 +209,7 @@ def _info(topics: RobotTopics, model: str | None) -> RobotInfo:
 
 
 class MotorSwitch:
-    """Asks a node to switch motors, one call at a time, in a thread: a node may hang for ever.
-
-    Args:
-        call: Makes the call.
-    """
+    """Makes `call` to switch motors, one at a time, in a thread: a node may hang for ever."""
 
     def __init__(self, call: Callable[[bool], None]) -> None:
         self._call = call

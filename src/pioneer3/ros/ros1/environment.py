@@ -37,13 +37,7 @@ def own_address(master: str) -> str:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NetworkProbe:
-    """The questions to this computer and its network, which may take seconds.
-
-    Attributes:
-        resolve: Returns the addresses of a name.
-        is_own: Returns whether this computer has an address.
-        own_address: Returns the address that a master's computer sees.
-    """
+    """The questions to this computer and its network, which may take seconds."""
 
     resolve: Callable[[str], tuple[str, ...]] = resolve
     is_own: Callable[[str], bool] = is_own
@@ -72,11 +66,7 @@ def environment_warnings() -> list[str]:
 
 
 def checked_master(uri: str) -> str:
-    """Return the address of a master.
-
-    Raises:
-        ConfigError: no program could find it by that.
-    """
+    """Return the address of a master; ConfigError if no program could find it by that."""
     for finding in _check_master(uri):
         raise ConfigError(f"{finding.found}: {finding.meaning}; {finding.advice}")
     return uri

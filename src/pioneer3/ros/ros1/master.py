@@ -17,12 +17,8 @@ SURVEY_EVERY: Final = 2
 class MasterWatch:
     """Registers this node again after the master was away; rospy does so only at its start.
 
-    Args:
-        name: Of this node.
-        tell: Given a sentence when the master goes, and when it is back; by a thread.
-
-    Attributes:
-        on_registered: Called when this node is registered with a new master; by a thread.
+    `tell` is given a sentence when the master goes, and when it is back, and `on_registered` is
+    called when this node is registered with a new one; both by a thread.
     """
 
     def __init__(self, name: str, tell: Callable[[str], None]) -> None:

@@ -30,10 +30,7 @@ def install_package(folder: Path, python: str = sys.executable) -> Path:
 
     The programs of `pioneer3` run with `python`; `rosaria` has the node under RosAria's own name,
     for launch files and habits, and its message, which ROS's tools need to show it. The files of an
-    earlier version are replaced.
-
-    Raises:
-        ConfigError: it cannot be written there.
+    earlier version are replaced. ConfigError if nothing can be written there.
     """
     package, rosaria = folder.expanduser() / NAME, folder.expanduser() / "rosaria"
     launchers = {

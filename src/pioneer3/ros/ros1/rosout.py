@@ -36,9 +36,6 @@ def log_in_background(logger: str = "rosout") -> None:
     """Let a thread of its own publish the records of rospy; `rospy.init_node` comes first.
 
     Records are on the terminal at once, as before.
-
-    Args:
-        logger: Name of rospy's.
     """
     from rospy.impl.rosout import RosOutHandler
 

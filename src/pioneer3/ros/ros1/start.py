@@ -37,10 +37,7 @@ async def on_ros(
 ) -> AsyncIterator[MasterWatch]:
     """Be a ROS node during the block; `tell` is given lines for a person.
 
-    Args:
-        name: Of the node, unless `arguments` have another.
-        arguments: ROS's own.
-        tell: Takes a line for a person.
+    `name` is that of the node, unless ROS's own `arguments` have another.
 
     Raises:
         ConfigError: an argument is none of ROS's, ROS is not installed, or ROS_MASTER_URI is no
@@ -109,11 +106,7 @@ async def serve(options: StartOptions, tell: Callable[[str], None]) -> int:
 
 
 def node_name(arguments: Sequence[str]) -> str:
-    """Return RosAria's name, or the one that the lab's programs expect of `_lab_name:=`.
-
-    Raises:
-        ConfigError: the lab's name is none.
-    """
+    """Return RosAria's name, or the lab's one of `_lab_name:=`; ConfigError if that is none."""
     given = [each.removeprefix(LAB_NAME) for each in arguments if each.startswith(LAB_NAME)]
     return lab_node(given[-1]) if given else NODE
 
@@ -160,12 +153,9 @@ async def serve_laser(
     find: Callable[[Sequence[str]], Awaitable[Sequence[LaserSpec]]],
     tell: Callable[[str], None],
 ) -> int:
-    """Run the node until it is shut down or cancelled.
+    """Run the node until it is shut down or cancelled; `tell` is given lines for a person.
 
-    Args:
-        arguments: ROS's own.
-        find: Looks for the laser, given its port if the parameters have one.
-        tell: Takes a line for a person.
+    `find` looks for the laser, given its port if the parameters have one.
 
     Raises:
         PioneerError: something could not be started; the message says what to do.

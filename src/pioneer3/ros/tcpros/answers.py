@@ -17,22 +17,16 @@ class OddAnswerError(OSError):
 
 @dataclass(frozen=True, slots=True)
 class SystemState:
-    """The graph as the master knows it: nodes that publish and subscribe to each topic.
-
-    Attributes:
-        publishers: Names of nodes by topic.
-        subscribers: Names of nodes by topic.
-    """
+    """The graph as the master knows it: names of nodes that publish and subscribe, by topic."""
 
     publishers: Mapping[str, list[str]] = field(default_factory=dict)
     subscribers: Mapping[str, list[str]] = field(default_factory=dict)
 
 
 def value_of(method: str, answer: object) -> Any:
-    """Return the value in the answer to a method.
+    """Return the value in the answer to a method; MasterRefusalError if it is no.
 
     Raises:
-        MasterRefusalError: the answer is no.
         OddAnswerError: it is none of ROS.
     """
     match answer:

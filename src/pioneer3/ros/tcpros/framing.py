@@ -38,11 +38,7 @@ def header_frame(fields: Mapping[str, str]) -> bytes:
 
 
 def parse_header(data: bytes) -> dict[str, str]:
-    """Return the fields of a header.
-
-    Raises:
-        ValueError: it is none.
-    """
+    """Return the fields of a header; ValueError if it is none."""
     fields, at = {}, 0
     while at < len(data):
         if at + LENGTH.size > len(data):
@@ -58,12 +54,7 @@ def parse_header(data: bytes) -> dict[str, str]:
 
 
 async def read_frame(reader: asyncio.StreamReader, longest: int = LONGEST_MESSAGE) -> bytes:
-    """Return the content of the next frame.
-
-    Raises:
-        EOFError: the other side has closed the connection.
-        ValueError: the frame is longer than `longest` [bytes].
-    """
+    """Return the content of the next frame; errors as of :func:`read_content`."""
     return await read_content(reader, await reader.readexactly(LENGTH.size), longest)
 
 

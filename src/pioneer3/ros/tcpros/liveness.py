@@ -9,11 +9,7 @@ PROMPT: Final = 0.5
 
 
 class Liveness:
-    """Asks nodes side by side, each at most once at a time, and keeps the last answer.
-
-    Args:
-        ask: Returns whether a node responds.
-    """
+    """Asks nodes side by side, each at most once at a time, and keeps the last answer."""
 
     def __init__(self, ask: Callable[[str], Awaitable[bool]]) -> None:
         self._ask = ask

@@ -38,12 +38,7 @@ log = logging.getLogger(__name__)
 
 
 class Api:
-    """The master, or another node. Calls take their time: make them in threads.
-
-    Args:
-        uri: Its address, such as `http://127.0.0.1:11311`.
-        caller: Full name of our node.
-    """
+    """The master, or another node, for `caller`, our node. Calls wait: make them in threads."""
 
     def __init__(self, uri: str, caller: str) -> None:
         self.uri, self._caller = uri, caller
@@ -75,11 +70,7 @@ class _Transport(Transport):
         return connection
 
     def parse_response(self, response: HTTPResponse) -> Any:
-        """Return the content of an answer.
-
-        Raises:
-            OddAnswerError: it has no end.
-        """
+        """Return the content of an answer; OddAnswerError if it has no end."""
         data, until = bytearray(), time.monotonic() + PATIENCE
         while part := response.read1(1 << 16):
             data += part
@@ -98,7 +89,7 @@ class NodeCalls:
     Attributes:
         publisher_update: Given a topic, and the addresses of the nodes that publish it.
         topic_address: Returns host and port of a topic that we publish; `None` of another.
-        topics: Returns the names and types of topics: those published, and those subscribed to.
+        topics: Returns names and types of topics: those published, and those subscribed to.
         shut_down: Ends the node.
     """
 
@@ -158,8 +149,8 @@ class NodeApi:
         host: Name or address under which others find this computer.
         bind: Address to listen on.
         master: Address of the master.
-        process: Our process.
-        calls: What others may ask.
+        process: Number of our process.
+        calls: Calls that others may make.
     """
 
     def __init__(self, host: str, bind: str, master: str, process: int, calls: NodeCalls) -> None:

@@ -128,11 +128,7 @@ class Ros1Node:
         self._change()
 
     async def call(self, name: str, type_: Definition, request: bytes) -> bytes:
-        """Call a service; return the response.
-
-        Raises:
-            ServiceError: it has failed, or is not there.
-        """
+        """Call a service; return the response. ServiceError if it has failed, or is not there."""
         try:
             async with asyncio.timeout(SERVED):
                 uri = str(await self._ask(self._master, "lookupService", name))
@@ -162,11 +158,7 @@ class Ros1Node:
         return await self._liveness.among(nodes)
 
     async def refuse_double(self) -> None:
-        """Make sure that no other node has our name: the master would end that one.
-
-        Raises:
-            ConfigError: one has.
-        """
+        """Raise ConfigError if another node has our name: the master would end that one."""
         try:
             uri = str(await self._ask(self._master, "lookupNode", self.name))
             if uri != self._api.uri:
@@ -228,10 +220,7 @@ class Ros1Node:
         self._settled.clear()
 
     async def _look(self) -> bool:
-        """See to it that the master knows all of this node; keep the graph.
-
-        Return whether the master is there.
-        """
+        """See to it that the master knows all of us; keep the graph; return whether it is there."""
         try:
             if self._registered and not await self._is_known():
                 self._registered.clear()
@@ -325,11 +314,7 @@ async def ros1_node(
 ) -> AsyncIterator[Ros1Node]:
     """Be a node of ROS 1 while the block lasts; it begins when the master is there.
 
-    Args:
-        name: Its full name.
-        at: Its addresses.
-        tell: Given a sentence when the master is not there, and when it is back.
-        extra: Further fields in the headers of its publishers.
+    The parameters are those of :class:`Ros1Node`.
 
     Raises:
         ConfigError: another node has this name.
@@ -372,11 +357,7 @@ async def ros1_node(
 
 
 async def _until_closed(reader: asyncio.StreamReader) -> None:
-    """Return when the other side closes its connection.
-
-    Raises:
-        EOFError: it has.
-    """
+    """Raise EOFError when the other side closes its connection."""
     while await reader.read(1024):
         pass
     raise EOFError

@@ -23,7 +23,7 @@ class TopicPublisher:
 
     Args:
         name: Full name of the topic.
-        type_: Of its messages.
+        type_: Type of its messages.
         latched: Whether new subscribers get the last message.
         extra: Further fields of the header.
     """

@@ -31,13 +31,7 @@ class ServiceError(Exception):
 
 
 class ServiceServer:
-    """A service that is offered.
-
-    Args:
-        name: Its full name.
-        type_: Its type.
-        handle: Does the work.
-    """
+    """A service that is offered; `handle` does the work."""
 
     def __init__(self, name: str, type_: Definition, handle: Handle) -> None:
         self.name, self.type, self._handle = name, type_, handle
@@ -86,9 +80,7 @@ async def call(uri: str, name: str, type_: Definition, caller: str, request: byt
 
     Raises:
         ServiceError: it is of another type, or has failed.
-        OSError: nobody is there.
-        EOFError: it has ended meanwhile.
-        ValueError: that is no service.
+        OSError, EOFError, ValueError: nobody is there, it has ended, or that is no service.
     """
     address = urlsplit(uri)
     reader, writer = await asyncio.open_connection(address.hostname, address.port)

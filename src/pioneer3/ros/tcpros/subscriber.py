@@ -51,7 +51,7 @@ class TopicSubscription:
 
     Args:
         name: Full name of the topic.
-        type_: Of its messages.
+        type_: Type of its messages.
         caller: Our node.
         locate: Finds topics of nodes.
         received: Called in the loop.
@@ -79,13 +79,10 @@ class TopicSubscription:
         self._told: set[str] = set()
 
     def update(self, publishers: Iterable[str], *, at_start: bool = False) -> None:
-        """Connect to publishers by the addresses of their nodes.
+        """Connect to the publishers that the master knows, by the addresses of their nodes.
 
         Others that are connected stay so until they leave: a new master does not know them.
-
-        Args:
-            publishers: All that the master knows.
-            at_start: Whether they were there before this subscription.
+        `at_start` says that these were there before this subscription.
         """
         wanted = set(publishers)
         if at_start:  # news may have come before this reply of the master

@@ -22,10 +22,10 @@ SERVICES: Final = {
 
 @dataclass(frozen=True, slots=True)
 class Definition:
-    """The definition of a type, as connections state it.
+    """The definition of a type such as `nav_msgs/Odometry`, as connections state it.
 
     Attributes:
-        name: Such as `nav_msgs/Odometry`.
+        name: Its name.
         md5sum: Of the definition without comments; two nodes must have the same.
         text: The definition, with those of the types in it.
     """
@@ -36,11 +36,7 @@ class Definition:
 
 
 class Ros1Types(MessageStore):
-    """The types of ROS 1.
-
-    Raises:
-        ConfigError: rosbags is not installed.
-    """
+    """The types of ROS 1; ConfigError without rosbags."""
 
     def __init__(self) -> None:
         try:
@@ -53,11 +49,7 @@ class Ros1Types(MessageStore):
             self._store.register(get_types_from_msg(text, name))
 
     def definition(self, name: str) -> Definition:
-        """Return the definition of a type such as `nav_msgs/Odometry`.
-
-        Raises:
-            ConfigError: ROS 1 has none, or its package is not known here.
-        """
+        """Return the definition of a type such as `nav_msgs/Odometry`; ConfigError for none."""
         full = full_name(name)
         if full not in self._store.fielddefs:
             raise ConfigError(f"no definition of ROS 1's message type {name} is here")
@@ -69,11 +61,7 @@ class Ros1Types(MessageStore):
         return bytes(self._store.serialize_ros1(message, message.__msgtype__))
 
     def decode(self, data: bytes, name: str) -> Any:
-        """Return the message of a type such as `nav_msgs/Odometry` in `data`.
-
-        Raises:
-            ValueError: `data` is none of this type.
-        """
+        """Return the message of a type such as `nav_msgs/Odometry`; ValueError for other bytes."""
         from rosbags.serde import SerdeError
 
         try:

@@ -54,12 +54,7 @@ ENDING: Final = 5.0
 
 
 class ZenohBackend:
-    """A node of ROS 2 in a Zenoh session of its own.
-
-    Args:
-        node: Its name.
-        types: Types of the distribution that all take part with.
-        options: How to take part in the network.
+    """A node of ROS 2 in a Zenoh session of its own; `types` are those of all who take part.
 
     Raises:
         ConfigError: Zenoh is not installed, a setting is wrong, or the router refuses us.
@@ -134,11 +129,7 @@ class ZenohBackend:
         return server
 
     def call(self, name: str, type_: ServiceType, request: bytes, timeout: float) -> bytes:
-        """Call a service: its server is waited for, and asked once.
-
-        Raises:
-            TimeoutError: nobody has responded within `timeout` [s].
-        """
+        """Call a service, once its server is there, once; TimeoutError after `timeout` [s]."""
         import zenoh
 
         end = time.monotonic() + timeout
@@ -241,13 +232,7 @@ class ZenohBackend:
 
 
 class _Client:
-    """A client of a service.
-
-    Args:
-        session: Session to call with.
-        key: Key of the service.
-        gid: Identity that comes with its requests.
-    """
+    """A client of a service, with a key and the identity that comes with its requests."""
 
     def __init__(self, session: "zenoh.Session", key: str, gid: bytes) -> None:
         import zenoh

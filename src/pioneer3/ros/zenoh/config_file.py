@@ -30,11 +30,7 @@ SECRETS: Final = ("private_key_pem", "private_key_raw", "private_key_base64", "p
 
 @dataclass(frozen=True, slots=True)
 class ConfigFile:
-    """The content of a file.
-
-    Attributes:
-        content: Settings by name; numbers are texts.
-    """
+    """The content of a file: settings by name; numbers are texts."""
 
     content: object
 
@@ -58,11 +54,7 @@ class ConfigFile:
 
 
 def read_config(path: Path) -> ConfigFile:
-    """Return the content of a file in JSON5 or YAML.
-
-    Raises:
-        ValueError: it is neither.
-    """
+    """Return the content of a file in JSON5 or YAML; ValueError if it is neither."""
     text = path.read_text(encoding="utf-8")
     try:
         content = yaml.safe_load(text) if path.suffix in YAML else json.loads(_json(text))
@@ -72,11 +64,7 @@ def read_config(path: Path) -> ConfigFile:
 
 
 def _json(text: str) -> str:
-    """Return JSON5 as JSON, its numbers as texts.
-
-    Raises:
-        ValueError: it is none.
-    """
+    """Return JSON5 as JSON, its numbers as texts; ValueError if it is none."""
     found = [each for each in _tokens(text) if each.lastgroup != "space"]
     signs = [each[0] if each.lastgroup == "sign" else "" for each in found] + [""]
     parts = []

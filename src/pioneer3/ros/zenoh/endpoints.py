@@ -48,15 +48,7 @@ def matching(end: "zenoh.Publisher | zenoh.Querier") -> bool:
 
 
 class ZenohWriter:
-    """A publisher.
-
-    Args:
-        session: Session to publish with.
-        key: Key of the topic.
-        qos: Its quality of service.
-        gid: Identity that comes with its messages.
-        release: Called when it is closed.
-    """
+    """A publisher; its `gid` comes with its messages, and `release` is called when it is closed."""
 
     def __init__(
         self, session: "zenoh.Session", key: str, qos: Qos, gid: bytes, release: Callable[[], None]
@@ -239,14 +231,7 @@ def _latched_subscriber(
 
 
 class ZenohServer:
-    """A service: each request in a thread of its own.
-
-    Args:
-        session: Session to serve with.
-        key: Key of the service.
-        respond: Given a request, returns the response.
-        release: Called when it is closed.
-    """
+    """A service: each request in a thread of its own; `release` is called when it is closed."""
 
     def __init__(
         self,

@@ -15,12 +15,7 @@ log = logging.getLogger(__name__)
 
 
 class TokenGraph:
-    """The nodes and endpoints of a domain, kept up to date by Zenoh.
-
-    Args:
-        session: Session to listen with.
-        domain: ROS domain.
-    """
+    """The nodes and endpoints of a domain, kept up to date by Zenoh."""
 
     def __init__(self, session: "zenoh.Session", domain: int) -> None:
         self._lock = Lock()

@@ -75,9 +75,9 @@ class LivelinessToken:
         entity_id: Number of the endpoint in its session; that of the node itself for a node.
         node: Name of the node.
         enclave: Of security; `/` for none.
-        kind: Of the endpoint; `None` for a node.
-        topic: Of the endpoint; `None` for a node.
-        qos: Of the endpoint.
+        kind: Kind of the endpoint; `None` for a node.
+        topic: Topic of the endpoint; `None` for a node.
+        qos: Quality of service of the endpoint.
         key: The key expression as another program declared it; empty for a token of ours.
     """
 
@@ -153,11 +153,7 @@ class Attachment:
 
 
 def parse_attachment(data: bytes) -> Attachment:
-    """Return the attachment in `data`.
-
-    Raises:
-        ValueError: it is none.
-    """
+    """Return the attachment in `data`; ValueError if it is none."""
     if len(data) == NAMED.size:
         _, first, sequence, _, second, stamp, _, third, size, gid = NAMED.unpack(data)
         if (first, second, third) == NAMES and size == GID_BYTES:
@@ -169,12 +165,9 @@ def parse_attachment(data: bytes) -> Attachment:
 
 
 def parse_token(text: str) -> LivelinessToken:
-    """Return the token with this key expression; parts that newer versions append are left out.
+    """Return the token with this key expression; ValueError if it is none.
 
-    Unprintable characters of its names are escaped.
-
-    Raises:
-        ValueError: it is none.
+    Parts that newer versions append are left out; unprintable characters of its names are escaped.
     """
     parts = text.split("/")
     if len(parts) < NODE_PARTS or parts[0] != SPACE or not all(parts):
@@ -234,11 +227,7 @@ def qos_text(qos: Qos) -> str:
 
 
 def parse_qos(text: str) -> Qos:
-    """Return the quality of service in a token.
-
-    Raises:
-        ValueError: it is none.
-    """
+    """Return the quality of service in a token; ValueError if it is none."""
     reliability, durability, history, _, lifespan, *_ = *text.split(":"), *[""] * 4
     _, comma, depth = history.partition(",")
     if not comma:

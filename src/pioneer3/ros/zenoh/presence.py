@@ -29,13 +29,7 @@ log = logging.getLogger(__name__)
 
 
 class RouterWatch:
-    """Logs when there is no router, and when there is one again.
-
-    Args:
-        session: Session that is looked at.
-        options: Its options.
-        endpoints: Endpoints that it connects to.
-    """
+    """Logs when there is no router at `endpoints`, and when there is one again."""
 
     def __init__(
         self, session: "zenoh.Session", options: ZenohOptions, endpoints: Sequence[str]

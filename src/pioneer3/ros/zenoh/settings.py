@@ -67,11 +67,7 @@ class ZenohOptions:
 
 
 def load_zenoh() -> None:
-    """Import Zenoh.
-
-    Raises:
-        ConfigError: it is not installed.
-    """
+    """Import Zenoh; ConfigError if it is not installed."""
     try:
         import_module("zenoh.ext")
     except ImportError as error:
@@ -125,22 +121,14 @@ def shown(endpoint: str) -> str:
 
 
 def check_private(path: Path) -> None:
-    """Check that a file with a secret exists, and that nobody but its owner reads it.
-
-    Raises:
-        ConfigError: it does not, or others may.
-    """
+    """Check that a file with a secret exists and only its owner reads it; else ConfigError."""
     check_there(path)
     if os.name != "nt" and path.stat().st_mode & 0o077:
         raise ConfigError(f"{path} holds a secret, and others may read it: chmod 600 {path}")
 
 
 def check_there(path: Path) -> None:
-    """Check that a file can be read.
-
-    Raises:
-        ConfigError: it cannot.
-    """
+    """Check that a file can be read; else ConfigError."""
     try:
         path.open("rb").close()
     except OSError as error:
@@ -148,11 +136,7 @@ def check_there(path: Path) -> None:
 
 
 def read_login(path: Path) -> tuple[str, str]:
-    """Return user and password of the first line of a file.
-
-    Raises:
-        ConfigError: others may read it, or it has none.
-    """
+    """Return user and password of the first line of a private file; ConfigError if it has none."""
     check_private(path)
     line = path.read_text(encoding="utf-8").strip().partition("\n")[0].strip()
     user, colon, password = line.partition(":")
@@ -211,10 +195,6 @@ async def serve_router(
     options: ZenohOptions = DEFAULT, tell: Callable[[str], None] = lambda line: None
 ) -> None:
     """Run a router until cancelled; `tell` is given a line for a person once it runs.
-
-    Args:
-        options: Of mode `router`.
-        tell: Takes a line for a person.
 
     Raises:
         ConfigError: a setting is wrong, or a port is taken.
