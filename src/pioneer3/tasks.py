@@ -2,7 +2,7 @@
 
 import asyncio
 import logging
-from collections.abc import AsyncIterator, Callable, Coroutine
+from collections.abc import AsyncIterator, Callable, Coroutine, Iterable
 from contextlib import asynccontextmanager, suppress
 from functools import partial
 from threading import Thread
@@ -47,9 +47,15 @@ async def running(*coroutines: Coroutine[Any, Any, None]) -> AsyncIterator[None]
         raise
     finally:
         leaving = True
-        for task in tasks:
-            task.cancel()
-        await asyncio.gather(*tasks, return_exceptions=True)
+        await cancelled(tasks)
+
+
+async def cancelled(tasks: Iterable["asyncio.Future[Any]"]) -> None:
+    """Cancel tasks; return when all have ended."""
+    several = list(tasks)
+    for task in several:
+        task.cancel()
+    await asyncio.gather(*several, return_exceptions=True)
 
 
 def hand_over(

@@ -76,7 +76,7 @@ def test_all_sockets_of_a_domain_have_filters(interfaces: tuple[str, ...], lengt
 def test_a_system_without_filters_is_warned_of(
     monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    monkeypatch.setattr("pioneer3.ros.dds.settings.sys.platform", "win32")
+    monkeypatch.setattr("sys.platform", "win32")
     domains, options = Domains(), DdsOptions(domain=next(DOMAINS))
     with caplog.at_level(logging.WARNING):
         domains.join(options)

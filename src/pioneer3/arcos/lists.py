@@ -102,7 +102,7 @@ def sequence(value: object) -> tuple[object, ...] | list[object]:
 
 @dataclass(frozen=True, slots=True)
 class CountedStructs:
-    """A byte, and that many records of `cls`, a `NamedTuple` whose fields have the letters `format`.
+    """A byte, and that many records of `cls`, a `NamedTuple` whose fields have letters `format`.
 
     The same bytes as `Counted(Integer(1), Record(cls))`, seven times faster (:mod:`struct`).
     """

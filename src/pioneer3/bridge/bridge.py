@@ -18,6 +18,7 @@ from pioneer3.bridge.robot_side import RobotSideState
 from pioneer3.errors import LinkError, PioneerError, PortBusyError
 from pioneer3.links import Link, Opener
 from pioneer3.links.tap import FROM_HOST, FROM_ROBOT, WireRecording, begun
+from pioneer3.tasks import cancelled
 
 log = logging.getLogger(__name__)
 
@@ -44,6 +45,9 @@ class Bridge:
         timing: Timeouts of the handshake with the robot.
         on_change: Called in the event loop when a host comes or goes, and at each pause.
         say: Called with a sentence for people at each change; the log if not given.
+
+    Attributes:
+        failed: The reason that the last try to reach the robot failed; empty if it did not.
     """
 
     def __init__(
@@ -57,7 +61,6 @@ class Bridge:
         on_change: Callable[[], None] = lambda: None,
         say: Callable[[str], None] | None = None,
     ) -> None:
-        self.on_change = on_change
         self._open_link = open_link
         self._expiry = expiry
         self._say = say or (lambda text: log.info("%s", text))
@@ -67,7 +70,7 @@ class Bridge:
             most_watchers=most_watchers,
             timing=timing,
             say=self._tell,
-            changed=self._changed,
+            changed=on_change,
         )
         self._clock = asyncio.get_running_loop().time
         self._wake = asyncio.Event()
@@ -76,7 +79,7 @@ class Bridge:
         self._sockets: set[SocketPort] = set()
         self._link: Link | None = None
         self._recording: WireRecording | None = None
-        self._failed = ""
+        self.failed = ""
 
     @property
     def holder(self) -> str | None:
@@ -93,11 +96,6 @@ class Bridge:
     def connected(self) -> bool:
         """Whether the robot serves a session."""
         return self._relay.robot.state is RobotSideState.SERVING
-
-    @property
-    def failed(self) -> str:
-        """The reason that the last try to reach the robot failed; empty if it did not."""
-        return self._failed
 
     @property
     def paused(self) -> bool:
@@ -157,7 +155,7 @@ class Bridge:
         and watches at another: the link ends when that changes. From one that `gives_way` any other
         host may take the robot; a later link watches while the other has it.
         """
-        return BridgeLink(self, MemoryPort(name, gives_way=gives_way), self._wait_for_robot)
+        return BridgeLink(self, MemoryPort(name, gives_way=gives_way), self._drained.wait)
 
     def opener(self, name: str = "this program", *, gives_way: bool = False) -> Opener:
         """Return a function that opens :meth:`link` again at each call."""
@@ -179,7 +177,7 @@ class Bridge:
         """
         loop = asyncio.get_running_loop()
         try:
-            server = await loop.create_server(self._new_port, host, port)
+            server = await loop.create_server(lambda: SocketPort(self, self._sockets), host, port)
         except OSError as error:
             where = f"{host}:{port}"
             if error.errno == errno.EADDRINUSE:
@@ -238,15 +236,6 @@ class Bridge:
         self._relay.leave(client, self._clock())
         self._wake.set()
 
-    def _new_port(self) -> SocketPort:
-        return SocketPort(self, self._sockets)
-
-    async def _wait_for_robot(self) -> None:
-        await self._drained.wait()
-
-    def _changed(self) -> None:
-        self.on_change()
-
     def _tell(self, text: str) -> None:
         self._say(text)
         if self._recording is not None:
@@ -272,8 +261,8 @@ class Bridge:
             return
         try:
             if self._relay.wanted:
-                self._failed = ""
-                self._relay.link_opened(self._clock(), link.speeds, link.round_trip)
+                self.failed = ""
+                self._relay.robot.begin(self._clock(), link.speeds, link.round_trip)
                 await self._exchange(link)
         except asyncio.CancelledError:
             # else timeouts below would raise it again instead of TimeoutError, as in Python 3.11.2
@@ -307,8 +296,7 @@ class Bridge:
         except LinkError as error:
             self._lose(str(error))
         finally:
-            reading.cancel()
-            await asyncio.gather(reading, return_exceptions=True)
+            await cancelled([reading])
 
     async def _wait(self) -> None:
         """Wait for bytes, for a host, or for the next time at which something is due."""
@@ -337,9 +325,7 @@ class Bridge:
             self._recording.note(FROM_HOST, data)
         await link.write(data)
         if not self._drained.is_set():
-            self._drained.set()
-            for port in self._sockets:
-                port.resume()
+            self._resume()
 
     def _look_at_holder(self) -> None:
         """Tell the relay what the holder's computer has acknowledged."""
@@ -350,7 +336,7 @@ class Bridge:
             self._relay.unacknowledged(port.sent, waiting, self._clock())
 
     def _lose(self, why: str) -> None:
-        self._failed = why
+        self.failed = why
         self._relay.robot_lost(why)
         self._wake.set()
 
@@ -366,9 +352,13 @@ class Bridge:
             self._remember_speed(link)
             await link.close()
             self._relay.link_closed()
-            self._drained.set()
-            for port in self._sockets:
-                port.resume()
+            self._resume()
+
+    def _resume(self) -> None:
+        """Let hosts send again."""
+        self._drained.set()
+        for port in self._sockets:
+            port.resume()
 
     def _remember_speed(self, link: Link) -> None:
         scheme, _, path = link.url.partition(":")

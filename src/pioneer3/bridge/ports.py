@@ -155,7 +155,7 @@ class BridgeLink:
     round_trip = 0.0
 
     def __init__(
-        self, server: PortServer, port: MemoryPort, drained: Callable[[], Awaitable[None]]
+        self, server: PortServer, port: MemoryPort, drained: Callable[[], Awaitable[object]]
     ) -> None:
         self.url = f"bridge:{port.name}"
         self._server, self._port = server, port

@@ -62,6 +62,7 @@ class Relay:
         robot: The robot's side.
         holder: The host that has the robot, or will have it next.
         clients: All hosts.
+        paused: Whether the robot stands, whatever the holder commands.
         reserved_for: Name of the only host that may have the robot; empty for any.
         changed: Called when the holder or a watcher comes or goes, and at the beginning and the
             end of a session.
@@ -86,7 +87,7 @@ class Relay:
         self._most_watchers = most_watchers
         self._say = say
         self._guard = Guard()
-        self._paused = False
+        self.paused = False
         self._alive_at = self._config_asked_at = -inf
         self._acknowledged = 0
         self._cut_off_until = inf
@@ -100,16 +101,6 @@ class Relay:
     def wanted(self) -> bool:
         """Whether a link to the robot is to be opened."""
         return self.robot.state is RobotSideState.AWAY and self.holder is not None
-
-    @property
-    def paused(self) -> bool:
-        """Whether the robot stands, whatever the holder commands."""
-        return self._paused
-
-    @property
-    def holds(self) -> set[HeldBack]:
-        """The reasons to hold back the holder's motion."""
-        return set(self._guard.holds)
 
     @property
     def moving(self) -> bool:
@@ -195,7 +186,7 @@ class Relay:
             return
         if client is self.holder:
             self._guard = Guard()
-            self._guard.holds |= {HeldBack.PAUSED} if self._paused else set()
+            self._guard.holds |= {HeldBack.PAUSED} if self.paused else set()
             self._alive_at = now
         else:
             has = self.holder.port.name if self.holder else "nobody"
@@ -287,7 +278,7 @@ class Relay:
 
     def pause(self, now: float, *, on: bool) -> None:
         """Stop the robot and hold back the holder's motion, or let its next command move it."""
-        self._paused = on
+        self.paused = on
         if on:
             self._say("paused; the robot stops")
             self._stop(now, HeldBack.PAUSED)
@@ -297,10 +288,6 @@ class Relay:
         self.changed()
 
     # The robot
-
-    def link_opened(self, now: float, speeds: Sequence[int] = (), round_trip: float = 0.0) -> None:
-        """Begin a session with the robot at a link that is open now."""
-        self.robot.begin(now, speeds, round_trip)
 
     def robot_sent(self, data: bytes, now: float) -> None:
         """Process bytes that the robot has sent."""

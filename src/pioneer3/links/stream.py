@@ -5,7 +5,7 @@ import errno
 import socket
 import sys
 from array import array
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Mapping
 
 from pioneer3.errors import HungUpError, LinkError, PortNotFoundError, UnknownHostError
 from pioneer3.links.base import HUNG_UP
@@ -132,11 +132,11 @@ def accepted(
     return StreamLink(url, reader, writer, round_trip=round_trip)
 
 
-def tune(connection: socket.socket) -> None:
+def tune(connection: socket.socket, keepalive: Mapping[str, int] = KEEPALIVE) -> None:
     """Send small packets at once, and notice a far end that has vanished."""
     connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
     connection.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
-    for name, value in KEEPALIVE.items():
+    for name, value in keepalive.items():
         if (option := getattr(socket, name, None)) is not None:  # differs between systems
             connection.setsockopt(socket.IPPROTO_TCP, option, value)
 

@@ -106,7 +106,7 @@ class Rig:
         relay = self.relay
         while True:
             if relay.wanted:
-                relay.link_opened(self.now)
+                relay.robot.begin(self.now)
             data = relay.robot.outgoing()
             for event in self.device.receive(data, self.now) if data else ():
                 match event:

@@ -68,17 +68,13 @@ def _from_row(name: str) -> type[Command]:
         (argument, kind, field(default=b"")) if row.arguments is UNKNOWN else (argument, kind)
         for argument, kind in row.arguments.items()
     ]
-    members = {"ID": row.number, "__module__": __name__, "__doc__": described(row)}
+    doc = f"{row.meaning} (ARCOS {row.number}, {row.name})."
+    members = {"ID": row.number, "__module__": __name__, "__doc__": doc}
     return make_dataclass(row.name, arguments, namespace=members, frozen=True, slots=True)
 
 
 def _class_of(meaning: Meaning) -> type[Command]:
     return _from_row(meaning.name) if isinstance(meaning, CommandRow) else meaning
-
-
-def described(row: CommandRow) -> str:
-    """Return the docstring of the class that a line of the table stands for."""
-    return f"{row.meaning} (ARCOS {row.number}, {row.name})."
 
 
 def named(name: str, *values: object) -> Command:

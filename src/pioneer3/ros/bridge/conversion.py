@@ -7,6 +7,7 @@ from itertools import count
 from typing import Any, Final
 
 from pioneer3.errors import ConfigError
+from pioneer3.ros.messages.sensors import fill_rows
 from pioneer3.ros.ros2.types import MessageTypes
 from pioneer3.ros.tcpros.types import Ros1Types
 from pioneer3.ros.typestore import BASE, DTYPES, NAME, MessageStore, full_name
@@ -86,13 +87,8 @@ class Converter:
     def _bumper_array(self, message: Any) -> Any:
         """Return a std_msgs/UInt8MultiArray of two rows for a rosaria/BumperState."""
         made = self.ros2.make(BUMPERS[1])
-        rows = [bytes(map(bool, row)) for row in (message.front_bumpers, message.rear_bumpers)]
-        length = max(map(len, rows))
-        for label, size, stride in (("front, rear", 2, 2 * length), ("segment", length, length)):
-            dimension = self.ros2.make("std_msgs/MultiArrayDimension")
-            dimension.label, dimension.size, dimension.stride = label, size, stride
-            made.layout.dim.append(dimension)
-        made.data = b"".join(row.ljust(length, b"\0") for row in rows)
+        rows = (message.front_bumpers, message.rear_bumpers)
+        fill_rows(made, self.ros2.make, *(bytes(map(bool, row)) for row in rows))
         return made
 
     def _bumper_state(self, message: Any) -> Any:

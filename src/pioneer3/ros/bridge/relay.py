@@ -8,13 +8,17 @@ from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
 from math import isfinite
-from typing import Any, Final, Protocol
+from typing import Any, Final
 
 from pioneer3.errors import Refusal
 from pioneer3.ros.bridge.conversion import Convert
 from pioneer3.ros.bridge.guard import ZERO, CommandGuard, is_finite
 from pioneer3.ros.bridge.rows import TRANSFORMS, BridgedTopic, Side
 from pioneer3.ros.messages.update import NANO, nanoseconds
+from pioneer3.ros.ros2.backend import Writer
+from pioneer3.ros.ros2.types import MessageTypes
+from pioneer3.ros.tcpros.publisher import TopicPublisher
+from pioneer3.ros.tcpros.types import Ros1Types
 
 log = logging.getLogger(__name__)
 WAITING: Final = 10
@@ -24,28 +28,8 @@ OLDEST_GOAL: Final = 5.0
 """An older goal, or pose at the start, is refused [s]: people wait for theirs to begin."""
 
 
-class Types(Protocol):
-    """The types of one side."""
-
-    def encode(self, message: Any) -> bytes:
-        """Return the serialized form of a message."""
-
-    def decode(self, data: bytes, name: str) -> Any:
-        """Return a message."""
-
-    def make(self, name: str) -> Any:
-        """Return an empty message."""
-
-
-class Output(Protocol):
-    """A publisher."""
-
-    @property
-    def matched(self) -> bool:
-        """Whether anybody subscribes."""
-
-    def write(self, data: bytes) -> None:
-        """Send a serialized message."""
+Types = Ros1Types | MessageTypes
+"""The types of one side."""
 
 
 class Sink:
@@ -55,7 +39,7 @@ class Sink:
         self,
         name: str,
         type_name: str,
-        output: Output,
+        output: Writer | TopicPublisher,
         types: Types,
         guard: CommandGuard | None,
     ) -> None:

@@ -1,6 +1,6 @@
 """The table of a bridge: its rows from the table of topics of the robot's node. Pure."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import Final
@@ -9,7 +9,7 @@ from pioneer3.errors import ConfigError
 from pioneer3.models import RobotModel
 from pioneer3.ros.node.names import NODE, Profile
 from pioneer3.ros.node.navigation_topics import NAVIGATION_TOPICS
-from pioneer3.ros.node.services import NAVIGATION_SERVICES, SERVICES, Service
+from pioneer3.ros.node.services import NAVIGATION_SERVICES, SERVICES
 from pioneer3.ros.node.topic import Direction, Topic
 from pioneer3.ros.node.topics import COMMANDS, STAMPED_COMMANDS, UNSTAMPED_NAME, topics_of
 from pioneer3.ros.ros2.distros import Distro
@@ -181,23 +181,22 @@ def services_of(robot: BridgedRobot) -> tuple[ServiceRow, ...]:
                 ros2_type=service.type_in(Profile.ROS2),
                 topic_type=service.topic_type,
             )
-            for name in _names(robot, service)
+            for name in service.names(robot.profile)
             for ros2 in names
             if service.topic_type is not None
         ]
     return tuple(rows)
 
 
-def chosen(rows: Iterable[BridgedTopic], only: Sequence[str]) -> tuple[BridgedTopic, ...]:
+def chosen(rows: Sequence[BridgedTopic], only: Sequence[str]) -> tuple[BridgedTopic, ...]:
     """Return the rows of which a name is in `only`, or all where that is empty.
 
     ConfigError if no row has one of the names.
     """
-    (*all_rows,) = rows
-    if not only:
-        return tuple(all_rows)
     wanted = {name.lstrip("/") for name in only}
-    known = {row: {row.ros1.lstrip("/"), row.ros2.lstrip("/")} for row in all_rows}
+    known = {row: {row.ros1.lstrip("/"), row.ros2.lstrip("/")} for row in rows}
+    if not only:
+        return tuple(rows)
     unknown = wanted.difference(*known.values())
     if unknown:
         names = tuple(sorted(set().union(*known.values())))
@@ -219,7 +218,7 @@ def _rows(robot: BridgedRobot, topic: Topic) -> Iterator[BridgedTopic]:
         ros1_type = topic.type_name
     if ros1_type == BUMPER_STATE[0]:
         ros2_type = BUMPER_STATE[1]
-    for ros1 in _names(robot, topic):
+    for ros1 in topic.names(robot.profile):
         for ros2 in names or _own_names(robot, ros1):
             yield BridgedTopic(
                 ros1=robot.name(Side.ROS1, ros1),
@@ -233,24 +232,15 @@ def _rows(robot: BridgedRobot, topic: Topic) -> Iterator[BridgedTopic]:
             )
 
 
-def _names(robot: BridgedRobot, thing: Topic | Service) -> tuple[str, ...]:
-    """Return the names in ROS 1."""
-    return thing.names(robot.profile)
-
-
 def _ros2_names(robot: BridgedRobot, topic: Topic) -> tuple[str, ...]:
-    if topic in {COMMANDS, STAMPED_COMMANDS}:
-        return (_ros2_command(robot, stamped=topic is STAMPED_COMMANDS),)
+    if topic in {COMMANDS, STAMPED_COMMANDS}:  # `cmd_vel` is of the distribution's type
+        stamped = topic is STAMPED_COMMANDS
+        if stamped is robot.distro.stamped_commands:
+            return ("cmd_vel",)
+        return ("cmd_vel_stamped" if stamped else UNSTAMPED_NAME,)
     if topic.type_name == BUMPER_STATE[0]:
         return ("bumper_state",)
     return topic.names(Profile.ROS2)
-
-
-def _ros2_command(robot: BridgedRobot, *, stamped: bool) -> str:
-    """Return the name of the commands of one type in ROS 2, which depends on the distribution."""
-    if stamped is robot.distro.stamped_commands:
-        return "cmd_vel"
-    return "cmd_vel_stamped" if stamped else UNSTAMPED_NAME
 
 
 def _own_names(robot: BridgedRobot, ros1: str) -> tuple[str, ...]:

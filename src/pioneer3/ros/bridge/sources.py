@@ -2,7 +2,7 @@
 
 import asyncio
 from collections.abc import Callable
-from typing import Final, Protocol
+from typing import Final
 
 from pioneer3.ros.bridge.relay import Inbox, TopicRelay
 from pioneer3.ros.bridge.rows import BridgedTopic, Side
@@ -15,8 +15,6 @@ SEVERAL: Final = 100
 """Latched messages of several publishers."""
 NEW: Final = 1.0
 """A publisher of an unknown node may turn out to be our own for so long [s]."""
-
-
 LOOK: Final = 0.1
 """Pause between two looks for the node of a publisher [s]; some have none."""
 
@@ -34,19 +32,6 @@ class Bridges:
             return False
         self._tell(f"{side.words} {topic} of {node} is not passed on: that is a bridge, too")
         return True
-
-
-class TopicSource(Protocol):
-    """A topic that messages come from."""
-
-    relays: list[TopicRelay]
-
-    @property
-    def matched(self) -> bool:
-        """Whether anybody but us publishes."""
-
-    async def listen(self) -> None:
-        """Subscribe while it is worth it."""
 
 
 class Ros1Source:
@@ -164,6 +149,10 @@ class Ros2Source:
             return False
         now = self._loop.time()
         return now - self._since.setdefault(gid, now) < NEW
+
+
+TopicSource = Ros1Source | Ros2Source
+"""A topic that messages come from."""
 
 
 def is_published(name: str, graph: Graph, but: str) -> bool:

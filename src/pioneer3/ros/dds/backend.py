@@ -6,6 +6,7 @@ One thread takes everything that comes; it hands messages over and never waits f
 import logging
 import threading
 from collections.abc import Iterator, Mapping
+from contextlib import ExitStack, closing
 from importlib import import_module
 from importlib.metadata import version
 from time import monotonic, sleep
@@ -13,7 +14,7 @@ from typing import Any, Final
 
 from pioneer3.errors import ConfigError, how_to_get
 from pioneer3.ros.dds.discovery import TOPIC, Discovery
-from pioneer3.ros.dds.endpoints import SAMPLES, DdsReader, DdsWriter, EndpointGroup
+from pioneer3.ros.dds.endpoints import SAMPLES, DdsReader, DdsWriter
 from pioneer3.ros.dds.entities import Entities
 from pioneer3.ros.dds.services import HEAD, ServiceClient, ServiceResponder
 from pioneer3.ros.dds.settings import DOMAINS, DdsOptions
@@ -114,20 +115,22 @@ class DdsBackend:
         reader = self._subscribe(
             f"rq{name}Request", type_.request, REQUESTS, server.take, head=HEAD
         )
-        return EndpointGroup((reader, server, writer))
+        parts = ExitStack()  # closed from the last one to the first
+        for each in (writer, server, reader):
+            parts.callback(each.close)
+        return parts
 
     def call(self, name: str, type_: ServiceType, request: bytes, timeout: float) -> bytes:
         """Call a service of a peer with rmw_cyclonedds_cpp; TimeoutError if nobody responds."""
-        writer = self._advertise(f"rq{name}Request", type_.request, HEAD, REQUESTS)
-        client = ServiceClient(writer.write)
-        reader = self._subscribe(f"rr{name}Reply", type_.response, REQUESTS, client.take, head=HEAD)
-        try:
-            until = monotonic() + timeout
-            while not (writer.matched and reader.matched) and monotonic() < until:
-                sleep(LOOK)
-            return client.call(request, max(LOOK, until - monotonic()))
-        finally:
-            EndpointGroup((reader, writer)).close()
+        asked, answered = f"rq{name}Request", f"rr{name}Reply"
+        with closing(self._advertise(asked, type_.request, HEAD, REQUESTS)) as writer:
+            client = ServiceClient(writer.write)
+            reader = self._subscribe(answered, type_.response, REQUESTS, client.take, head=HEAD)
+            with closing(reader):
+                until = monotonic() + timeout
+                while not (writer.matched and reader.matched) and monotonic() < until:
+                    sleep(LOOK)
+                return client.call(request, max(LOOK, until - monotonic()))
 
     def graph(self) -> Graph:
         """Return the nodes and endpoints that are known now."""

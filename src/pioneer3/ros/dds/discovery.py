@@ -7,7 +7,15 @@ from math import inf
 from typing import Any, Final
 
 from pioneer3.names import printable
-from pioneer3.ros.ros2.backend import Endpoint, EndpointKind, Graph, MessageType, NodeName, Qos
+from pioneer3.ros.ros2.backend import (
+    Endpoint,
+    EndpointKind,
+    Graph,
+    MessageType,
+    NodeName,
+    Qos,
+    from_dds,
+)
 from pioneer3.ros.ros2.types import MessageTypes
 
 TOPIC: Final = "ros_discovery_info"
@@ -79,7 +87,7 @@ class Discovery:
         if kind is None:
             return
         guid, qos = found.key.bytes, found.qos
-        topic, type_name = f"/{name[3:]}", _ros_type(found.type_name)
+        topic, type_name = f"/{name[3:]}", from_dds(found.type_name)
         if kind in {EndpointKind.CLIENT, EndpointKind.SERVER}:
             topic, type_name = topic.removesuffix("Request"), type_name.removesuffix("_Request")
         endpoint = Endpoint(
@@ -135,12 +143,6 @@ class Discovery:
         gid = self._types.make(GID)
         gid.data = guid.ljust(self._types.distro.gid_bytes, b"\0")
         return gid
-
-
-def _ros_type(dds_name: str) -> str:
-    """Return `nav_msgs/msg/Odometry` for `nav_msgs::msg::dds_::Odometry_`."""
-    parts = [part for part in dds_name.split("::") if part != "dds_"]
-    return "/".join(parts).removesuffix("_")
 
 
 def _type_hash(qos: Iterable[Any]) -> str:

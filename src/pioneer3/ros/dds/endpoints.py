@@ -4,13 +4,12 @@ import logging
 from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass
 from math import inf
 from time import monotonic
 from typing import Any, Final
 
 from pioneer3.ros.dds.settings import LARGEST
-from pioneer3.ros.ros2.backend import Closable, Left, Received
+from pioneer3.ros.ros2.backend import Left, Received
 
 SAMPLES: Final = 64
 """Taken at a time: then it is the turn of others."""
@@ -160,15 +159,3 @@ class DdsReader:
                 return GONE
             self._gids[handle] = found.key.bytes
         return self._gids[handle]
-
-
-@dataclass(frozen=True, slots=True)
-class EndpointGroup:
-    """Several endpoints that are closed together."""
-
-    parts: tuple[Closable, ...]
-
-    def close(self) -> None:
-        """Close them."""
-        for part in self.parts:
-            part.close()

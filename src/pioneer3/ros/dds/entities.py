@@ -2,7 +2,6 @@
 
 import threading
 from collections.abc import Mapping
-from dataclasses import dataclass
 from math import isinf
 from typing import Any, Final, NamedTuple
 
@@ -14,14 +13,6 @@ FOREVER: Final = 10 * 1_000_000_000
 """Longest wait for anything [ns]."""
 Key = tuple[str, Any]
 """Name of a topic, and the class of its samples."""
-
-
-@dataclass(slots=True)
-class SharedTopic:
-    """A topic, and the number of endpoints on it."""
-
-    topic: Any
-    users: int = 0
 
 
 class EndpointParts(NamedTuple):
@@ -47,7 +38,7 @@ class Entities:
         self._participant = DomainParticipant(domain, qos=DdsQos(Policy.Userdata(b"enclave=/;")))
         self._waitset, self._woken = WaitSet(self._participant), GuardCondition(self._participant)
         self._waitset.attach(self._woken)
-        self._topics: dict[Key, SharedTopic] = {}
+        self._topics: dict[Key, Any] = {}
         self._parts: dict[Any, EndpointParts] = {}
         self._lock = threading.RLock()  # two threads would register a type twice
 
@@ -66,7 +57,7 @@ class Entities:
         with self._lock:
             key = topic, self._samples.of(type_, head)
             made = DataWriter(self._participant, self._topic(key), _dds_qos(qos, type_))
-            self._keep(made, EndpointParts(key))
+            self._parts[made] = EndpointParts(key)
         return made, key[1]
 
     def reader(self, topic: str, type_: MessageType, head: Mapping[str, str], qos: Qos) -> Any:
@@ -76,7 +67,7 @@ class Entities:
         with self._lock:
             key = topic, self._samples.of(type_, head)
             made = DataReader(self._participant, self._topic(key), _dds_qos(qos, type_))
-            self._keep(made, EndpointParts(key, self._attach(made)))
+            self._parts[made] = EndpointParts(key, self._attach(made))
         self.wake()  # for messages that came before it was attached
         return made
 
@@ -115,10 +106,8 @@ class Entities:
                 self._waitset.detach(part.condition)
                 _delete(part.condition)
             _delete(endpoint)
-            shared = self._topics[part.key]
-            shared.users -= 1
-            if not shared.users:
-                _delete(self._topics.pop(part.key).topic)
+            if not any(each.key == part.key for each in self._parts.values()):
+                _delete(self._topics.pop(part.key))
 
     def close(self) -> None:
         """Delete everything; nobody may wait any more."""
@@ -131,12 +120,8 @@ class Entities:
         from cyclonedds.topic import Topic
 
         if key not in self._topics:
-            self._topics[key] = SharedTopic(Topic(self._participant, *key))
-        return self._topics[key].topic
-
-    def _keep(self, endpoint: Any, part: EndpointParts) -> None:
-        self._parts[endpoint] = part
-        self._topics[part.key].users += 1
+            self._topics[key] = Topic(self._participant, *key)
+        return self._topics[key]
 
     def _attach(self, reader: Any) -> Any:
         from cyclonedds.core import InstanceState, ReadCondition, SampleState, ViewState

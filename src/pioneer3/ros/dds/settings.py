@@ -5,9 +5,7 @@ Domains are one for each process in the C library, with the settings of their fi
 
 import logging
 import os
-import sys
 import threading
-from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any, Final
 from xml.sax.saxutils import quoteattr
@@ -28,7 +26,6 @@ LARGEST: Final = 16 * 2**20
 longer ones at their first fragment, with a line of log, and would otherwise keep several of any
 length in memory."""
 LOOPBACK: Final = "127.0.0.1"
-INTERFACE: Final = "NetworkInterface"
 SETTINGS: Final = "CYCLONEDDS_URI"
 FIRST_PORT: Final = 7400
 PORTS: Final = 250
@@ -104,9 +101,8 @@ def has_settings() -> bool:
 def _names_interfaces() -> bool:
     """Return whether such settings may name interfaces: in a file they may have anything."""
     several = os.environ.get(SETTINGS, "").strip()
-    return (
-        INTERFACE.lower() in several.lower() or "file:" in several or several[:1] not in {"", "<"}
-    )
+    named = "networkinterface" in several.lower()
+    return named or "file:" in several or several[:1] not in {"", "<"}
 
 
 def _which(interface: str) -> str:
@@ -130,7 +126,8 @@ def _keep_out(options: DdsOptions) -> None:
     if not asked or _names_interfaces():
         return
     try:
-        restrict = _restriction()
+        from pioneer3.ros.dds.sockets import restrict
+
         restrict(options.ports, options.interfaces)
     except OSError as error:
         log.warning(
@@ -139,14 +136,6 @@ def _keep_out(options: DdsOptions) -> None:
             error,
             options.ports.start,
         )
-
-
-def _restriction() -> Callable[[range, Iterable[str]], None]:
-    if not sys.platform.startswith("linux"):
-        raise OSError("only Linux can filter")
-    from pioneer3.ros.dds.sockets import restrict
-
-    return restrict
 
 
 class Domains:

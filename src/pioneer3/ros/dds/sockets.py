@@ -7,6 +7,7 @@ no setting for it. On Linux a filter in the kernel drops whatever comes in by an
 import os
 import socket
 import struct
+import sys
 from collections.abc import Iterable, Iterator
 from contextlib import closing, suppress
 from ctypes import addressof, create_string_buffer
@@ -37,6 +38,8 @@ def restrict(ports: range, interfaces: Iterable[str]) -> None:
     Raises:
         OSError: this system cannot, or it has no such interface.
     """
+    if sys.platform != "linux":
+        raise OSError("only Linux can filter")
     indexes = {index_of(each) for each in (LOOPBACK, *interfaces)}
     for each in open_to_all(ports):
         with closing(each):

@@ -113,18 +113,14 @@ def diagnose(health: Health) -> tuple[DiagnosticStatus, ...]:
     """Return the state of each part; without a robot all but the link are stale."""
     snapshot = health.snapshot
     if snapshot is None:
-        gone = f"no robot is connected{f': {health.lost}' if health.lost else ''}"
-        link = DiagnosticStatus(
-            part="Link", level=ERROR, message=gone, values=(("url", health.info.url),)
-        )
-        stale = (
-            DiagnosticStatus(part=part, level=STALE, message="no robot is connected")
-            for part in PARTS
-        )
-        return link, *stale, *health.lasers, *health.navigation, *_topics(health)
-    parts = (check(health, snapshot) for check in PARTS.values())
-    others = (*health.lasers, *health.navigation, *_topics(health))
-    return _link(health, snapshot), *parts, *others
+        gone = "no robot is connected"
+        why, url = f"{gone}: {health.lost}" if health.lost else gone, ("url", health.info.url)
+        link = DiagnosticStatus(part="Link", level=ERROR, message=why, values=(url,))
+        parts = [DiagnosticStatus(part=part, level=STALE, message=gone) for part in PARTS]
+    else:
+        link = _link(health, snapshot)
+        parts = [check(health, snapshot) for check in PARTS.values()]
+    return link, *parts, *health.lasers, *health.navigation, *_topics(health)
 
 
 def hardware_id(info: RobotInfo) -> str:
@@ -192,7 +188,7 @@ def _link(health: Health, now: Snapshot) -> DiagnosticStatus:
 
 
 def _motors(health: Health, now: Snapshot) -> DiagnosticStatus:
-    motors, faults = now.motors, _faults(now, DRIVE)
+    motors, faults, celsius = now.motors, _faults(now, DRIVE), now.inputs.temperature
     level, message = OK, "on" if motors.enabled else "off"
     if not (motors.enabled or health.auto_enable):
         level, message = WARN, f"off, and commands do not switch them on; {ENABLE} does"
@@ -214,10 +210,7 @@ def _motors(health: Health, now: Snapshot) -> DiagnosticStatus:
             ("right_stalled", _yes(motors.right_stalled)),
             ("stop_button", _yes(motors.stop_button)),
             ("emergency_stop", _yes(health.emergency)),
-            (
-                "temperature_celsius",
-                "" if now.inputs.temperature is None else str(now.inputs.temperature),
-            ),
+            ("temperature_celsius", "" if celsius is None else str(celsius)),
             ("faults", faults),
         ),
     )
@@ -338,20 +331,26 @@ LATE: Final = 2.0
 def laser_status(laser: LaserDriver) -> DiagnosticStatus:
     """Return the state of a laser."""
     scan, state = laser.latest, laser.status.latest
-    level, message = DiagnosticLevel.OK, "scans"
+    identity = laser.identity or LaserIdentity()
+    level, message = OK, "scans"
     expected = 1 / scan.period if scan is not None and scan.period else 0.0
     if not laser.connected:
-        level, message = DiagnosticLevel.ERROR, state.message if state else "not asked yet"
+        level, message = ERROR, state.message if state else "not asked yet"
     elif laser.scans > LATE * expected and laser.rate < SLOW_SCANS * expected:
-        level = DiagnosticLevel.WARN
-        message = f"{laser.rate:.1f} scans/s, {expected:.1f} expected"
+        level, message = WARN, f"{laser.rate:.1f} scans/s, {expected:.1f} expected"
     return DiagnosticStatus(
         part=laser.name.capitalize(),
         level=level,
         message=message,
         values=(
             *_place(laser.config.url),
-            *_identity(laser.identity or LaserIdentity()),
+            ("Vendor Name", identity.vendor),
+            ("Product Name", identity.product),
+            ("Firmware Version", identity.firmware),
+            ("Firmware Date", identity.firmware_date),
+            ("Protocol Version", identity.protocol),
+            ("Device ID", device_id(identity)),
+            ("Device Status", identity.status),
             ("Computed Latency", f"{laser.latency:.4f}"),
             ("User Time Offset", f"{laser.config.time_offset:.4f}"),
             ("Scan Rate", f"{laser.rate:.2f}"),
@@ -375,15 +374,3 @@ def _place(url: str) -> tuple[tuple[str, str], ...]:
         parts = urlsplit(url)
         return ("IP Address", parts.hostname or ""), ("IP Port", str(parts.port or ""))
     return (("Serial Port", rest if scheme == "serial" else url),)
-
-
-def _identity(identity: LaserIdentity) -> tuple[tuple[str, str], ...]:
-    return (
-        ("Vendor Name", identity.vendor),
-        ("Product Name", identity.product),
-        ("Firmware Version", identity.firmware),
-        ("Firmware Date", identity.firmware_date),
-        ("Protocol Version", identity.protocol),
-        ("Device ID", device_id(identity)),
-        ("Device Status", identity.status),
-    )

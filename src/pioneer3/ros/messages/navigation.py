@@ -13,6 +13,8 @@ from pioneer3.ros.messages.update import fill_header, fill_pose
 
 if TYPE_CHECKING:
     from pioneer3.maps.line_map import OccupancyGrid
+    from pioneer3.nav.estimate import Estimate
+    from pioneer3.navigation.navigator import NavigatorState
 
 PLANE: Final = (0, 1, 5)
 """Rows of x, y and yaw in a covariance of six."""
@@ -217,11 +219,6 @@ def _headed(points: Sequence[tuple[float, float]], heading: float | None) -> lis
         poses.append(Pose2(x, y, along))
     poses.append(Pose2(*points[-1], poses[-1].theta if heading is None else heading))
     return poses
-
-
-if TYPE_CHECKING:
-    from pioneer3.nav.estimate import Estimate
-    from pioneer3.navigation.navigator import NavigatorState
 
 
 def navigation_status(

@@ -73,14 +73,18 @@ def bumper_array(message: Any, update: StateUpdate) -> None:
 
     Both are from left to right, and as long as the longer one.
     """
-    front, rear = bumper_rows(update.snapshot.bumpers)
+    fill_rows(message, update.make, *map(bytes, bumper_rows(update.snapshot.bumpers)))
+
+
+def fill_rows(message: Any, make: Callable[[str], Any], front: bytes, rear: bytes) -> None:
+    """Fill a std_msgs/UInt8MultiArray as :func:`bumper_array` has it."""
     length = max(len(front), len(rear))
     message.layout.dim = []
     for label, size, stride in (("front, rear", 2, 2 * length), ("segment", length, length)):
-        dimension = update.make("std_msgs/MultiArrayDimension")
+        dimension = make("std_msgs/MultiArrayDimension")
         dimension.label, dimension.size, dimension.stride = label, size, stride
         message.layout.dim.append(dimension)
-    message.data = b"".join(bytes(row).ljust(length, b"\0") for row in (front, rear))
+    message.data = b"".join(row.ljust(length, b"\0") for row in (front, rear))
 
 
 def bumper_rows(state: Bumpers) -> tuple[list[bool], list[bool]]:
@@ -288,21 +292,13 @@ def imu(message: Any, update: SensorUpdate) -> None:
     message.angular_velocity_covariance = variances
 
 
-CHANNELS: Final = 3
-"""Bytes of a pixel in `rgb8`."""
-MODEL: Final = "plumb_bob"
-"""Model of a lens, with as many numbers as :data:`PERFECT`."""
-PERFECT: Final = [0.0] * 5
-"""A lens without distortion."""
-
-
 def image(message: Any, update: PictureUpdate) -> None:
     """Fill a sensor_msgs/Image as `rgb8`."""
     pixels = update.image.pixels
     fill_header(message, update.stamp, update.frame)
     message.height, message.width = pixels.shape[:2]
     message.encoding, message.is_bigendian = "rgb8", 0
-    message.step = CHANNELS * message.width
+    message.step = 3 * message.width
     message.data = pixels.tobytes()
 
 
@@ -313,7 +309,7 @@ def camera_info(message: Any, update: PictureUpdate) -> None:
     """
     fill_header(message, update.stamp, update.frame)
     message.height, message.width = height, width = update.image.pixels.shape[:2]
-    message.distortion_model, message.D = MODEL, list(PERFECT)
+    message.distortion_model, message.D = "plumb_bob", [0.0] * 5
     message.R = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]
     message.K, message.P = [0.0] * 9, [0.0] * 12
     if update.view is None:

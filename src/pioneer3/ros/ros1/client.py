@@ -82,8 +82,15 @@ async def run_program(
         ConfigError: an argument is none of ROS's, or there is no such model.
         NoRobotError: a robot is silent.
     """
-    async with _program(name, arguments) as ended, _joined_all(robots, model) as driven:
-        await _unless_shut_down(ended, work(driven))
+    async with _program(name, arguments) as ended, AsyncExitStack() as stack:
+        driven = [await stack.enter_async_context(_joined(robot, model)) for robot in robots]
+
+        async def working() -> None:
+            await work(driven)
+            ended.set()
+
+        async with running(working()):
+            await ended.wait()
 
 
 @asynccontextmanager
@@ -163,31 +170,11 @@ async def _program(name: str, arguments: Sequence[str]) -> AsyncIterator[asyncio
         await asyncio.to_thread(rospy.signal_shutdown, "the program ends")
 
 
-async def _unless_shut_down(ended: asyncio.Event, work: Coroutine[Any, Any, None]) -> None:
-    """Do `work`, or as much of it as there is time for until the node is shut down."""
-
-    async def working() -> None:
-        await work
-        ended.set()
-
-    async with running(working()):
-        await ended.wait()
-
-
-@asynccontextmanager
-async def _joined_all(
-    robots: Iterable[RobotTopics], model: str | None
-) -> AsyncIterator[list[TopicRobot]]:
-    """Listen to robots and be ready to drive them while the block lasts; then they stand."""
-    async with AsyncExitStack() as stack:
-        ones = [await stack.enter_async_context(_joined(topics, model)) for topics in robots]
-        yield ones
-
-
 @asynccontextmanager
 async def _joined(
     topics: RobotTopics, model: str | None, *, at_once: bool = False
 ) -> AsyncIterator[TopicRobot]:
+    """Listen to a robot and be ready to drive it while the block lasts; then it stands."""
     info = await asyncio.to_thread(_info, topics, model)
     switch = MotorSwitch(partial(_switch_motors, topics.node))
     try:

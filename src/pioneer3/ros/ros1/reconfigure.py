@@ -3,13 +3,11 @@
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from types import SimpleNamespace
-from typing import Any, Final
+from typing import Any
 
 from pioneer3.errors import ConfigError
 from pioneer3.ros.node.driving_parameters import DrivingParameters, Values
 from pioneer3.ros.node.parameter import Parameter
-
-LEVEL: Final = 0
 
 
 class Reconfigure:
@@ -59,11 +57,13 @@ class Reconfigure:
 
 def _description(parameters: Sequence[Parameter]) -> Any:
     """Return the content of a generated configuration module."""
+    from dynamic_reconfigure.encoding import Config
+
     listed = [
         {
             "name": each.name,
             "type": "int" if each.whole else "double",
-            "level": LEVEL,
+            "level": 0,
             "description": f"{each.described}; {each.default:g} is {each.otherwise}"
             if each.whole
             else each.described,
@@ -72,7 +72,7 @@ def _description(parameters: Sequence[Parameter]) -> Any:
         for each in parameters
     ]
     return SimpleNamespace(
-        defaults=_config({each.name: each.default for each in parameters}),
+        defaults=Config({each.name: each.default for each in parameters}),
         min={each.name: each.low for each in parameters},
         max={each.name: each.high for each in parameters},
         config_description={
@@ -85,9 +85,3 @@ def _description(parameters: Sequence[Parameter]) -> Any:
             "parameters": listed,
         },
     )
-
-
-def _config(values: Mapping[str, object]) -> Any:
-    from dynamic_reconfigure.encoding import Config
-
-    return Config(values)

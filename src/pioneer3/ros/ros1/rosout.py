@@ -32,14 +32,14 @@ def _on_one_line(record: logging.LogRecord) -> bool:
     return True
 
 
-def log_in_background(logger: str = "rosout") -> None:
+def log_in_background() -> None:
     """Let a thread of its own publish the records of rospy; `rospy.init_node` comes first.
 
     Records are on the terminal at once, as before.
     """
     from rospy.impl.rosout import RosOutHandler
 
-    log = logging.getLogger(logger)
+    log = logging.getLogger("rosout")
     log.addFilter(_on_one_line)
     publishers = [each for each in log.handlers if isinstance(each, RosOutHandler)]
     if not publishers:

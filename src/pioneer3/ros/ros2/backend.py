@@ -53,6 +53,20 @@ def strictest(offered: Sequence[Qos], depth: int) -> Qos:
     )
 
 
+def to_dds(name: str) -> str:
+    """Return `nav_msgs::msg::dds_::Odometry_` for `nav_msgs/msg/Odometry`."""
+    *packages, last = name.split("/")
+    return "::".join((*packages, "dds_", f"{last}_"))
+
+
+def from_dds(name: str) -> str:
+    """Return `nav_msgs/msg/Odometry` for `nav_msgs::msg::dds_::Odometry_`."""
+    parts = name.split("::")
+    if parts[-2:-1] == ["dds_"]:
+        parts[-2:] = [parts[-1].removesuffix("_")]
+    return "/".join(parts)
+
+
 @dataclass(frozen=True, slots=True)
 class MessageType:
     """A type of messages such as `nav_msgs/msg/Odometry`; before Iron there is no hash."""
@@ -63,8 +77,7 @@ class MessageType:
     @property
     def dds_name(self) -> str:
         """Its name on the wire: `nav_msgs::msg::dds_::Odometry_`."""
-        package, kind, name = self.name.split("/")
-        return f"{package}::{kind}::dds_::{name}_"
+        return to_dds(self.name)
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,11 +88,6 @@ class ServiceType:
     hash: str
     request: MessageType
     response: MessageType
-
-    @property
-    def dds_name(self) -> str:
-        """Its name in Zenoh's keys: `std_srvs::srv::dds_::SetBool_`."""
-        return MessageType(self.name).dds_name
 
 
 class EndpointKind(StrEnum):

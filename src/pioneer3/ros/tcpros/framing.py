@@ -5,10 +5,11 @@ each side is a header, whose fields `name=value` are frames, too.
 """
 
 import asyncio
-import socket
 from collections.abc import Mapping
 from struct import Struct
 from typing import Final
+
+from pioneer3.links.stream import tune
 
 LENGTH: Final = Struct("<I")
 LONGEST_HEADER: Final = 1 << 20
@@ -85,11 +86,5 @@ async def read_header(reader: asyncio.StreamReader) -> dict[str, str]:
 
 def prepare(writer: asyncio.StreamWriter) -> None:
     """Have a connection send at once, and notice when the other side is gone."""
-    connection = writer.get_extra_info("socket")
-    if connection is None:
-        return
-    connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-    connection.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
-    for name, value in KEEPALIVE.items():
-        if hasattr(socket, name):
-            connection.setsockopt(socket.IPPROTO_TCP, getattr(socket, name), value)
+    if (connection := writer.get_extra_info("socket")) is not None:
+        tune(connection, KEEPALIVE)

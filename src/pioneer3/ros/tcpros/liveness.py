@@ -4,6 +4,8 @@ import asyncio
 from collections.abc import Awaitable, Callable, Iterable
 from typing import Final
 
+from pioneer3.tasks import cancelled
+
 PROMPT: Final = 0.5
 """Longest wait for answers at a look [s]; later ones count at the next."""
 
@@ -28,10 +30,7 @@ class Liveness:
 
     async def close(self) -> None:
         """Ask no more."""
-        tasks = list(self._asking.values())
-        for task in tasks:
-            task.cancel()
-        await asyncio.gather(*tasks, return_exceptions=True)
+        await cancelled(self._asking.values())
 
     async def _look(self, name: str) -> None:
         try:

@@ -19,7 +19,7 @@ from pioneer3.ros.tcpros.publisher import TopicPublisher
 from pioneer3.ros.tcpros.services import Handle, ServiceError, ServiceServer, call
 from pioneer3.ros.tcpros.subscriber import Left, Received, TopicSubscription
 from pioneer3.ros.tcpros.types import Definition
-from pioneer3.tasks import running
+from pioneer3.tasks import cancelled, running
 
 LOOK: Final = 1.0
 """Pause between two looks at the master [s]."""
@@ -29,12 +29,7 @@ WORKERS: Final = 8
 """Calls at once: to the master, to publishers, and to nodes whether they respond, of each."""
 CONNECTIONS: Final = 512
 """Connections to topics and services at once; further ones are refused."""
-MASTER = 0
-"""Kind of calls to the master; each kind has threads of its own."""
-PUBLISHERS = 1
-"""Kind of calls to publishers."""
-NODES = 2
-"""Kind of calls to nodes."""
+MASTER, PUBLISHERS, NODES = range(3)
 SETTLING: Final = 5.0
 """Longest wait for the master at the start [s]."""
 ENDING: Final = 2.0
@@ -68,8 +63,9 @@ class Ros1Node:
         self.state: SystemState | None = None
         self._at, self._port, self._tell, self._extra = at, port, tell, extra
         self._loop = asyncio.get_running_loop()
-        names = ("ros1 master", "ros1 publishers", "ros1 nodes")  # nobody waits for another's
-        self._workers = [ThreadPoolExecutor(WORKERS, each) for each in names]
+        # by kind of calls: nobody waits for another's
+        names = {MASTER: "ros1 master", PUBLISHERS: "ros1 publishers", NODES: "ros1 nodes"}
+        self._workers = {kind: ThreadPoolExecutor(WORKERS, name) for kind, name in names.items()}
         self._located: WeakValueDictionary[str, asyncio.Lock] = WeakValueDictionary()
         self._liveness = Liveness(self.is_alive)
         self._publishers: dict[str, TopicPublisher] = {}
@@ -191,7 +187,7 @@ class Ros1Node:
                 if not self._away:
                     await self._unregister()
         await asyncio.to_thread(self._api.close)
-        for workers in self._workers:
+        for workers in self._workers.values():
             workers.shutdown(wait=False, cancel_futures=True)
 
     async def take(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
@@ -351,9 +347,7 @@ async def ros1_node(
     finally:
         server.close()
         await node.close()
-        for client in list(clients):
-            client.cancel()
-        await asyncio.gather(*clients, return_exceptions=True)
+        await cancelled(clients)
 
 
 async def _until_closed(reader: asyncio.StreamReader) -> None:

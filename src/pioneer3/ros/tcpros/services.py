@@ -48,8 +48,8 @@ class ServiceServer:
             writer.write(header_frame({"error": f"{self.name} is of {self.type.name}"}))
             return
         own = {"callerid": caller, "md5sum": self.type.md5sum, "type": self.type.name}
-        parts = {f"{part}_type": f"{self.type.name}{part.title()}" for part in _PARTS}
-        writer.write(header_frame({**own, **parts}))
+        own |= {f"{part.lower()}_type": own["type"] + part for part in ("Request", "Response")}
+        writer.write(header_frame(own))
         persistent = header.get("persistent") == "1"
         if header.get("probe") == "1":
             return
@@ -70,9 +70,6 @@ class ServiceServer:
             frame = FAILED + framed(str(error).encode())
         writer.write(frame)
         await writer.drain()
-
-
-_PARTS = ("request", "response")
 
 
 async def call(uri: str, name: str, type_: Definition, caller: str, request: bytes) -> bytes:

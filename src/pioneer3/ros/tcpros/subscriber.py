@@ -11,6 +11,7 @@ from xmlrpc.client import Error as XmlRpcError
 from pioneer3.ros.tcpros.framing import header_frame, prepare, read_frame, read_header
 from pioneer3.ros.tcpros.publisher import ANY
 from pioneer3.ros.tcpros.types import Definition
+from pioneer3.tasks import cancelled
 
 FIRST_PAUSE: Final = 0.2
 LONGEST_PAUSE: Final = 5.0
@@ -101,10 +102,7 @@ class TopicSubscription:
 
     async def close(self) -> None:
         """Receive no more."""
-        tasks = list(self._following.values())
-        for task in tasks:
-            task.cancel()
-        await asyncio.gather(*tasks, return_exceptions=True)
+        await cancelled(self._following.values())
 
     async def _follow(self, uri: str, *, was_there: bool) -> None:
         """Receive from a publisher; connect again whenever the connection ends."""
@@ -135,7 +133,15 @@ class TopicSubscription:
         connection = None
         try:
             prepare(writer)
-            writer.write(header_frame(self._header()))
+            fields = {
+                "callerid": self._caller,
+                "md5sum": self.type.md5sum,
+                "message_definition": self.type.text,
+                "tcp_nodelay": "1",
+                "topic": self.name,
+                "type": self.type.name,
+            }
+            writer.write(header_frame(fields))
             header = await read_header(reader)
             if not self._fits(header, uri):
                 return
@@ -158,16 +164,6 @@ class TopicSubscription:
             if connection is not None:
                 self._connected.pop(uri, None)
                 self._left(connection)
-
-    def _header(self) -> dict[str, str]:
-        return {
-            "callerid": self._caller,
-            "md5sum": self.type.md5sum,
-            "message_definition": self.type.text,
-            "tcp_nodelay": "1",
-            "topic": self.name,
-            "type": self.type.name,
-        }
 
     def _fits(self, header: dict[str, str], uri: str) -> bool:
         """Return whether a publisher has our type; tell once if not."""

@@ -6,7 +6,7 @@ from threading import Lock
 from typing import TYPE_CHECKING
 
 from pioneer3.ros.ros2.backend import Endpoint, EndpointKind, Graph, Left
-from pioneer3.ros.zenoh.keys import KeyTopic, LivelinessToken, all_tokens, parse_token
+from pioneer3.ros.zenoh.keys import SPACE, KeyTopic, LivelinessToken, parse_token
 
 if TYPE_CHECKING:
     import zenoh
@@ -24,7 +24,7 @@ class TokenGraph:
         self._own: set[str] = set()
         self._listeners: list[tuple[KeyTopic, Left]] = []
         self._subscriber = session.liveliness().declare_subscriber(
-            all_tokens(domain), self._changed, history=True
+            f"{SPACE}/{domain}/**", self._changed, history=True
         )
 
     def add_own(self, token: LivelinessToken) -> None:

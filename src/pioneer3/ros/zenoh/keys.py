@@ -16,7 +16,14 @@ from struct import Struct, pack, unpack_from
 from typing import Final
 
 from pioneer3.names import printable
-from pioneer3.ros.ros2.backend import Endpoint, EndpointKind, NodeName, Qos
+from pioneer3.ros.ros2.backend import (
+    Endpoint,
+    EndpointKind,
+    NodeName,
+    Qos,
+    from_dds,
+    to_dds,
+)
 
 SPACE: Final = "@ros2_lv"
 NODE: Final = "NN"
@@ -100,11 +107,11 @@ class LivelinessToken:
         code = NODE if self.kind is None else CODES[self.kind]
         numbers = (self.domain, self.session, self.node_id, self.entity_id)
         names = (self.enclave, self.node.namespace, self.node.name)
-        parts = [SPACE, *map(str, numbers), code, *map(mangled, names)]
+        parts = [SPACE, *map(str, numbers), code, *map(_mangled, names)]
         if self.topic is not None:
             topic = self.topic
             types = (to_dds(topic.type_name), topic.type_hash or NO_HASH)
-            parts += [*map(mangled, (topic.name, *types)), qos_text(self.qos)]
+            parts += [*map(_mangled, (topic.name, *types)), qos_text(self.qos)]
         return "/".join(parts)
 
     @property
@@ -200,11 +207,6 @@ def parse_token(text: str) -> LivelinessToken:
     )
 
 
-def all_tokens(domain: int) -> str:
-    """Return the key expression of all tokens of a domain."""
-    return f"{SPACE}/{domain}/**"
-
-
 def gid_of(token: str) -> bytes:
     """Return the identity of the endpoint whose token has this key expression."""
     import xxhash
@@ -247,29 +249,9 @@ def _seconds(text: str) -> float:
     return inf if whole >= FOREVER else whole + int(rest or 0) / NANO
 
 
-def to_dds(name: str) -> str:
-    """Return `nav_msgs::msg::dds_::Odometry_` for `nav_msgs/msg/Odometry`."""
-    *packages, last = name.split("/")
-    return "::".join((*packages, "dds_", f"{last}_"))
-
-
-def from_dds(name: str) -> str:
-    """Return `nav_msgs/msg/Odometry` for `nav_msgs::msg::dds_::Odometry_`."""
-    parts = name.split("::")
-    if parts[-2:-1] == ["dds_"]:
-        parts[-2:] = [parts[-1].removesuffix("_")]
-    return "/".join(parts)
-
-
-def _name(part: str) -> str:
-    return printable(demangled(part))
-
-
-def mangled(name: str) -> str:
-    """Return a name with `%` for `/`."""
+def _mangled(name: str) -> str:
     return name.replace("/", "%")
 
 
-def demangled(name: str) -> str:
-    """Return a name with `/` for `%`."""
-    return name.replace("%", "/")
+def _name(part: str) -> str:
+    return printable(part.replace("%", "/"))

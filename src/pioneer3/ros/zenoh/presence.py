@@ -18,13 +18,8 @@ PERIOD: Final = 1.0
 """Between two looks [s]."""
 PATIENCE: Final = 2.0
 """An end that takes longer to answer is not there [s]."""
-INIT = 0x01
-"""Kind of the first message of a session."""
-VERSION = 0x09
-"""Version of the protocol in it."""
-CLIENT = 0x02
-"""Identity of one byte in it."""
-
+HELLO: Final = b"\x01\x09\x02\x01"
+"""First message of a session: kind, version of the protocol, a client, its identity of one byte."""
 log = logging.getLogger(__name__)
 
 
@@ -118,8 +113,7 @@ def _wrapped(options: ZenohOptions, link: socket.socket, host: str) -> socket.so
 
 def _answers(link: socket.socket) -> bool:
     """Return whether a router is at the other end, not only something that forwards to it."""
-    message = bytes((INIT, VERSION, CLIENT)) + bytes((1,))
-    link.sendall(len(message).to_bytes(2, "little") + message)
+    link.sendall(len(HELLO).to_bytes(2, "little") + HELLO)
     return bool(link.recv(1))
 
 

@@ -5,18 +5,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pioneer3.ros.ros2.backend import LATCHED, EndpointKind, NodeName, Qos
+from pioneer3.ros.ros2.backend import LATCHED, EndpointKind, NodeName, Qos, from_dds, to_dds
 from pioneer3.ros.zenoh.keys import (
     Attachment,
     KeyTopic,
     LivelinessToken,
-    from_dds,
     gid_of,
     parse_attachment,
     parse_qos,
     parse_token,
     qos_text,
-    to_dds,
 )
 
 CHATTER = (
