@@ -15,9 +15,10 @@ from pioneer3.doctor.recognition import DeviceKind
 from pioneer3.lasers.client import Patience, ScanSettings
 from pioneer3.lasers.lms2xx.telegram import encode as telegram_of
 from pioneer3.lasers.recognition import LMS_QUESTION, QUESTION
-from pioneer3.links.memory import MemoryLink, Noise, bytewise, null_modem
+from pioneer3.links.memory import MemoryLink, null_modem
 from pioneer3.models.lasers import LaserProtocol
 from pioneer3.robot.lasers.search import ProtocolSearch
+from tests.faults import Noise, bytewise
 from tests.support import SimulatedRobot, corrupted, decoded
 
 URL = "memory:robot"

@@ -16,10 +16,11 @@ from pioneer3.fleet.members import PAUSES, Reached
 from pioneer3.fleet.spec import FleetRobot
 from pioneer3.geometry import Twist2
 from pioneer3.links import Link
-from pioneer3.links.memory import Noise, null_modem
+from pioneer3.links.memory import null_modem
 from pioneer3.runtime.arbiter import PROGRAM
 from pioneer3.runtime.driven import Driven
 from pioneer3.tasks import running
+from tests.faults import Noise
 from tests.fleets import ESCAPE, QUIT, UP, driven, simulated
 from tests.support import until
 

@@ -14,11 +14,12 @@ from pioneer3.arcos.reports import from_payload
 from pioneer3.errors import LinkError, NoRobotError
 from pioneer3.geometry import Pose2
 from pioneer3.links import Link
-from pioneer3.links.memory import MemoryLink, Noise, bytewise, clean
+from pioneer3.links.memory import MemoryLink, clean
 from pioneer3.links.serial import SPEEDS, remembered_speed
 from pioneer3.models import load_model
 from pioneer3.navigation.connect import connect_async
 from pioneer3.robot.session import Session
+from tests.faults import Noise, bytewise
 from tests.support import (
     TICK,
     First,

@@ -10,10 +10,10 @@ from pioneer3.arcos import commands
 from pioneer3.arcos.commands import Command
 from pioneer3.errors import MotionError
 from pioneer3.geometry import Pose2
-from pioneer3.links.memory import Noise
 from pioneer3.navigation.connect import connect_async
 from pioneer3.robot.supervisor import Connection
 from pioneer3.runtime.robot import Robot
+from tests.faults import Noise
 from tests.support import SimulatedRobot, frame, hold, is_at, until
 
 STOP = bytes.fromhex("fafb031d001d")

@@ -2,8 +2,6 @@
 
 import asyncio
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
-from random import Random
 
 from pioneer3.errors import LinkError
 
@@ -14,30 +12,6 @@ Fault = Callable[[bytes], Iterable[bytes]]
 def clean(data: bytes) -> Iterable[bytes]:
     """Deliver as sent."""
     return (data,)
-
-
-def bytewise(data: bytes) -> Iterable[bytes]:
-    """Deliver byte by byte."""
-    return (data[i : i + 1] for i in range(len(data)))
-
-
-@dataclass
-class Noise:
-    """A fault that replaces a share of the bytes by random ones, and drops a share."""
-
-    random: Random
-    corrupt: float = 0.0
-    drop: float = 0.0
-
-    def __call__(self, data: bytes) -> Iterable[bytes]:
-        """Deliver the surviving bytes in one piece."""
-        kept = bytearray()
-        for byte in data:
-            if self.random.random() < self.drop:
-                continue
-            hit = self.random.random() < self.corrupt
-            kept.append(self.random.randrange(256) if hit else byte)
-        return (bytes(kept),) if kept else ()
 
 
 class MemoryLink:
@@ -92,7 +66,7 @@ class MemoryLink:
             self._closed = True
             self._inbox.put_nowait(b"")
             if self.peer is not None:
-                self.peer._hang_up(self.delay)
+                self.peer._arrive(b"", self.delay)
 
     def _deliver(self, piece: bytes) -> None:
         peer = self.peer
@@ -100,17 +74,13 @@ class MemoryLink:
             return
         if self.speed != peer.speed:  # like a UART at the wrong speed
             piece = bytes(byte * 37 % 256 | 0x80 for byte in piece)
-        if self.delay:
-            loop = asyncio.get_running_loop()
-            loop.call_later(self.delay, peer._inbox.put_nowait, piece)
-        else:
-            peer._inbox.put_nowait(piece)
+        peer._arrive(piece, self.delay)
 
-    def _hang_up(self, delay: float) -> None:
+    def _arrive(self, data: bytes, delay: float) -> None:
         if delay:
-            asyncio.get_running_loop().call_later(delay, self._inbox.put_nowait, b"")
+            asyncio.get_running_loop().call_later(delay, self._inbox.put_nowait, data)
         else:
-            self._inbox.put_nowait(b"")
+            self._inbox.put_nowait(data)
 
 
 def null_modem(

@@ -14,7 +14,7 @@ import asyncio
 import logging
 from collections import deque
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -152,11 +152,8 @@ def begun(path: Path, clock: Clock) -> WireRecording:
 @contextmanager
 def recorded(opener: Opener, path: Path, clock: Clock) -> Iterator[Recorder]:
     """Record every link that `opener` opens to one new file; errors as of :func:`begun`."""
-    recording = begun(path, clock)
-    try:
+    with closing(begun(path, clock)) as recording:
         yield Recorder(opener, recording)
-    finally:
-        recording.close()
 
 
 class Replay:

@@ -10,7 +10,7 @@ import pytest
 from pioneer3 import connect_async
 from pioneer3.doctor.facts import Finding, Level
 from pioneer3.doctor.watch import LEAST, WINDOW, LineWatch
-from pioneer3.links.memory import Noise
+from tests.faults import Noise
 from tests.support import SimulatedRobot
 
 

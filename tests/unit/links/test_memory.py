@@ -6,7 +6,8 @@ from random import Random
 import pytest
 
 from pioneer3.errors import LinkError
-from pioneer3.links.memory import MemoryLink, Noise, bytewise, null_modem
+from pioneer3.links.memory import MemoryLink, null_modem
+from tests.faults import Noise, bytewise
 
 
 async def test_what_one_end_writes_the_other_reads() -> None:

@@ -39,16 +39,11 @@ DCHEAD, VEL2 and LATVEL (protocol.md 3.1)."""
 Meaning = type[Command] | CommandRow
 
 
-def _written(module: object, names: list[str]) -> tuple[type[Command], ...]:
-    """Return the command classes among the names of a module."""
-    members = (getattr(module, name) for name in names)
-    return tuple(member for member in members if hasattr(member, "ID"))
-
-
-_WRITTEN: Final = (
-    *_written(driving, driving.__all__),
-    *_written(devices, devices.__all__),
-    *_written(simulators, simulators.__all__),
+_WRITTEN: Final[tuple[type[Command], ...]] = tuple(
+    member
+    for module in (driving, devices, simulators)
+    for name in module.__all__
+    if hasattr(member := getattr(module, name), "ID")
 )
 _OLD: Final[dict[int, Meaning]] = {
     **{row.number: row for row in OLD_SIMULATOR},

@@ -13,7 +13,7 @@ from time import monotonic, sleep
 from typing import Any, Final
 
 from pioneer3.errors import ConfigError, how_to_get
-from pioneer3.ros.dds.discovery import TOPIC, Discovery
+from pioneer3.ros.dds.discovery import INFO, TOPIC, Discovery
 from pioneer3.ros.dds.endpoints import SAMPLES, DdsReader, DdsWriter
 from pioneer3.ros.dds.entities import Entities
 from pioneer3.ros.dds.services import HEAD, ServiceClient, ServiceResponder
@@ -88,7 +88,7 @@ class DdsBackend:
     def _begin(self) -> None:
         """Join the graph, and start the thread."""
         self._news = self._entities.news()
-        info = self._discovery.type()
+        info = self._types.message_type(INFO)
         self._infos = self._advertise(TOPIC, info, NO_HEAD, LATCHED)
         self._subscribe(TOPIC, info, EVERYBODY, self._take_info)
         self._thread = threading.Thread(target=self._take, name="dds", daemon=True)

@@ -11,7 +11,6 @@ from pioneer3.ros.ros2.backend import (
     Endpoint,
     EndpointKind,
     Graph,
-    MessageType,
     NodeName,
     Qos,
     from_dds,
@@ -134,10 +133,6 @@ class Discovery:
                 known, name = self._endpoints.get(gid), after.get(gid, "")
                 if known is not None and known.node != name:
                     self._endpoints[gid] = replace(known, node=name)
-
-    def type(self) -> MessageType:
-        """Return the type of the messages of the graph."""
-        return self._types.message_type(INFO)
 
     def _gid(self, guid: bytes) -> Any:
         gid = self._types.make(GID)

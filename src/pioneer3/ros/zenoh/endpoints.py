@@ -57,21 +57,20 @@ class ZenohWriter:
         self._release = release
         self._numbers = count(1)
         self.is_open = True
-        self._matched = False
-        self._plain: zenoh.Publisher | None = None
-        self._latched: zenoh.ext.AdvancedPublisher | None = None
+        self._matched = qos.transient_local
+        self._publisher: Any  # zenoh's stubs leave the end of the latched one untyped
         if qos.transient_local:
-            self._latched = _latched_publisher(session, key, qos)
+            self._publisher = _latched_publisher(session, key, qos)
         else:
-            self._plain = _publisher(session, key, qos)
-            self._matching = self._plain.declare_matching_listener(self._match)
-            if matching(self._plain):
+            self._publisher = plain = _publisher(session, key, qos)
+            self._matching = plain.declare_matching_listener(self._match)
+            if matching(plain):
                 self._matched = True
 
     @property
     def matched(self) -> bool:
         """Whether anybody subscribes; of a latched topic always, for others may come."""
-        return self.is_open and (self._plain is None or self._matched)
+        return self.is_open and self._matched
 
     def _match(self, status: Any) -> None:
         self._matched = bool(status.matching)
@@ -80,11 +79,10 @@ class ZenohWriter:
         """Send a message; after :meth:`close` nothing."""
         import zenoh
 
-        publisher = self._plain or self._latched
-        if not self.is_open or publisher is None:
+        if not self.is_open:
             return
         try:
-            publisher.put(cdr, attachment=attachment(next(self._numbers), self._gid))
+            self._publisher.put(cdr, attachment=attachment(next(self._numbers), self._gid))
         except zenoh.ZError as error:
             if self.is_open:
                 log.debug("not sent: %s", error)
@@ -94,10 +92,7 @@ class ZenohWriter:
         if self.is_open:
             self.is_open = False
             self._release()
-            if self._plain is not None:
-                self._plain.undeclare()
-            if self._latched is not None:
-                self._latched.undeclare()
+            self._publisher.undeclare()
 
 
 def _publisher(session: "zenoh.Session", key: str, qos: Qos) -> "zenoh.Publisher":
