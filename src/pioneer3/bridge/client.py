@@ -41,7 +41,7 @@ class ClientPhase(Enum):
 
 
 class BridgeClient:
-    """One host, which joined at `joined_at`, and sent its last packet at `heard_at` [monotonic]."""
+    """One host; it joined at `joined_at`, and was heard last at `heard_at` [s, monotonic]."""
 
     def __init__(self, port: HostPort, now: float) -> None:
         self.port = port

@@ -150,7 +150,7 @@ def goal(message: Any, update: NavigationUpdate) -> None:
 
 
 def placed(message: Any) -> SentPose:
-    """Return the pose of a geometry_msgs/PoseStamped; CommandError without a frame or the plane."""
+    """Return the pose of a geometry_msgs/PoseStamped; CommandError if it has no frame, or tilts."""
     return SentPose(frame=_frame(message), pose=flat_pose(message.pose))
 
 

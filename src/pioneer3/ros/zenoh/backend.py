@@ -129,7 +129,7 @@ class ZenohBackend:
         return server
 
     def call(self, name: str, type_: ServiceType, request: bytes, timeout: float) -> bytes:
-        """Call a service, once its server is there, once; TimeoutError after `timeout` [s]."""
+        """Call a service once, when its server is there; TimeoutError after `timeout` [s]."""
         import zenoh
 
         end = time.monotonic() + timeout
