@@ -103,16 +103,12 @@ class TapLink:
 
     async def set_speed(self, baud: int) -> None:
         """Change the speed of the link inside."""
-        self.remark(f"{baud} baud")
+        self._recording.remark(f"{baud} baud")
         await self._link.set_speed(baud)
 
     async def close(self) -> None:
         """Close the link inside; the recording goes on."""
         await self._link.close()
-
-    def remark(self, words: str) -> None:
-        """Write a comment with its time."""
-        self._recording.remark(words)
 
 
 class Recorder:
@@ -121,17 +117,18 @@ class Recorder:
     def __init__(self, opener: Opener, recording: WireRecording) -> None:
         self._open = opener
         self._recording = recording
-        self._tap: TapLink | None = None
+        self._began = False
 
     async def open(self) -> Link:
         """Open the link, and record it."""
-        self._tap = TapLink(await self._open(), self._recording)
-        return self._tap
+        link = await self._open()
+        self._began = True
+        return TapLink(link, self._recording)
 
     def remark(self, words: str) -> None:
         """Write an event as a comment; before the first link, do nothing."""
-        if self._tap is not None:
-            self._tap.remark(words)
+        if self._began:
+            self._recording.remark(words)
 
 
 def begun(path: Path, clock: Clock) -> WireRecording:

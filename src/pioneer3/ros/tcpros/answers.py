@@ -1,8 +1,11 @@
 """Answers of the master and of other nodes. Any program may be odd: their shape is checked here."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
-from typing import Any, Final
+from typing import Annotated, Any, Final
+
+from msgspec import Meta, ValidationError, convert
 
 DONE: Final = 1
 
@@ -23,6 +26,18 @@ class SystemState:
     subscribers: Mapping[str, list[str]] = field(default_factory=dict)
 
 
+Rows = list[tuple[str, list[str]]]
+"""Names of nodes by topic, as they are sent."""
+SHAPES: Final[Mapping[str, Any]] = {
+    "lookupNode": str,
+    "lookupService": str,
+    "registerSubscriber": list[str],
+    "getSystemState": Annotated[list[Rows], Meta(min_length=2)],
+    "requestTopic": tuple[str, str, Annotated[int, Meta(gt=0, lt=1 << 16)]],
+}
+"""Types of values by method; those of others are not used."""
+
+
 def value_of(method: str, answer: object) -> Any:
     """Return the value in the answer to a method; MasterRefusalError if it is no.
 
@@ -33,47 +48,7 @@ def value_of(method: str, answer: object) -> Any:
         case [int(code), words, value]:
             if code != DONE:
                 raise MasterRefusalError(str(words))
-            fits = SHAPES.get(method)
-            if fits is None or fits(value):
+            with suppress(ValidationError):
+                convert(value, SHAPES.get(method, Any))
                 return value
     raise OddAnswerError(f"the answer to {method} is none of ROS: {str(answer)[:80]}")
-
-
-def are_texts(value: object) -> bool:
-    """Return whether this is a list of strings."""
-    return isinstance(value, list) and all(isinstance(each, str) for each in value)
-
-
-def _is_text(value: object) -> bool:
-    return isinstance(value, str)
-
-
-def _is_state(value: object) -> bool:
-    match value:
-        case [publishers, subscribers, *_]:
-            return _are_rows(publishers) and _are_rows(subscribers)
-    return False
-
-
-def _are_rows(value: object) -> bool:
-    return isinstance(value, list) and all(
-        isinstance(row, list) and len(row) == 2 and isinstance(row[0], str) and are_texts(row[1])
-        for row in value
-    )
-
-
-def _is_address(value: object) -> bool:
-    match value:
-        case [str(), str(), int(port), *_]:
-            return 0 < port < 1 << 16
-    return False
-
-
-SHAPES: Final[Mapping[str, Callable[[object], bool]]] = {
-    "lookupNode": _is_text,
-    "lookupService": _is_text,
-    "registerSubscriber": are_texts,
-    "getSystemState": _is_state,
-    "requestTopic": _is_address,
-}
-"""Checks of values by method; those of others are not used."""

@@ -15,13 +15,7 @@ from xmlrpc.client import Error as XmlRpcError
 from xmlrpc.client import ServerProxy, Transport
 from xmlrpc.server import SimpleXMLRPCRequestHandler, SimpleXMLRPCServer
 
-from pioneer3.ros.tcpros.answers import (
-    DONE,
-    MasterRefusalError,
-    OddAnswerError,
-    are_texts,
-    value_of,
-)
+from pioneer3.ros.tcpros.answers import DONE, MasterRefusalError, OddAnswerError, value_of
 
 PATIENCE: Final = 3.0
 """A node that does not respond within this time [s] hangs."""
@@ -182,7 +176,7 @@ class NodeApi:
         self._thread.join()
 
     def _publisher_update(self, caller: str, topic: str, publishers: list[str]) -> int:
-        if not are_texts(publishers):
+        if not isinstance(publishers, list) or not all(isinstance(uri, str) for uri in publishers):
             raise TypeError("publishers are a list of addresses")
         self._calls.publisher_update(topic, publishers)
         return 0
