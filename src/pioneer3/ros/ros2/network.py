@@ -52,20 +52,11 @@ OF_ITS_ZENOH: Final = "ZENOH_SESSION_CONFIG_URI names the settings of rmw_zenoh_
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Network:
-    """Where a node is: its backend, and the options of each.
+    """Where a node is: its backend, and the options of `DdsOptions` and `ZenohOptions`.
 
     Attributes:
         distro: Distribution of the peers; `None` for that of `ROS_DISTRO`, else Jazzy.
         domain: Number of the domain; `None` for that of `ROS_DOMAIN_ID`, else 0.
-        interfaces: Names or addresses of network interfaces for DDS; without any, and without
-            peers, nothing leaves this computer.
-        dds_peers: Addresses of other computers for DDS, where multicast does not get through.
-        dds_services: Whether the peers run rmw_cyclonedds_cpp, so that services work over DDS.
-        connect: Endpoints of Zenoh routers, such as `tls/fleet.example.org:7447`.
-        zenoh_config: File with further settings of Zenoh (JSON 5).
-        ca: File with the certificates that Zenoh trusts for TLS.
-        key: File with the private key of the certificate.
-        credentials: File with a line `user:password` for Zenoh, for its owner only.
     """
 
     backend: BackendName = BackendName.AUTO
@@ -135,27 +126,17 @@ class Network:
             listen=self.listen or ROUTER.listen,
         )
 
-    @property
-    def _meant(self) -> dict[BackendName, list[str]]:
-        """The fields that are given, by the backend that keeps them."""
-        meant: dict[BackendName, list[str]] = {}
-        for field, (_, backend) in OPTIONS.items():
-            if getattr(self, field):
-                meant.setdefault(backend, []).append(field)
-        return meant
-
     def check(self, chosen: BackendName) -> None:
         """Refuse options that the chosen backend does not keep.
 
         Raises:
             ConfigError: there is one; the message has what helps.
         """
-        for backend, fields in self._meant.items():
-            if backend is not chosen:
-                word, _ = OPTIONS[fields[0]]
+        for field, (word, backend) in OPTIONS.items():
+            if backend is not chosen and getattr(self, field):
                 remedy = f"take --backend {backend}"
                 if chosen is BackendName.RCLPY:
-                    remedy = f"{OF_RCLPY.get(fields[0], OF_ITS_ZENOH)}; or {remedy}"
+                    remedy = f"{OF_RCLPY.get(field, OF_ITS_ZENOH)}; or {remedy}"
                 raise ConfigError(f"{chosen} has no {word}: {remedy}")
 
     def obstacle(self) -> str:
@@ -176,8 +157,9 @@ class Network:
             return self.backend
         if find_spec("rclpy") is not None and not self.obstacle():
             return BackendName.RCLPY
+        given = {keeper for field, (_, keeper) in OPTIONS.items() if getattr(self, field)}
         of_ros = environment.get("RMW_IMPLEMENTATION")
-        asks_zenoh = BackendName.ZENOH in self._meant or of_ros == "rmw_zenoh_cpp"
+        asks_zenoh = BackendName.ZENOH in given or of_ros == "rmw_zenoh_cpp"
         order = [("cyclonedds", BackendName.DDS), ("zenoh", BackendName.ZENOH)]
         for library, backend in reversed(order) if asks_zenoh else order:
             if find_spec(library) is not None:
@@ -207,13 +189,10 @@ def open_backend(network: Network, node: NodeName, types: MessageTypes) -> Backe
             from pioneer3.ros.dds.backend import DdsBackend
             from pioneer3.ros.dds.settings import DdsOptions
 
-            return DdsBackend(
-                node,
-                types,
-                DdsOptions(
-                    domain=domain,
-                    interfaces=network.interfaces,
-                    peers=network.dds_peers,
-                    services=network.dds_services,
-                ),
+            options = DdsOptions(
+                domain=domain,
+                interfaces=network.interfaces,
+                peers=network.dds_peers,
+                services=network.dds_services,
             )
+            return DdsBackend(node, types, options)
