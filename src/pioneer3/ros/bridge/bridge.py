@@ -34,12 +34,7 @@ class TopicBridge:
     """Passes on messages between two networks.
 
     Args:
-        node: Our node in ROS 1.
-        backend: Our node in ROS 2.
         name: Full name of the node in ROS 2.
-        converter: Converts messages.
-        rows: The topics.
-        services: The services of the robot.
         robot: The side that the robot's node is on.
         timeout: How long a velocity command lasts [s]; `inf` until the next one.
         resumes: Whether a stream of commands that fell silent goes on by itself.

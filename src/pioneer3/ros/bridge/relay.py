@@ -123,16 +123,10 @@ class Sink:
 
 
 class TopicRelay:
-    """Passes on the messages of a topic.
+    """Passes on the messages of a topic from `source`, whose types are `types`, to a sink.
 
-    Args:
-        row: The topic.
-        source: The side that they come from.
-        types: Types of that side.
-        convert: Makes messages of the other side.
-        sink: Where they go.
-        timeout: The age at which a stamped command is refused [s].
-        tell: Given a sentence when messages are refused.
+    `timeout` is the age at which a stamped command is refused [s]; `tell` is given a sentence when
+    messages are refused.
     """
 
     def __init__(

@@ -62,13 +62,9 @@ class BridgeWay(StrEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BridgedTopic:
-    """A topic that is bridged; types are short, such as `geometry_msgs/Twist`.
+    """A topic that is bridged, by full names and short types, such as `geometry_msgs/Twist`.
 
     Attributes:
-        ros1: Its full name in ROS 1.
-        ros2: Its full name in ROS 2.
-        ros1_type: Type of its messages in ROS 1.
-        ros2_type: Type of its messages in ROS 2.
         way: Where messages are passed on to.
         latched: Whether late subscribers get the last message.
         reliable: Whether the bridge wants all messages in ROS 2; best effort suits every publisher.

@@ -43,14 +43,10 @@ def without_id(cdr: bytes) -> tuple[bytes, int, int]:
 
 
 class ServiceResponder:
-    """Responds to requests of one service, in a thread of its own.
+    """Responds to requests of one service, in a thread of its own; `write` sends with its header.
 
-    Args:
-        name: Name of the service.
-        respond: Given a serialized request, returns the response.
-        refusal: Response to a request that cannot be answered. The protocol has no errors, and a
-            client without any response waits for ever.
-        write: Sends a response with its header.
+    `refusal` responds to a request that cannot be answered: the protocol has no errors, and without
+    any response a client waits for ever.
     """
 
     def __init__(

@@ -62,11 +62,7 @@ OK, WARN, ERROR, STALE = DiagnosticLevel
 class DiagnosticStatus:
     """The state of one part of the robot, as in diagnostic_msgs/DiagnosticStatus.
 
-    Attributes:
-        part: Its name.
-        level: OK, WARN, ERROR or STALE.
-        message: In words.
-        values: Numbers and texts by stable keys.
+    `message` is for people; `values` are numbers and texts by stable keys.
     """
 
     part: str

@@ -39,14 +39,9 @@ _OVER = {
 
 @dataclass(slots=True, kw_only=True, eq=False)
 class SentGoal:
-    """A goal that somebody has sent.
+    """A goal that somebody has sent, with the id that its sender has for it, and its progress.
 
-    Attributes:
-        id: Its sender's.
-        stamp: When it was sent, as the middleware writes times.
-        state: Its progress.
-        text: The same for people.
-        ended: When it was over [s, monotonic], or its cancel came before itself; `None` until then.
+    `ended` is when it was over [s, monotonic], or its cancel came before itself; `None` until then.
     """
 
     id: str

@@ -48,10 +48,8 @@ class NavigationUpdate:
         sure: Whether the robot may act upon that.
         way: Points to the goal [m]; none without a goal.
         heading: At the goal [rad], or `None`.
-        frame: Name of the map's frame.
         moment: Time of the snapshot [s, monotonic].
         stamp: The same as the middleware writes times.
-        make: Returns an empty message of the type named.
     """
 
     robot_in_map: Pose2

@@ -33,13 +33,9 @@ class NoEcho(StrEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Beam:
-    """The beam of a sonar transducer.
+    """The beam of a sonar transducer: the width of its cone [rad], shortest and longest range [m].
 
-    Attributes:
-        field_of_view: Width of the cone [rad].
-        nearest: Shortest range [m].
-        farthest: Longest one [m].
-        no_echo: The range without an echo: ROS's range layers drop infinity, REP 117 wants it.
+    `no_echo` is the range without an echo: ROS's range layers drop infinity, REP 117 wants it.
     """
 
     field_of_view: float = 0.5236
@@ -93,17 +89,14 @@ class StateUpdate:
     """A new snapshot of the robot, and all that its conversion needs.
 
     Attributes:
-        snapshot: State of the robot.
-        model: Its model.
         tree: Tree of the frames on it, without the prefix.
         frames: Names of frames, with the prefix.
-        options: Options of messages.
         turned: Angles of the left wheels and of the right ones [rad].
         emergency: Whether the emergency stop is latched.
         odom_in_map: Pose of the odom frame in the map, as its stamp and itself; `None` where it is
             not known, or not wanted.
         stamp: When the snapshot arrived, as the middleware writes times; so in all updates.
-        make: Returns an empty message of the type named, such as `geometry_msgs/Point32`.
+        make: Returns an empty message of the type named, such as `geometry_msgs/Point32`; likewise.
     """
 
     snapshot: Snapshot

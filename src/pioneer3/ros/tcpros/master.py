@@ -137,14 +137,9 @@ class _Server(ThreadingMixIn, SimpleXMLRPCServer):
 
 
 class NodeApi:
-    """Our own part, in a thread.
+    """Our own part, in a thread: others find it at `host`, and it listens on `bind`.
 
-    Args:
-        host: Name or address under which others find this computer.
-        bind: Address to listen on.
-        master: Address of the master.
-        process: Number of our process.
-        calls: Calls that others may make.
+    `process` is the number of ours, and `calls` has all that others may ask.
     """
 
     def __init__(self, host: str, bind: str, master: str, process: int, calls: NodeCalls) -> None:

@@ -21,11 +21,7 @@ LOOK: Final = 0.005
 class TopicPublisher:
     """Sends messages to all who subscribe; a slow one holds up nobody.
 
-    Args:
-        name: Full name of the topic.
-        type_: Type of its messages.
-        latched: Whether new subscribers get the last message.
-        extra: Further fields of the header.
+    If `latched`, new subscribers get the last message; `extra` are further fields of the header.
     """
 
     def __init__(

@@ -48,16 +48,10 @@ BRIDGE_FIELD: Final = "bridge"
 
 
 class TopicSubscription:
-    """Connects to the publishers that the master names.
+    """Connects to the publishers that the master names, for `caller`, our node.
 
-    Args:
-        name: Full name of the topic.
-        type_: Type of its messages.
-        caller: Our node.
-        locate: Finds topics of nodes.
-        received: Called in the loop.
-        left: Called in the loop.
-        tell: Given a sentence for a person.
+    `locate` finds topics of nodes; `received` and `left` are called in the loop; `tell` is given
+    sentences for a person.
     """
 
     def __init__(

@@ -126,10 +126,7 @@ def _latched_publisher(
 class ZenohReader:
     """A subscriber: messages and departures in a thread of its own, in their order.
 
-    Args:
-        qos: Its quality of service; of the messages that wait the newest stay.
-        received: Given each message and its publisher.
-        left: Given each publisher that is gone.
+    Of the messages that wait the newest stay. `left` is given each publisher that is gone.
     """
 
     def __init__(self, qos: Qos, received: Received, left: Left) -> None:

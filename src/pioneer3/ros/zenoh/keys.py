@@ -76,15 +76,11 @@ class LivelinessToken:
     """A liveliness token: that of a node, or that of an endpoint of a node.
 
     Attributes:
-        domain: ROS domain.
         session: Identity of the Zenoh session, in hexadecimal digits.
         node_id: Number of the node in its session.
         entity_id: Number of the endpoint in its session; that of the node itself for a node.
-        node: Name of the node.
         enclave: Of security; `/` for none.
-        kind: Kind of the endpoint; `None` for a node.
-        topic: Topic of the endpoint; `None` for a node.
-        qos: Quality of service of the endpoint.
+        kind: Kind of the endpoint; `None`, as the topic, for a node.
         key: The key expression as another program declared it; empty for a token of ours.
     """
 

@@ -24,7 +24,7 @@ def test_names_from_the_network_forge_no_lines_of_a_log() -> None:
     policy = SimpleNamespace(__scope__="Userdata", data=f"typehash={FORGED};".encode())
     found = SimpleNamespace(
         topic_name=f"rt/{FORGED}",
-        type_name=f"{FORGED}_",
+        type_name=f"dds_::{FORGED}_",
         key=SimpleNamespace(bytes=bytes(16)),
         qos=[policy],
     )
