@@ -98,21 +98,28 @@ class _Reader:
         self.mounts = {"front": ORIGIN, "rear": Pose2(0.0, 0.0, pi), "": ORIGIN}
         self._raw = ORIGIN
         self._anchor: Pose2 | None = None
+        self._moved = False
         self._number = 0
 
     def move(self, pose: Pose2, stamp: float) -> LoggedOdometry:
         """Chain the way to a pose of the log's odometry."""
         if self._anchor is not None:
             self._raw @= self._anchor.inverse() @ pose
-        self._anchor = pose
+        self._anchor, self._moved = pose, True
         return LoggedOdometry(stamp, self._raw)
 
     def posed(self, sweep: _Sweep, robot: Pose2, *, anchored: bool) -> LoggedScan:
-        """Make a scan with poses; `anchored` says that odometry goes on from its pose."""
-        if anchored:
-            self._anchor = robot
-        else:
+        """Make a scan with poses.
+
+        Args:
+            sweep: The line.
+            robot: The robot's pose in it.
+            anchored: Odometry goes on from that pose. The way to it is a correction, unless the log
+                has no odometry since the last scan: then it is the only way that is known.
+        """
+        if not anchored or not self._moved:
             self.move(robot, sweep.stamp)
+        self._anchor, self._moved = robot, False
         laser, known = sweep.laser or robot, self.mounts[sweep.message.side]
         mount = robot.inverse() @ laser
         if mount == ORIGIN and sweep.message.side == "rear":

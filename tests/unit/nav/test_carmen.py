@@ -49,6 +49,13 @@ def test_a_corrected_log_gives_raw_odometry_and_the_corrected_poses_apart(
         assert hypot(off.x, off.y) + abs(off.theta) < 1e-6
 
 
+def test_a_corrected_log_without_odometry_between_scans_moves_by_its_corrected_poses() -> None:
+    lines = [odom(ORIGIN, 0.0)]
+    for x in (1.0, 2.0, 3.0):
+        lines += [flaser([1.0, 2.0], Pose2(x), Pose2(x), 0.0), odom(Pose2(x), 9.0)]
+    assert [scan.scan.robot_in_odom.x for scan in scans_of(lines)] == [0.0, 1.0, 2.0]
+
+
 def test_a_stamp_that_was_never_written_does_not_let_the_answer_leak() -> None:
     corrected = Pose2(7.0, 8.0, 0.5)
     lines = [
