@@ -70,7 +70,8 @@ def build(
 
     Example: pioneer3 map build -o lab.map
     Example: pioneer3 map build -o lab.map --explore --port /dev/ttyUSB0
-    Example: pioneer3 map build -o intel.map --from intel.log.gz
+    Example: pioneer3 map build -o lab.map --from lab.2d
+    Example: pioneer3 map build -o lab.map --from lab.bag
 
     Args:
         link: The robot.
