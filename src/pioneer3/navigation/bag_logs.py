@@ -67,11 +67,9 @@ class _Storage(Protocol):
 
     connections: list[Any]
 
-    def open(self) -> None:
-        """Open it."""
+    def open(self) -> None: ...
 
-    def close(self) -> None:
-        """Close it."""
+    def close(self) -> None: ...
 
     def messages(self, connections: list[Any]) -> Iterator[tuple[Any, int, bytes]]:
         """Yield connection, time [ns] and message."""
