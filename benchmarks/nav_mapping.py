@@ -31,9 +31,10 @@ from pioneer3.maps import LineMap
 from pioneer3.nav.beams import Beams, beams_of
 from pioneer3.nav.carmen import read_carmen
 from pioneer3.nav.logged import LoggedOdometry
-from pioneer3.nav.mapper import Mapper, prepare
+from pioneer3.nav.mapper import Mapper
 from pioneer3.nav.matching import rotation
 from pioneer3.nav.rendering import MapRenderer
+from pioneer3.nav.warm_up import warm_up
 
 Float = NDArray[np.float64]
 
@@ -226,7 +227,7 @@ def _rms(errors: Float) -> float:
 
 def _ready() -> None:
     """Load the kernels, and keep what was imported out of the search for garbage, as robots do."""
-    prepare()
+    warm_up()
     gc.freeze()
 
 
