@@ -24,7 +24,7 @@ map_app = App(
     help="""Make, show, check, edit and convert maps and worlds.
 
     They are ARIA .map files, ROS map_server .yaml files with their picture,
-    and .toml worlds: a map with robots, boxes and people.
+    .toml worlds: a map with robots, boxes and people, and .world files of Stage.
 
     Example: pioneer3 map show office
     """,
@@ -40,7 +40,7 @@ def show(file: str) -> int:
     Example: pioneer3 map show lab
 
     Args:
-        file: A shipped map (office), or a .map, .yaml or .toml file.
+        file: A shipped map (office), or a .map, .yaml, .toml or .world file.
     """
     from pioneer3.cli.terminal import Terminal
     from pioneer3.sim.map_convert import look
@@ -83,7 +83,7 @@ def check(
     Example: pioneer3 map check lab --robot p3dx
 
     Args:
-        file: A shipped map (office), or a .map, .yaml or .toml file.
+        file: A shipped map (office), or a .map, .yaml, .toml or .world file.
         robot: The model that must have room at homes and on the way to goals.
         json: Print JSON for programs, nothing else.
     """
@@ -113,7 +113,7 @@ def convert(
     Example: pioneer3 map convert office office.yaml
 
     Args:
-        source: A shipped map (office), or a .map, .yaml or .toml file.
+        source: A shipped map (office), or a .map, .yaml, .toml or .world file.
         target: The new file.
         resolution: Side of a pixel of a .yaml map [m].
         force: Write over files that are there.

@@ -71,7 +71,7 @@ NO_EFFECT = {
 }
 """Reason for each option of MobileSim that is taken and changes nothing."""
 NOT_SUPPORTED = {
-    "stageworld": "world files of Stage are not read; make a map or a world file, for --map",
+    "stageworld": "give the world of Stage to --map",
     "daemonize": "it stays in the foreground; end the line with &, or let systemd start it",
 }
 """Remedy for each option of MobileSim without which a script would go wrong."""
@@ -217,7 +217,7 @@ class MobileSimOptions:
         points_chunksize: No effect.
         srisim_compat: No effect.
         no_srisim_laser_compat: No effect.
-        stageworld: Refused: Stage's worlds are not read.
+        stageworld: Refused: --map takes Stage's worlds.
         daemonize: Refused: it stays in the foreground.
     """
 

@@ -13,8 +13,11 @@ from pioneer3.text import decoded, read_bytes, wrong
 
 PICTURES = (".pgm", ".png", ".ppm", ".pbm", ".bmp", ".jpg", ".jpeg", ".tif", ".tiff", ".gif")
 YAMLS = (".yaml", ".yml")
+FOREIGN_WORLDS = (".world", ".sdf")
+"""Endings of worlds of Stage and Gazebo, which :func:`sim.worldfile.load_world` reads."""
 _IMAGE_KEY = re.compile(r"^image\s*:", re.MULTILINE)
 _WORLD = re.compile(r"^\s*\[world\]", re.MULTILINE)
+_FOREIGN = re.compile(r"^\s*(?:define\s+\w+\s+\w+|\w+\s*\(|include\s+\")|<world\b", re.MULTILINE)
 _ARIA = re.compile(r"\A\s*2D-Map")
 _SUFFIX = ".map"
 
@@ -44,6 +47,9 @@ def read_map_file(path: Path) -> AriaFile | MapServerFile:
         if len(raw) > LARGEST_YAML:
             raise wrong(path, " is larger than 64 KB, so not a map_server file")
         return parse_map_server(path, text)
+    if ending in FOREIGN_WORLDS:
+        advice = "write its walls with `pioneer3 map convert` to a .map first"
+        raise wrong(path, f" is a world, where a map is needed; {advice}")
     if not is_aria and _WORLD.search(start):
         raise wrong(path, " is a world; its name must end in .toml")
     return parse_aria(path, text)
@@ -51,7 +57,8 @@ def read_map_file(path: Path) -> AriaFile | MapServerFile:
 
 def looks_like_map(path: Path) -> bool:
     """Whether a file begins as a map or a world does, and its name says so."""
-    begins = {".map": _ARIA, **dict.fromkeys(YAMLS, _IMAGE_KEY), ".toml": _WORLD}
+    begins = {".map": _ARIA, ".toml": _WORLD}
+    begins |= dict.fromkeys(YAMLS, _IMAGE_KEY) | dict.fromkeys(FOREIGN_WORLDS, _FOREIGN)
     sign = begins.get(path.suffix.lower())
     if sign is None:
         return False

@@ -131,7 +131,8 @@ def _unknown_keys(file: MapServerFile) -> Iterator[MapProblem]:
 
 def _world(world: WorldFile, model: RobotModel) -> Iterator[MapProblem]:
     line_map = world.line_map()
-    yield from check_places(line_map, model)
+    own = any(isinstance(robot.start, Pose2) for robot in world.robots)
+    yield from check_places(line_map, model, starts=own)
     yield from _steep(world)
     yield from _hulls(world, line_map)
     sound: dict[int, RobotSpec] = {}
@@ -300,11 +301,16 @@ def _doubles(section: Section) -> Iterator[MapProblem]:
 
 
 def check_places(
-    line_map: LineMap, model: RobotModel, lines: dict[int, int] | None = None
+    line_map: LineMap,
+    model: RobotModel,
+    lines: dict[int, int] | None = None,
+    *,
+    starts: bool = False,
 ) -> Iterator[MapProblem]:
     """Yield the homes where the robot does not fit, and the goals that it cannot reach.
 
     `lines` has the line of the file of each object, by its index in the map, as far as known.
+    With `starts` there are robots that need no home.
     """
     known = lines or {}
     placed = [(item, known.get(at)) for at, item in enumerate(line_map.objects)]
@@ -312,7 +318,7 @@ def check_places(
         yield warning("there is no wall")
         return
     homes = [(item, line) for item, line in placed if item.kind == "RobotHome"]
-    if not homes:
+    if not homes and not starts:
         yield warning("there is no RobotHome: robots start at the origin of the map")
     for item, line in homes:
         problem = room(item.pose, line_map, model)

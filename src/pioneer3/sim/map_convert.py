@@ -96,7 +96,11 @@ def convert(source: str, target: Path, *, resolution: float, force: bool) -> Con
         raise ConfigError(f"{_shown(target)}: {_unknown(ending)}")
     world = load_world(source)
     line_map = world.line_map()
-    written = (target, target.with_suffix(".pgm")) if ending == ".yaml" else (target,)
+    written: tuple[Path, ...] = (target,)
+    if ending == ".yaml":
+        written = (target, target.with_suffix(".pgm"))
+    elif ending == ".toml" and isinstance(world.map, LineMap):
+        written = (target, target.with_suffix(".map"))
     _make_room(source, world, written, force=force)
     match ending:
         case ".map":
@@ -106,6 +110,9 @@ def convert(source: str, target: Path, *, resolution: float, force: bool) -> Con
         case ".yaml":
             write_map_server(line_map, target, resolution)
         case ".toml":
+            if isinstance(world.map, LineMap):
+                write_aria_map(world.map, written[-1])
+                world = replace(world, map=written[-1])
             write_world(world, target)
         case ".svg":
             write_bytes(target, to_svg(draw(world, line_map)).encode())

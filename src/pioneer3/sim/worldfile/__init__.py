@@ -1,4 +1,4 @@
-"""Worlds in TOML: a map with robots, boxes, walls, places and people.
+"""Worlds: a map with robots, boxes, walls, places and people; in TOML, or of other simulators.
 
 ============  ===================================================================================
 module        contents
@@ -7,6 +7,9 @@ arguments     options of a command line about robots and starts, which override 
 flattened     worlds without their third dimension: in words, and as a map with a world file
 drawing       drawings of worlds: their lines and markers, as SVG and as PNG
 load          finds maps and worlds: shipped ones by name, others by the path of their file
+stage         reads worlds of Stage: walls, boxes, and robots with their lasers
+stage_text    the text of such worlds: tokens, includes and macros become entities
+stand_ins     models and lasers for the robots of another simulator, by their names or sizes
 toml          reads and writes world files: TOML with a table for each object of a world
 solid_checks  refuses solids of a world file that cannot be there, with file, line and key
 spec          the contents of a world file: map, robots, solids, places and people; frozen, in SI

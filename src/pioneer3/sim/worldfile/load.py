@@ -5,8 +5,9 @@ from pathlib import Path
 
 from pioneer3.errors import ConfigError
 from pioneer3.maps import LineMap, shipped_maps
-from pioneer3.maps.load import looks_like_map
+from pioneer3.maps.load import FOREIGN_WORLDS, looks_like_map
 from pioneer3.sim.worldfile.spec import WorldFile
+from pioneer3.sim.worldfile.stage import read_stage
 from pioneer3.sim.worldfile.toml import is_world, read_world
 from pioneer3.text import shown
 
@@ -36,6 +37,8 @@ def load_world(name_or_path: str | Path) -> WorldFile:
         return shipped_world(name)
     if is_world(path):
         return read_world(path)
+    if path.suffix.lower() in FOREIGN_WORLDS:
+        return read_stage(path)
     stem = name.removesuffix(".map")
     if name in shipped_maps() or name == "empty":
         return WorldFile(name=name, map=name)

@@ -205,7 +205,7 @@ class WorldFile:
     """A map with robots, boxes, walls, solids, places and people.
 
     Attributes:
-        map: A shipped map's name, `empty`, or the path of a map file.
+        map: A shipped map's name, `empty`, the path of a map file, or the map itself.
         seed: Of all random numbers; `None` for another one each time.
         keep_session: Whether a program that vanishes from the network leaves its session behind, as
             on a serial line.
@@ -218,7 +218,7 @@ class WorldFile:
     """
 
     name: str
-    map: Annotated[str | Path, FieldForm("map", str)] = "empty"
+    map: Annotated[str | Path | LineMap, FieldForm("map", str)] = "empty"
     seed: Annotated[int, Meta(ge=0, le=2**63 - 1)] | None = None
     keep_session: bool = False
     physics: Physics = "planar"
@@ -244,6 +244,8 @@ class WorldFile:
         Raises:
             ConfigError: It cannot be read.
         """
+        if isinstance(self.map, LineMap):
+            return self.map
         if self.map == "empty":
             return empty_map()
         return read_map(self.map) if isinstance(self.map, Path) else shipped_map(self.map)

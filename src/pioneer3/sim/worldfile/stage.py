@@ -1,0 +1,292 @@
+"""Reads worlds of Stage: their models become walls and boxes, their position models robots.
+
+As in Stage the black pixels of a bitmap, or the blocks of a model, are scaled so that they fill the
+size of the model: a white margin of a picture counts for nothing. Poses are those in the parent.
+"""
+
+import logging
+import re
+from collections import defaultdict
+from math import radians
+from pathlib import Path
+
+import numpy as np
+
+from pioneer3.arrays import Float
+from pioneer3.geometry import ORIGIN, Pose2, wrap
+from pioneer3.maps import LineMap
+from pioneer3.maps.grid import MOST_WALLS, raster_outline
+from pioneer3.maps.image import read_image
+from pioneer3.names import clean_name, free_name, printable
+from pioneer3.sim.equipment import NO_OPTIONS, EquipmentOptions
+from pioneer3.sim.relief import WALL_HEIGHT
+from pioneer3.sim.relief.shapes import rectangle
+from pioneer3.sim.relief.solids import SENSOR_HEIGHT
+from pioneer3.sim.worldfile.spec import Box, RobotSpec, Wall, WorldFile
+from pioneer3.sim.worldfile.stage_text import StageEntity, StageText
+from pioneer3.sim.worldfile.stand_ins import laser_of, pioneer_of, robot_of_size
+from pioneer3.text import shown, wrong
+
+log = logging.getLogger(__name__)
+
+DARK = 127
+"""Shades up to it are walls."""
+MOST_MODELS = 50_000
+"""Most models of one world, each use of a macro counted."""
+SMALLEST = 0.1
+"""Size of a model of which nothing is said [m]."""
+THIN = 0.01
+"""Shortest side of a box [m]."""
+TALLEST = 100.0
+"""Highest that anything is made [m]."""
+LASER_SAMPLES = 30
+"""A ranger with a sensor of so many readings is a laser, one with fewer has sonars."""
+_SCENERY = ("model", "floorplan")
+_SILENT = ("window", "block", "polygon", "sensor", "ranger", "laser", "sonar")
+"""Entities that have no counterpart and need none, or are read with their parents."""
+_POINT = re.compile(r"(?:(?:block|polygon)s?\[(\d+)\]\.)?point\[(\d+)\]")
+_UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001}
+
+
+def read_stage(path: Path) -> WorldFile:
+    """Read a world of Stage, with its includes and pictures.
+
+    A warning names once all that has no counterpart here.
+
+    Raises:
+        ConfigError: It cannot be read, or is wrong; names file and line.
+    """
+    return _StageReader(StageText(path)).world()
+
+
+class _StageReader:
+    """Collects the walls, boxes and robots of a world."""
+
+    def __init__(self, text: StageText) -> None:
+        self._text = text
+        world = text.world
+        self._meter = _UNITS.get(world.text("unit_length"), 1.0)
+        self._is_radians = world.text("unit_angle") == "radians"
+        self._segments: list[Float] = []
+        self._heights: list[float] = []
+        self._boxes: list[Box] = []
+        self._walls: list[Wall] = []
+        self._robots: list[RobotSpec] = []
+        self._names: set[str] = set()
+        self._left: dict[str, None] = {}
+        self._others: dict[str, str] = {}
+        self._models = self._count = 0
+
+    def world(self) -> WorldFile:
+        """Return the world, and warn of all that is not in it."""
+        path = self._text.path
+        for entity in self._text.world.children:
+            self._read(entity, ORIGIN, 0.0)
+        name = printable(path.stem)
+        told = [f"{missing} is not there" for missing in self._text.missing]
+        told += [f"{model} stands for {kind}, no Pioneer" for kind, model in self._others.items()]
+        if self._left:
+            told.append(f"left out, without a counterpart: {', '.join(self._left)}")
+        if told:
+            log.warning("%s: %s", path, printable("; ".join(told)))
+        base: LineMap | str = "empty"
+        if self._segments:
+            base = LineMap(name=name, walls=np.concatenate(self._segments))
+        return WorldFile(
+            name=name,
+            map=base,
+            wall_height=max(self._heights, default=WALL_HEIGHT),
+            robots=tuple(self._robots),
+            boxes=tuple(self._boxes),
+            walls=tuple(self._walls),
+            source=str(path),
+        )
+
+    def _read(self, entity: StageEntity, parent: Pose2, foot: float) -> None:
+        """Take what an entity of a world or model stands for, and the models in it."""
+        self._models += 1
+        if self._models > MOST_MODELS:
+            raise entity.line.wrong(entity.kinds[0], f"more than {MOST_MODELS} models")
+        whole = self._text.resolved(entity)
+        kind = whole.kinds[-1]
+        if kind == "position" or (kind not in _SCENERY and pioneer_of((kind,))):
+            self._robot(whole, parent)
+        elif kind in _SCENERY:
+            pose, z = self._pose(whole)
+            self._scenery(whole, parent @ pose, foot + z)
+            size = self._size(whole)
+            stacked = size[2] if len(size) > 2 and whole.number("stack_children", 1) else 0.0
+            for child in whole.children:
+                self._read(child, parent @ pose, foot + z + stacked)
+        elif kind not in _SILENT:
+            self._left[kind] = None
+
+    def _scenery(self, model: StageEntity, pose: Pose2, foot: float) -> None:
+        """Take the shape of a model that is no robot."""
+        seen = model.number("ranger_return", 1) >= 0 and model.number("laser_return", 1) > 0
+        if not seen and not model.number("obstacle_return", 1):
+            self._left[f"{model.kinds[0]} that nothing meets"] = None
+            return
+        size, place = self._size(model), pose @ self._pose(model, "origin")[0]
+        height = min(size[2], TALLEST) if len(size) > 2 and size[2] > 0 else None
+        blocks = self._blocks(model)
+        if model.text("bitmap"):
+            self._bitmap(model, place, size, height)
+        elif blocks and not self._is_movable(model):
+            self._polygons(blocks, place, size, height, foot)
+        elif not model.number("noblocks", 0) or blocks:
+            self._boxes.append(
+                Box(
+                    pose=place,
+                    size=(max(size[0], THIN), max(size[1], THIN)),
+                    movable=self._is_movable(model),
+                    name=self._name(model),
+                    height=height,
+                    z=min(max(foot, 0.0), TALLEST),
+                )
+            )
+        if model.number("boundary", 0):
+            self._segments.append(rectangle(place, (size[0], size[1])))
+
+    def _bitmap(
+        self, model: StageEntity, place: Pose2, size: tuple[float, ...], height: float | None
+    ) -> None:
+        """Take the outlines of the dark pixels of a picture, scaled to the size of its model."""
+        told = model.properties["bitmap"]
+        picture = self._text.find(model.text("bitmap"), told.line)
+        if picture is None:
+            seen = "seen from the world's folder; put the picture there, or mend the path"
+            raise told.wrong(f"no such file: {shown(model.text('bitmap'))}, {seen}")
+        dark = read_image(picture).shades[::-1] <= DARK
+        try:
+            edges = raster_outline(dark)
+        except OverflowError:
+            most = f"{MOST_WALLS / 1e6:.0f} million"
+            raise wrong(picture, f" pixels: more than {most} edges; not a map") from None
+        if not len(edges):
+            raise wrong(picture, " pixels: none is dark, so there is no wall")
+        self._count += len(edges)
+        if self._count > MOST_WALLS:
+            raise told.wrong(
+                f"with it the world has more than {MOST_WALLS / 1e6:.0f} million walls"
+            )
+        points = _fitted(edges.reshape(-1, 2), size)
+        self._segments.append(_placed(points, place).reshape(-1, 4))
+        if height is not None:
+            self._heights.append(height)
+
+    def _polygons(
+        self,
+        blocks: list[tuple[Float, float]],
+        place: Pose2,
+        size: tuple[float, ...],
+        height: float | None,
+        foot: float,
+    ) -> None:
+        """Take the blocks of a model as closed walls, those that robots pass below left out."""
+        points = _placed(_fitted(np.concatenate([block for block, _ in blocks]), size), place)
+        ends = np.cumsum([len(block) for block, _ in blocks])[:-1]
+        for corners, (_, low) in zip(np.split(points, ends), blocks, strict=True):
+            if foot + low >= SENSOR_HEIGHT:
+                self._left["blocks above robots"] = None
+                continue
+            spots = tuple((x, y) for x, y in corners.tolist())
+            self._walls.append(Wall(points=spots, closed=len(spots) > 2, height=height))
+
+    def _blocks(self, model: StageEntity) -> list[tuple[Float, float]]:
+        """Return the corners (P, 2) of the blocks of a model, and the height of their feet."""
+        found = []
+        for entity in [model, *map(self._text.resolved, model.children)]:
+            if entity is not model and entity.kinds[-1] not in ("block", "polygon"):
+                continue
+            corners: dict[int, dict[int, tuple[float, ...]]] = defaultdict(dict)
+            for key, told in entity.properties.items():
+                if match := _POINT.fullmatch(key):
+                    if len(point := told.numbers()) != 2:
+                        raise told.wrong("expected two numbers, as in [0.5 -0.5]")
+                    corners[int(match[1] or 0)][int(match[2])] = point
+            low = next(iter(entity.numbers("z")), 0.0) * self._meter
+            for block in corners.values():
+                if len(block) > 1:
+                    ordered = np.array([block[number] for number in sorted(block)])
+                    found.append((ordered * self._meter, low))
+        return found
+
+    def _robot(self, robot: StageEntity, parent: Pose2) -> None:
+        """Take a position model, with the laser on it."""
+        size = self._size(robot)
+        model = pioneer_of(robot.kinds)
+        if not model:
+            model = robot_of_size(size[0], size[1])
+            self._others[robot.kinds[0]] = model
+        laser = self._laser(robot, 0)
+        equipment = EquipmentOptions(laser=laser) if laser else NO_OPTIONS
+        start = parent @ self._pose(robot)[0]
+        name = self._name(robot)
+        self._robots.append(RobotSpec(model=model, name=name, start=start, equipment=equipment))
+
+    def _laser(self, entity: StageEntity, depth: int) -> str:
+        """Return the first laser on a robot, empty for none; name other devices on it."""
+        found = ""
+        for child in map(self._text.resolved, entity.children):
+            kind = child.kinds[-1]
+            sensors = [self._text.resolved(each) for each in child.children]
+            if kind in ("ranger", "laser") or (kind not in _SILENT and "laser" in kind):
+                ranges = [child, *sensors]
+                samples = max(each.number("samples", 1) for each in ranges)
+                far = [
+                    each.numbers("range")[-1:] or (each.number("range_max", 0),) for each in ranges
+                ]
+                if kind != "ranger" or samples >= LASER_SAMPLES:
+                    found = found or laser_of(child.kinds, max(far)[0] * self._meter)
+            elif kind in ("model", "position") and depth < 3:
+                found = found or self._laser(child, depth + 1)
+            elif kind not in (*_SILENT, "model", "position"):
+                self._left[kind] = None
+        if "ctrl" in entity.properties:
+            self._left["ctrl"] = None
+        return found
+
+    def _pose(self, entity: StageEntity, key: str = "pose") -> tuple[Pose2, float]:
+        """Return a pose and its height [m]; three numbers are x, y and heading, as in Stage 2."""
+        numbers = entity.numbers(key)
+        if numbers and len(numbers) not in (2, 3, 4):
+            raise entity.properties[key].wrong("expected 4 numbers: x y z heading")
+        x, y, *rest = numbers or (0.0, 0.0)
+        turn = rest[-1] if rest else 0.0
+        z = rest[0] * self._meter if len(rest) == 2 else 0.0
+        theta = wrap(turn if self._is_radians else radians(turn))
+        return Pose2(x * self._meter, y * self._meter, theta), z
+
+    def _size(self, entity: StageEntity) -> tuple[float, ...]:
+        """Return length and width, and the height if it is told [m]."""
+        numbers = entity.numbers("size")
+        if numbers and len(numbers) not in (2, 3):
+            raise entity.properties["size"].wrong("expected 3 numbers: x y z")
+        return tuple(abs(side) * self._meter for side in numbers or (SMALLEST, SMALLEST))
+
+    def _is_movable(self, model: StageEntity) -> bool:
+        return bool(model.number("gripper_return", 0)) and not model.text("bitmap")
+
+    def _name(self, entity: StageEntity) -> str:
+        """Return the name of a robot or box that no other has, empty where none is told."""
+        name = clean_name(entity.text("name"))
+        if name:
+            name = free_name(name, self._names)
+            self._names.add(name)
+        return name
+
+
+def _fitted(points: Float, size: tuple[float, ...]) -> Float:
+    """Return points (P, 2) moved and scaled so that they fill a size around the origin."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    extent = np.maximum(high - low, np.finfo(np.float64).eps)
+    fitted: Float = (points - (low + high) / 2) * (np.array(size[:2]) / extent)
+    return fitted
+
+
+def _placed(points: Float, place: Pose2) -> Float:
+    """Return points (P, 2) of the frame of a pose in that of the map."""
+    c, s = np.cos(place.theta), np.sin(place.theta)
+    placed: Float = points @ np.array([(c, s), (-s, c)]) + (place.x, place.y)
+    return placed
