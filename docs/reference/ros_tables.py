@@ -6,7 +6,7 @@ A line `<!-- made: what -->` begins a table; whatever follows it up to `<!-- end
 """
 
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 
 from docs.reference.protocol_tables import BLOCK, table
@@ -23,11 +23,12 @@ from pioneer3.ros.messages.update import (
 )
 from pioneer3.ros.node.driving_parameters import PARAMETERS as DRIVING
 from pioneer3.ros.node.goals import STATUS_EVERY
-from pioneer3.ros.node.laser_parameters import IGNORED, LaserParameters
+from pioneer3.ros.node.laser_parameters import FOREIGN as OF_LASERS
+from pioneer3.ros.node.laser_parameters import LaserParameters
 from pioneer3.ros.node.names import Profile
 from pioneer3.ros.node.navigation_topics import NAVIGATION_TOPICS
-from pioneer3.ros.node.parameter import Parameter, Value, rows_of
-from pioneer3.ros.node.parameter_reading import read_parameters
+from pioneer3.ros.node.parameter import Foreign, Parameter, Value, rows_of
+from pioneer3.ros.node.parameter_reading import FOREIGN, read_parameters
 from pioneer3.ros.node.parameters import parameters_in
 from pioneer3.ros.node.services import NAVIGATION_SERVICES, SERVICES
 from pioneer3.ros.node.topic import Direction, Topic
@@ -206,18 +207,30 @@ def laser_parameters() -> str:
     rows = [
         (
             code(each.name),
-            code(each.hokuyo),
+            ", ".join(map(code, each.aliases)),
             each.otherwise or _default(each.default),
             values(each),
             each.meaning,
         )
         for each in rows_of(LaserParameters)
     ]
-    ignored = ", ".join(code(name) for name in IGNORED)
     return (
-        table(("name", "in hokuyo_node, if another", "default", "values", ""), rows)
-        + f"\n\nWithout effect, which the log says: {ignored}."
+        table(("name", "in other drivers", "default", "values", ""), rows)
+        + "\n\nThese have no effect, which the log says:\n\n"
+        + foreign_parameters(OF_LASERS)
     )
+
+
+def foreign_parameters(others: Mapping[str, Foreign]) -> str:
+    """Return the table of parameters of other nodes that have no effect here."""
+    alike: dict[Foreign, list[str]] = {}
+    for name, other in others.items():
+        alike.setdefault(other, []).append(code(name))
+    rows = [
+        (", ".join(names), each.node, re.sub(r"~\w+", lambda our: code(our[0]), each.instead))
+        for each, names in alike.items()
+    ]
+    return table(("name", "of", "in its place"), rows)
 
 
 def settings() -> str:
@@ -244,6 +257,7 @@ def filled(text: str) -> str:
         "navigation services": navigation_services,
         "laser parameters": laser_parameters,
         "parameters": lambda: parameters(parameters_in(Profile.BOTH), "~"),
+        "foreign parameters": lambda: foreign_parameters(FOREIGN),
         "driving parameters": driving_parameters,
         "topics of ROS 2": topics_of_ros2,
         "services of ROS 2": services_of_ros2,

@@ -130,13 +130,14 @@ def laser(
     *arguments: Annotated[str, Parameter(show=True)],
     port: Annotated[str, Parameter(env_var="PIONEER3_LASER", metavar="PORT")] = AUTO,
 ) -> int:
-    """Be a laser's ROS 1 node, in the place of hokuyo_node or urg_node.
+    """Be a laser's ROS 1 node, in the place of hokuyo_node, urg_node, sicklms or LMS1xx.
 
     No robot is needed. It has their parameters, and publishes scan and
     /diagnostics.
 
     Example: pioneer3 ros1 laser _port:=/dev/ttyACM0 _min_ang:=-1.57
     Example: pioneer3 ros1 laser _ip_address:=192.168.0.10
+    Example: pioneer3 ros1 laser _host:=192.168.0.1 _inverted:=true
 
     Args:
         arguments: ROS's own: _serial_port:=/dev/ttyACM0, __name:=front, scan:=front/scan.

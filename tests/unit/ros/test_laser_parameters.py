@@ -1,17 +1,18 @@
 """Parameters of lasers, with the names of urg_node and of hokuyo_node."""
 
 from dataclasses import replace
-from math import inf, nan, pi
+from math import inf, nan, pi, radians
 
 import pytest
 
 from pioneer3.cli.options import LaserOptions
 from pioneer3.errors import ConfigError
-from pioneer3.lasers.client import AS_DELIVERED, ScanSettings
+from pioneer3.geometry import ORIGIN
+from pioneer3.lasers.client import AS_DELIVERED, RawScan, ScanSettings
 from pioneer3.models.lasers import LaserProtocol
 from pioneer3.robot.lasers.spec import parse_lasers
 from pioneer3.ros.node.laser_parameters import (
-    IGNORED,
+    FOREIGN,
     LaserParameters,
     overridden_laser_parameters,
     read_laser_parameters,
@@ -41,6 +42,11 @@ def test_without_any_nothing_is_asked_for() -> None:
         ({"ip_address": "192.168.0.1", "ip_port": 2112}, "tcp://192.168.0.1:2112"),
         ({"ip_address": "", "serial_port": "/dev/a"}, "/dev/a"),
         ({"ip_address": "192.168.0.10", "serial_port": "/dev/a"}, "tcp://192.168.0.10:10940"),
+        ({"host": "10.42.1.197"}, "tcp://10.42.1.197:2111"),
+        ({"host": "10.42.1.197", "port": 2112}, "tcp://10.42.1.197:2112"),
+        ({"hostname": "192.168.0.1", "port": "2112"}, "tcp://192.168.0.1:2112"),
+        ({"host": "192.168.0.1", "ip_port": 2113}, "tcp://192.168.0.1:2113"),
+        ({"ip_address": "192.168.0.10", "host": "a"}, "tcp://192.168.0.10:10940"),
     ],
 )
 def test_the_port_is_that_of_either_node(given: dict[str, object], url: str | None) -> None:
@@ -77,6 +83,56 @@ def test_the_names_of_both_nodes_mean_the_same() -> None:
     )
     assert (hokuyo.frame_id, hokuyo.settings.intensities) == ("front", True)
     assert (hokuyo.settings.first, hokuyo.settings.last) == (-1.5, 1.0)
+
+
+def test_the_parameters_of_sicktoolbox_are_taken() -> None:
+    found = read_laser_parameters(
+        {
+            "port": "/dev/ttyUSB1",
+            "baud": 38400,
+            "angle": 100,
+            "resolution": 0.25,
+            "inverted": True,
+            "frame_id": "base_laser",
+        }
+    )
+    assert (found.ports, found.frame_id) == (("/dev/ttyUSB1",), "base_laser")
+    settings = found.settings
+    assert (settings.first, settings.last, settings.step) == pytest.approx(
+        (-radians(50), radians(50), radians(0.25))
+    )
+    assert read_laser_parameters({"angle": 0, "resolution": 0.0}).settings == AS_DELIVERED
+
+
+@pytest.mark.parametrize("place", ["", "0.2,0,0", "0.2,0,0,upside-down"])
+def test_an_inverted_laser_is_mirrored_wherever_it_sits(place: str) -> None:
+    raw = RawScan(
+        stamp=1.0,
+        first=-0.5,
+        step=0.5,
+        beam_time=0.0,
+        period=0.1,
+        near=0.1,
+        far=8.0,
+        ranges=(1.0, 2.0, 3.0, 4.0),
+    )
+    found = read_laser_parameters({"port": "/dev/a", "inverted": True})
+    (spec,) = found.applied_to(parse_lasers(found.ports, [place] if place else []))
+    scan = spec.mounting_on(None).scan(raw, 0, "laser", lambda time: ORIGIN)
+    assert dict(zip(scan.angles, scan.ranges, strict=True)) == {
+        -1.0: 4.0,
+        -0.5: 3.0,
+        0.0: 2.0,
+        0.5: 1.0,
+    }
+    assert list(scan.angles) == sorted(scan.angles)
+
+
+def test_directions_are_those_of_the_scan_that_is_published() -> None:
+    found = read_laser_parameters({"angle_min": -0.5, "angle_max": 1.0, "inverted": True})
+    assert (found.settings.first, found.settings.last) == (-1.0, 0.5)
+    one = read_laser_parameters({"angle_min": -0.5, "inverted": True})
+    assert (one.settings.first, one.settings.last) == (None, 0.5)
 
 
 def test_the_driver_gets_all_of_them() -> None:
@@ -167,6 +223,11 @@ def test_settings_of_no_laser_are_told() -> None:
         ({"intensity": "yes"}, "intensity"),
         ({"calibrate_time": None}, "calibrate_time"),
         ({"publish_multiecho": "on"}, "publish_multiecho"),
+        ({"inverted": 1}, "inverted"),
+        ({"angle": "wide"}, "angle"),
+        ({"angle": 361}, "angle"),
+        ({"resolution": -0.25}, "resolution"),
+        ({"host": "a", "port": "/dev/ttyUSB0"}, "ip_port"),
     ],
 )
 def test_what_makes_no_sense_is_refused_by_name(given: dict[str, object], name: str) -> None:
@@ -185,11 +246,19 @@ def test_what_has_no_effect_is_told() -> None:
         "parameter ~error_limit of hokuyo_node or urg_node has no effect here",
         "parameter ~xyz is unknown",
     ]
+    assert unused_laser_parameters({"connect_delay": 35}) == [
+        "parameter ~connect_delay of sicktoolbox_wrapper has no effect here: the laser is looked"
+        " for until it answers"
+    ]
+    assert unused_laser_parameters({"min_ang_degrees": -90}, Profile.ROS2, "laser") == [
+        "parameter laser.min_ang_degrees of hokuyo_node or urg_node has no effect here: write"
+        " laser.angle_min in radians"
+    ]
     assert unused_laser_parameters({"skp": 1}, below="laser") == [
         "parameter ~laser/skp is unknown; did you mean ~laser/skip?"
     ]
     both = {name for row in rows_of(LaserParameters) for name in row.names(Profile.STANDARD)}
-    assert not both & set(IGNORED)
+    assert not both & set(FOREIGN)
     assert unused_laser_parameters(dict.fromkeys(both)) == []
 
 

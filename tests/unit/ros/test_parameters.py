@@ -1,5 +1,7 @@
+import re
 from dataclasses import replace
 from math import inf, nan, pi
+from pathlib import Path
 
 import pytest
 
@@ -13,14 +15,12 @@ from pioneer3.ros.node.laser_parameters import BELOW, LaserParameters
 from pioneer3.ros.node.names import Profile
 from pioneer3.ros.node.parameter import Effect, Parameter, ParameterKind, rows_of
 from pioneer3.ros.node.parameter_reading import read_parameters, unused_parameters
-from pioneer3.ros.node.parameters import (
-    BELOW_NAMES,
-    MODEL,
-    NAVIGATION,
-    SIMULATED,
-    NodeParameters,
-    parameters_in,
-)
+from pioneer3.ros.node.parameters import BELOW_NAMES, MODEL, NAVIGATION, SIMULATED, NodeParameters
+from pioneer3.ros.node.parameters import parameters_in as rows_in
+from pioneer3.ros.ros2.backend import NodeName
+from pioneer3.ros.ros2.parameter_files import parameters_in
+
+CASES = Path(__file__).parents[4] / "shared" / "cases"
 
 ROWS = (
     *rows_of(NodeParameters),
@@ -191,6 +191,76 @@ def test_what_changes_nothing_is_told_with_what_was_meant() -> None:
     assert unused_parameters(raw, Profile.ROS2) == in_ros2
 
 
+@pytest.mark.parametrize(
+    ("name", "instead"),
+    [
+        ("max_xspeed", "~max_linear_velocity"),
+        ("max_yawspeed", "~max_angular_velocity"),
+        ("max_xaccel", "~trans_accel"),
+        ("base_link_frame_id", "~base_link_frame"),
+        ("use_tcp", "~port"),
+        ("tcp_remote_host", "~port"),
+        ("tcp_remote_port", "~port"),
+        ("baud_rate", "~baud"),
+        ("tf_prefix", "~frame_prefix"),
+        ("publish_aria_lasers", "scan"),
+        ("pulse", "awake"),
+        ("bumpstall", "bumper"),
+        ("rot_kp", "gains"),
+    ],
+)
+def test_names_of_other_nodes_tell_what_stands_in_their_place(name: str, instead: str) -> None:
+    profile = Profile.STANDARD if name == "publish_aria_lasers" else Profile.COMPATIBILITY
+    (told,) = unused_parameters({name: 0}, profile)
+    assert re.match(rf"parameter ~{name} of \S.* has no effect here: .*{instead}", told)
+    assert "did you mean" not in told
+
+
+def test_a_parameter_file_of_p2os_tells_what_to_write_in_ros2(tmp_path: Path) -> None:
+    written = {
+        "port": '"tcp://127.0.0.1:23501"',
+        "base_link_frame_id": "base_footprint",
+        "cmd_vel_timeout": "0.2",
+        "max_xspeed": "0.3",
+        "max_yawspeed": "0.8",
+        "tf_prefix": '"r1/"',
+    }
+    own = tmp_path / "own.yaml"
+    lines = "".join(f"    {name}: {value}\n" for name, value in written.items())
+    own.write_text(f"/**:\n  ros__parameters:\n{lines}", encoding="utf-8")
+    for path in (own, CASES / "p2os-speed-limit" / "ros2params.yaml"):
+        if path.exists():
+            raw = parameters_in(path, NodeName("pioneer3"))
+            assert read_parameters(raw, Profile.ROS2).timeout == 0.2
+            assert unused_parameters(raw, Profile.ROS2) == [
+                "parameter base_link_frame_id of p2os has no effect here: write base_frame_id",
+                "parameter max_xspeed of p2os has no effect here: write max_linear_velocity",
+                "parameter max_yawspeed of p2os has no effect here: write max_angular_velocity",
+                "parameter tf_prefix of p2os and tf has no effect here: write frame_prefix",
+            ]
+
+
+def test_in_the_profile_of_p2os_its_own_names_act() -> None:
+    raw = {
+        "profile": "p2os",
+        "max_xspeed": 0.2,
+        "max_yawspeed": 0.8,
+        "max_xaccel": 0.4,
+        "base_link_frame_id": "base",
+        "use_tcp": True,
+        "tcp_remote_host": "10.0.0.3",
+        "tcp_remote_port": 8102,
+        "use_sonar": False,
+    }
+    read = read_parameters(raw)
+    assert (read.max_linear_velocity, read.max_angular_velocity) == (0.2, 0.8)
+    assert (read.driving.max_linear_acceleration, read.frames.base) == (0.4, "base")
+    assert (read.url, read.use_sonar) == ("tcp://10.0.0.3:8102", False)
+    assert unused_parameters(raw, Profile.P2OS) == []
+    assert read_parameters({"profile": "p2os", "max_linear_velocity": 0.3}).timeout == 0.6
+    assert read_parameters({"profile": "p2os", "port": "/dev/ttyS0"}).url == "/dev/ttyS0"
+
+
 def test_what_is_said_of_messages_is_taken_over() -> None:
     given = {
         "profile": "both",
@@ -251,7 +321,7 @@ def test_in_ros2_all_that_is_read_at_the_start_has_a_value_or_is_not_set() -> No
     rows = read_parameters(raw, Profile.ROS2).values
     values = {row.name: value for row, value in rows.items()}
     assert list(values)[: -len(rows_of(LaserParameters)) - len(NAVIGATION)] == [
-        row.name for row in parameters_in(Profile.ROS2)
+        row.name for row in rows_in(Profile.ROS2)
     ]
     assert (values["goal_speed"], values["max_linear_velocity"]) == (1.0, 0.4)
     assert (values["cmd_vel_timeout"], values["bumpers_frame"]) == (0.5, "base_link")

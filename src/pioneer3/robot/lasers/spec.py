@@ -24,6 +24,7 @@ class LaserSpec:
 
     Attributes:
         mounting: Its place; `None` for that of the robot's model.
+        inverted: Whether it hangs head down, also where its place does not say so.
         masked: Sectors to leave out, besides those of the robot's model.
         record: New file for every byte on its wire.
     """
@@ -32,6 +33,7 @@ class LaserSpec:
     name: str = "laser"
     protocol: LaserProtocol | None = None
     mounting: Mounting | None = None
+    inverted: bool = False
     masked: tuple[Sector, ...] = ()
     settings: ScanSettings = AS_DELIVERED
     time_offset: float = 0.0
@@ -58,7 +60,11 @@ class LaserSpec:
         if found is None:
             mount = model.laser if model else None
             found = mounting_of(mount) if mount else Mounting()
-        return replace(found, masked=found.masked + self.masked)
+        return replace(
+            found,
+            upside_down=found.upside_down or self.inverted,
+            masked=found.masked + self.masked,
+        )
 
 
 def mounting_of(mount: LaserMount) -> Mounting:

@@ -136,7 +136,7 @@ def profile_of(options: BridgeOptions) -> Profile:
     """
     if options.profile is None:
         return Profile.BOTH if options.robot is Side.ROS2 else Profile.COMPATIBILITY
-    if options.profile is Profile.ROS2:
+    if options.profile in {Profile.ROS2, Profile.P2OS}:
         raise ConfigError("--profile is compatibility, standard or both")
     if options.profile is Profile.BOTH and options.robot is Side.ROS1:
         raise ConfigError(

@@ -11,28 +11,34 @@ NODE: Final = "RosAria"
 ALL_ROBOTS: Final = f"/{NODE}/cmd_vel"
 """Every robot of the lab listens to it."""
 AS_STANDARD: Final = ""
-"""The name in ROS 2 of most things: that of today's packages."""
+"""The name in ROS 2 and in p2os of most things: that of today's packages."""
 SHAPE: Final = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 NUMBERED: Final = re.compile(r"p3[a-z]+_(\d.*)")
 """Such as p3at_1_113, which the lab's topics call p1_113."""
 
 
 class Profile(StrEnum):
-    """The names in use: in ROS 1 RosAria's, those of today's packages, or both at once; ROS 2's."""
+    """The names in use: in ROS 1 RosAria's, today's, both at once, or those of p2os; ROS 2's."""
 
     COMPATIBILITY = "compatibility"
     STANDARD = "standard"
     BOTH = "both"
+    P2OS = "p2os"
     ROS2 = "ros2"
 
     def choose(
-        self, compatibility: str | None, standard: str | None, ros2: str | None = AS_STANDARD
+        self,
+        compatibility: str | None,
+        standard: str | None,
+        ros2: str | None = AS_STANDARD,
+        p2os: str | None = AS_STANDARD,
     ) -> tuple[str, ...]:
-        """Return the names that count of one in RosAria, of today and in ROS 2, each once."""
+        """Return the names that count of one in RosAria, of today, in ROS 2 and p2os, each once."""
         by_profile = {
             Profile.COMPATIBILITY: [compatibility],
             Profile.STANDARD: [standard],
             Profile.BOTH: [compatibility, standard],
+            Profile.P2OS: [standard if p2os == AS_STANDARD else p2os],
             Profile.ROS2: [standard if ros2 == AS_STANDARD else ros2],
         }
         return tuple(dict.fromkeys(name for name in by_profile[self] if name is not None))

@@ -16,7 +16,8 @@ from pioneer3.errors import ConfigError
 from pioneer3.ros.node.names import Profile
 
 T = TypeVar("T")
-ROS1: Final = frozenset({Profile.COMPATIBILITY, Profile.STANDARD, Profile.BOTH})
+ROS1: Final = frozenset(Profile) - {Profile.ROS2}
+P2OS: Final = frozenset({Profile.P2OS})
 ROS2: Final = frozenset({Profile.ROS2})
 Scalar = bool | int | float | str
 Value = Scalar | tuple[bool, ...] | tuple[int, ...] | tuple[float, ...] | tuple[str, ...]
@@ -82,8 +83,9 @@ class Parameter:
     """A parameter of a node; name and kind are those of its field.
 
     Attributes:
-        name: Today's, in ROS 1 without `~`. Its other names in some nodes are `rosaria`, `hokuyo`
-            and `p2os`; that of p2os is told, not read.
+        name: Today's, in ROS 1 without `~`. Its name in RosAria is `rosaria`, and `p2os` in p2os,
+            which is read in that profile only, and told in the others. Its `aliases` in drivers of
+            lasers are read, too.
         default: Its value unless given; `None` where the robot, the model or a search tells.
         otherwise: The default in words, where it is not `default`.
         low: Least number, also in an array; so is `high` the greatest.
@@ -110,7 +112,7 @@ class Parameter:
     acts: Effect = Effect.AT_START
     rosaria: str = ""
     rosaria_default: float | None = None
-    hokuyo: str = ""
+    aliases: tuple[str, ...] = ()
     p2os: str = ""
 
     def field(self, default: T) -> T:
@@ -122,12 +124,13 @@ class Parameter:
         """Return the names that are read in `profile`; the first one that is given counts."""
         if profile not in self.profiles:
             return ()
+        several = [self.p2os] if profile is Profile.P2OS else []
         if self.acts is Effect.AT_ONCE:
-            several = self.rosaria, self.name
+            several += [self.rosaria, self.name]
         elif self.rosaria and profile is Profile.COMPATIBILITY:
-            several = self.rosaria, ""
+            several += [self.rosaria]
         else:
-            several = self.name, self.hokuyo
+            several += [self.name, *self.aliases]
         return tuple(name for name in dict.fromkeys(several) if name)
 
     @property
@@ -215,6 +218,25 @@ class Parameter:
         return False
 
 
+@dataclass(frozen=True, slots=True)
+class Foreign:
+    """A parameter of another node that has no effect here.
+
+    Attributes:
+        node: The other node.
+        instead: Words for its place; a name such as `~port` is one of ours, in ROS 2 without `~`.
+    """
+
+    node: str
+    instead: str = ""
+
+    def told(self, name: str, profile: Profile, below: str = "") -> str:
+        """Return the sentence about it, of which `name` is the name, `below` another."""
+        instead = re.sub(r"~(\w+)", lambda our: full_name(our[1], profile, below), self.instead)
+        sentence = f"parameter {full_name(name, profile, below)} of {self.node} has no effect here"
+        return f"{sentence}: {instead}" if instead else sentence
+
+
 def rows_of(described: type) -> tuple[Parameter, ...]:
     """Return the parameters that are fields of a dataclass, in their order."""
     hints = get_type_hints(described)
@@ -263,24 +285,23 @@ def unused(
     profile: Profile,
     *,
     below: str = "",
-    ignored: Mapping[str, str],
+    foreign: Mapping[str, Foreign],
 ) -> list[str]:
     """Return a sentence for each name in `raw`, which lies `below` another, that is none of `rows`.
 
-    Names that are `ignored` are those of other nodes.
+    Those of other nodes are `foreign`.
     """
     known = {name for row in rows for name in row.names(profile)}
-    of_p2os = {row.p2os: row.names(profile)[0] for row in rows if row.p2os}
+    of_p2os = {
+        row.p2os: Foreign("p2os", f"write ~{row.names(profile)[0]}") for row in rows if row.p2os
+    }
     sentences = []
     for name in sorted(set(raw) - known):
-        full = full_name(name, profile, below)
+        other = foreign.get(name) or of_p2os.get(name)
+        if other is not None:
+            sentences.append(other.told(name, profile, below))
+            continue
         close = get_close_matches(name, known, 1)
-        if name in ignored:
-            sentences.append(f"parameter {full} of {ignored[name]} has no effect here")
-        elif name in of_p2os:
-            meant = full_name(of_p2os[name], profile, below)
-            sentences.append(f"parameter {full} of p2os has no effect here: write {meant}")
-        else:
-            hint = f"; did you mean {full_name(close[0], profile, below)}?" if close else ""
-            sentences.append(f"parameter {full} is unknown{hint}")
+        hint = f"; did you mean {full_name(close[0], profile, below)}?" if close else ""
+        sentences.append(f"parameter {full_name(name, profile, below)} is unknown{hint}")
     return sentences

@@ -10,6 +10,7 @@ from pioneer3.ros.node.driving_parameters import DrivingSettings
 from pioneer3.ros.node.laser_parameters import BELOW, LaserParameters, read_laser_parameters
 from pioneer3.ros.node.names import Profile
 from pioneer3.ros.node.parameter import (
+    Foreign,
     Parameter,
     RawParameters,
     full_name,
@@ -23,15 +24,28 @@ TIMEOUT: Final = {
     Profile.COMPATIBILITY: 0.6,
     Profile.STANDARD: 0.5,
     Profile.BOTH: 0.6,
+    Profile.P2OS: 0.6,
     Profile.ROS2: 0.5,
 }
 """Silence of cmd_vel after which the robot stops [s]."""
 SHORTEST: Final = 0.1
 """No publisher keeps pace with a shorter timeout [s]."""
-IGNORED: Final = dict.fromkeys(
-    ("debug_aria", "aria_log_filename", "publish_aria_lasers"), "RosAria"
-)
-"""Parameters of RosAria that have no effect here."""
+BY_PORT: Final = Foreign("p2os", "write ~port, such as tcp://192.168.0.160:8101")
+GAINS: Final = Foreign("p2os", "the robot's own gains count")
+FOREIGN: Final = {
+    **dict.fromkeys(("debug_aria", "aria_log_filename"), Foreign("RosAria")),
+    "publish_aria_lasers": Foreign("RosAria", "the laser is on the topic scan"),
+    **dict.fromkeys(("use_tcp", "tcp_remote_host", "tcp_remote_port"), BY_PORT),
+    "radio": Foreign("p2os", "write the port of the modem as ~port"),
+    "baud_rate": Foreign("p2os", "write ~baud"),
+    "tf_prefix": Foreign("p2os and tf", "write ~frame_prefix"),
+    "pulse": Foreign("p2os", "the node keeps the robot awake by itself"),
+    "bumpstall": Foreign("p2os", "a bumper always stops the robot"),
+    "joystick": Foreign("p2os", "a joystick at the robot is the robot's own setting"),
+    "direct_wheel_vel_control": Foreign("p2os", "the robot's own controller drives its wheels"),
+    **dict.fromkeys(("rot_kp", "rot_kv", "rot_ki", "trans_kp", "trans_kv", "trans_ki"), GAINS),
+}
+"""Parameters of other nodes that have no effect here, where no row has their names."""
 
 
 def read_parameters(raw: RawParameters, profile: Profile | None = None) -> NodeParameters:
@@ -67,10 +81,10 @@ def unused_parameters(raw: RawParameters, profile: Profile) -> list[str]:
     """Return a sentence for each parameter in `raw` that changes nothing."""
     named = set(raw) - {MODEL, SIMULATED, *BELOW_NAMES}
     rows = *rows_of(NodeParameters), *rows_of(DrivingSettings)
-    sentences = unused(named, rows, profile, ignored=IGNORED)
+    sentences = unused(named, rows, profile, foreign=FOREIGN)
     for below in sorted(BELOW_NAMES - {BELOW}):
         part = part_of(raw, below, profile)
-        sentences += unused(part, _rows_below(below), profile, below=below, ignored={})
+        sentences += unused(part, _rows_below(below), profile, below=below, foreign={})
     return sentences
 
 
@@ -118,7 +132,7 @@ def _completed(given: NodeParameters) -> NodeParameters:
     if footprint is None:
         hidden = of_rosaria or not given.publish_description
         footprint = "" if hidden else default.footprint
-    at_base = profile in {Profile.STANDARD, Profile.ROS2}
+    at_base = profile in {Profile.STANDARD, Profile.P2OS, Profile.ROS2}
     of_scans = "laser_frame" if profile is Profile.COMPATIBILITY else default.laser
     timeout = TIMEOUT[profile] if given.cmd_vel_timeout is None else given.cmd_vel_timeout
     return replace(

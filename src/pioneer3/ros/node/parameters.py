@@ -17,6 +17,7 @@ from pioneer3.ros.node.driving_parameters import DrivingSettings
 from pioneer3.ros.node.laser_parameters import BELOW, LaserParameters
 from pioneer3.ros.node.names import SHAPE, Profile
 from pioneer3.ros.node.parameter import (
+    P2OS,
     ROS1,
     ROS2,
     Parameter,
@@ -70,6 +71,16 @@ class NodeParameters:
         "what the robot really is, such as `p3dx-sh`, or the path of a `.toml` or ARIA `.p`"
         " file; empty for what it says; `--model` comes first"
     ).field("")
+    use_tcp: bool = Parameter(
+        "whether the robot is at `tcp_remote_host` and `tcp_remote_port`; else it is at `port`",
+        profiles=P2OS,
+    ).field(False)
+    tcp_remote_host: str = Parameter("of the robot, with `use_tcp`", profiles=P2OS).field(
+        "localhost"
+    )
+    tcp_remote_port: int = Parameter(
+        "of the robot, with `use_tcp`", low=1, high=65535, profiles=P2OS
+    ).field(8101)
     baud: int | None = Parameter(
         "speed of the serial port to try first; `--baud` comes first",
         low=0,
@@ -77,7 +88,7 @@ class NodeParameters:
         otherwise="any",
     ).field(None)
     profile: Profile = Parameter(  # noqa: RUF009 - it returns a field
-        "which names count", choices=("compatibility", "standard", "both"), profiles=ROS1
+        "which names count", choices=("compatibility", "standard", "both", "p2os"), profiles=ROS1
     ).field(Profile.COMPATIBILITY)
     lab_name: str = Parameter(
         "the robot's name in the lab, such as `p3at_1_113`; see above",
@@ -98,7 +109,7 @@ class NodeParameters:
         low=0.0,
         high=3600.0,
         unit="s",
-        otherwise="0.5 s; 0.6 s in `compatibility` and `both`",
+        otherwise="0.5 s; 0.6 s in `compatibility`, `both` and `p2os`",
     ).field(None)
     resume_cmd_vel: bool = Parameter(
         "whether a stream that fell silent drives again when it has come steadily for 0.3 s;"
@@ -227,6 +238,8 @@ class NodeParameters:
     @property
     def url(self) -> str | None:
         """URL of the robot, which RosAria writes as `host:8101`; `None` to look for it."""
+        if self.use_tcp:
+            return f"tcp://{self.tcp_remote_host}:{self.tcp_remote_port}"
         if self.port in {"", "auto"}:
             return None
         return f"tcp://{self.port}" if re.fullmatch(r"[\w.-]+:\d+", self.port) else self.port
