@@ -76,9 +76,11 @@ async def connect_robot(
             if own is not None and camera is None:
                 own_eyes = _cameras(own.camera)
             async with running(*_runs(own_drivers, own_eyes)):
-                yield Robot(
+                robot = Robot(
                     supervisor, arbiter, drivers + own_drivers, next(iter(eyes + own_eyes), None)
                 )
+                with robot.started:
+                    yield robot
 
 
 @asynccontextmanager

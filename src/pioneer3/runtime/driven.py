@@ -2,12 +2,15 @@
 
 import asyncio
 from collections.abc import AsyncIterator
-from math import inf, isfinite
+from math import inf, isfinite, pi
 from typing import Protocol
 
 from pioneer3.behaviors.action import Stack
-from pioneer3.errors import LinkError
+from pioneer3.behaviors.actions.sensing import BLIND
+from pioneer3.behaviors.surroundings import Buffer, Echo
+from pioneer3.errors import DeviceError, LinkError
 from pioneer3.robot.explain import Reason
+from pioneer3.robot.limits import finite
 from pioneer3.robot.supervisor import RobotInfo
 from pioneer3.runtime.arbiter import Arbiter, Drivable
 from pioneer3.runtime.motions import run_mode
@@ -81,6 +84,25 @@ class Driven(Protocol):
         """
         until = asyncio.get_running_loop().time() + seconds
         await run_mode(mode, self.arbiter, self.snapshots(seconds), until=until)
+
+    def nearest(self, start: float = -pi, end: float = pi, buffer: Buffer = Buffer.CURRENT) -> Echo:
+        """Return the nearest thing between two bearings [rad], counter-clockwise from `start`.
+
+        Sonars, bumpers, and lasers that scan see it: (-0.5, 0.5) is ahead, (2.6, -2.6) behind. Its
+        distance is from the robot's centre [m]; `inf` where nothing echoed or no sensor looks.
+
+        Raises:
+            CommandError: not finite numbers.
+            DeviceError: no range sensor works.
+            LinkError: the link is lost.
+        """
+        first, last = finite("start", start), finite("end", end)
+        situation = self.arbiter.situation()
+        if situation is None:
+            raise LinkError(str(self.why_not_moving()))
+        if not situation.around.sensing:
+            raise DeviceError(f"nearest: {BLIND}; switch the sonars on, or connect a laser")
+        return situation.around.nearest(first, last, buffer)
 
     def why_not_moving(self) -> Reason | None:
         """Return the reason that the robot stands still, or `None` while it moves."""

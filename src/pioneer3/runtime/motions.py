@@ -4,6 +4,7 @@ import asyncio
 from collections.abc import AsyncIterator, Iterator
 from contextlib import contextmanager
 from math import inf
+from types import TracebackType
 
 from pioneer3.behaviors.action import Stack
 from pioneer3.behaviors.actions import Move, Turn
@@ -58,6 +59,63 @@ async def carry_out(
         raise MotionError(f"{action.name}: the connection was closed")
     finally:
         arbiter.remove(action)
+
+
+class StartedMotion:
+    """One motion that goes on beside its program, until it ends or another command does it.
+
+    The end of its block ends it, too.
+    """
+
+    def __init__(self, arbiter: Arbiter, supervisor: Supervisor) -> None:
+        self._arbiter, self._supervisor = arbiter, supervisor
+        self._action: Move | Turn | None = None
+        self._task: asyncio.Task[None] | None = None
+
+    def __enter__(self) -> None:
+        pass
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        at: TracebackType | None,
+    ) -> None:
+        self.end()
+
+    def start(self, action: Move | Turn, snapshots: Snapshots) -> None:
+        """Let `action` drive from now on, in place of the one before.
+
+        Raises:
+            MotionError: the robot will not move; the message gives the reason.
+        """
+        self.end()
+        if forbidden := self._supervisor.pilot.forbidden:
+            raise MotionError(f"{action.name}: {forbidden}")
+        motion = carry_out(action, self._arbiter, self._supervisor, snapshots)
+        self._action, self._task = action, asyncio.create_task(motion)
+        self._task.add_done_callback(lambda task: task.cancelled() or task.exception())
+
+    def end(self) -> None:
+        """End the motion, if one goes on, and forget it."""
+        task, self._task = self._task, None
+        if task is not None and self._action is not None:
+            task.cancel()
+            self._arbiter.remove(self._action)
+
+    @property
+    def done(self) -> bool:
+        """Whether it has reached its aim, or there is none.
+
+        Raises:
+            MotionError: something else ended it; the message gives the reason.
+        """
+        if self._task is None:
+            return True
+        if not self._task.done():
+            return False
+        self._task.result()
+        return True
 
 
 async def run_mode(mode: Stack, arbiter: Arbiter, snapshots: Snapshots, *, until: float) -> None:

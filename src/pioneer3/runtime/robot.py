@@ -8,6 +8,7 @@ from pioneer3.arcos.commands import Command
 from pioneer3.behaviors.actions import Hold, Move, Turn
 from pioneer3.behaviors.modes import goto
 from pioneer3.errors import CommandError, MotionError
+from pioneer3.geometry import wrap
 from pioneer3.nav.settings import AS_SHIPPED
 from pioneer3.robot.devices import Devices, PictureSource
 from pioneer3.robot.devices.laser import LaserSource
@@ -15,7 +16,7 @@ from pioneer3.robot.limits import checked, finite, wheels_as_twist
 from pioneer3.robot.supervisor import Supervisor
 from pioneer3.runtime.arbiter import PROGRAM, Arbiter
 from pioneer3.runtime.driven import Driven
-from pioneer3.runtime.motions import carry_out, lost_as_motion_error, run_mode
+from pioneer3.runtime.motions import StartedMotion, carry_out, lost_as_motion_error, run_mode
 
 if TYPE_CHECKING:
     from pioneer3.navigation.navigator import Navigator
@@ -33,6 +34,7 @@ class Robot(Driven):
     Attributes:
         lasers: The laser range finders at the computer, each on a link of its own; without any,
             that of a simulator, in the robot's own stream.
+        started: The motion that goes on while the program does something else.
         navigator: Knows where it is on a map; `None` without a map, and where a page makes its own.
     """
 
@@ -49,6 +51,7 @@ class Robot(Driven):
         self.lasers: tuple[LaserSource, ...] = (*lasers,) or (self.devices.laser,)
         self.navigator: Navigator | None = None
         self.settings = AS_SHIPPED
+        self.started = StartedMotion(arbiter, supervisor)
         self._hold = Hold("program")
         arbiter.add(self._hold, PROGRAM)
         arbiter.lasers = self.lasers
@@ -70,6 +73,7 @@ class Robot(Driven):
             CommandError: not finite numbers.
             MotionError: the robot will not move; the message gives the reason.
         """
+        self.started.end()
         refused = self.arbiter.hold(self._hold, checked(speed, turn_rate), self.info.limits.expiry)
         if refused:
             raise MotionError(str(refused))
@@ -86,6 +90,7 @@ class Robot(Driven):
 
     def stop(self) -> None:
         """Stop the robot, also when others drive."""
+        self.started.end()
         self.arbiter.stop(by=self._hold)
 
     def reset_emergency_stop(self) -> None:
@@ -116,14 +121,7 @@ class Robot(Driven):
             CommandError: not finite numbers.
             MotionError: it did not get there, or the link was lost; see the message.
         """
-        limits = self.info.limits
-        await self._carry_out(
-            Move(
-                distance=finite("distance", distance),
-                speed=_top("speed", speed, limits.max_speed),
-                deceleration=limits.deceleration,
-            )
-        )
+        await self._carry_out(self._move(distance, speed))
 
     async def turn(self, angle: float, rate: float | None = None) -> None:
         """Turn on the spot by `angle` [rad], at `rate` [rad/s] at most.
@@ -132,14 +130,43 @@ class Robot(Driven):
             CommandError: not finite numbers.
             MotionError: it did not get there, or the link was lost; see the message.
         """
-        limits = self.info.limits
-        await self._carry_out(
-            Turn(
-                angle=finite("angle", angle),
-                rate=_top("rate", rate, limits.max_turn_rate),
-                deceleration=limits.turn_deceleration,
-            )
-        )
+        await self._carry_out(self._turn(angle, rate))
+
+    def start_move(self, distance: float, speed: float | None = None) -> None:
+        """Begin a :meth:`move` and return at once.
+
+        The next command of this program ends it. :meth:`is_move_done` tells of its end.
+
+        Raises:
+            CommandError: not finite numbers.
+            MotionError: the robot will not move; the message gives the reason.
+        """
+        self._start(self._move(distance, speed))
+
+    def set_delta_heading(self, angle: float, rate: float | None = None) -> None:
+        """Begin a :meth:`turn` by `angle` [rad] and return at once, as :meth:`start_move` does."""
+        self._start(self._turn(angle, rate))
+
+    def set_heading(self, heading: float, rate: float | None = None) -> None:
+        """Begin to turn to a heading of odometry's frame [rad], by the shorter way.
+
+        It returns at once, as :meth:`start_move` does.
+        """
+        snapshot = self.snapshot
+        if snapshot is None:
+            raise MotionError(str(self.why_not_moving()))
+        here = snapshot.odometry.robot_in_odom.theta
+        self.set_delta_heading(wrap(finite("heading", heading) - here), rate)
+
+    def is_move_done(self) -> bool:
+        """Return whether the motion that was started last has reached its aim.
+
+        It is true as well where none was started, or a later command of this program ended it.
+
+        Raises:
+            MotionError: something else ended it, or the link was lost; see the message.
+        """
+        return self.started.done
 
     async def goto(
         self,
@@ -164,12 +191,14 @@ class Robot(Driven):
         if isinstance(x, str):
             if self.navigator is None:
                 raise CommandError(f"goto {x}: there is no map: connect with line_map=...")
+            self.started.end()
             await self.navigator.goto(x, top)
             return
         if y is None:
             raise CommandError("goto: give x and y, or the name of a place of the map")
         end = None if heading is None else finite("heading", heading)
         mode = goto(finite("x", x), finite("y", y), end, speed=top)
+        self.started.end()
         await run_mode(mode, self.arbiter, self.snapshots(), until=inf)
 
     def send(self, command: Command) -> None:
@@ -189,9 +218,30 @@ class Robot(Driven):
         """
         self.supervisor.send_unsafe(command)
 
+    def _move(self, distance: float, speed: float | None) -> Move:
+        limits = self.info.limits
+        return Move(
+            distance=finite("distance", distance),
+            speed=_top("speed", speed, limits.max_speed),
+            deceleration=limits.deceleration,
+        )
+
+    def _turn(self, angle: float, rate: float | None) -> Turn:
+        limits = self.info.limits
+        return Turn(
+            angle=finite("angle", angle),
+            rate=_top("rate", rate, limits.max_turn_rate),
+            deceleration=limits.turn_deceleration,
+        )
+
     async def _carry_out(self, action: Move | Turn) -> None:
+        self.started.end()
         self._hold.release()
         await carry_out(action, self.arbiter, self.supervisor, self.snapshots())
+
+    def _start(self, action: Move | Turn) -> None:
+        self._hold.release()
+        self.started.start(action, self.snapshots())
 
 
 def _top(name: str, wanted: float | None, most: float) -> float:
