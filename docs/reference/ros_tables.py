@@ -32,7 +32,7 @@ from pioneer3.ros.node.parameter_reading import FOREIGN, read_parameters
 from pioneer3.ros.node.parameters import parameters_in
 from pioneer3.ros.node.services import NAVIGATION_SERVICES, SERVICES
 from pioneer3.ros.node.topic import Direction, Topic
-from pioneer3.ros.node.topics import TOPICS, laser_topic, transducer_topic
+from pioneer3.ros.node.topics import TOPICS, aria_topics, laser_topic, transducer_topic
 
 PAGE = Path(__file__).parents[1] / "how-to" / "ros1.md"
 LASER_PAGE = PAGE.with_name("laser.md")
@@ -85,7 +85,12 @@ def topics() -> str:
             when(topic),
             topic.note,
         )
-        for topic in (*rows_in(TOPICS, Profile.BOTH), laser_topic("laser"), first)
+        for topic in (
+            *rows_in(TOPICS, Profile.BOTH),
+            laser_topic("laser"),
+            *aria_topics("laser", "sim_lms2xx_1"),
+            first,
+        )
     ]
     return table(("`compatibility`", "`standard`", "type", "when", ""), rows)
 

@@ -102,3 +102,45 @@ async def test_a_parameter_that_makes_no_sense_ends_the_node_with_a_sentence(ros
         assert code == 2
         assert "~cluster must be a whole number from 1 to 99, not 0" in " ".join(said.split())
         assert "Traceback" not in said
+
+
+async def test_programs_for_rosaria_find_a_simulators_laser_by_its_name(ros1: None) -> None:
+    async with (
+        running("sim", "--ideal", "--port", "0") as simulator,
+        running(
+            *("ros1", "--port", (await simulator.line()).split()[-1]),
+            "_publish_aria_lasers:=true",
+        ) as node,
+    ):
+        while not (await node.line()).startswith("node /"):
+            pass
+        scan, cloud = (f"/RosAria/sim_lms2xx_1_{kind}" for kind in ("laserscan", "pointcloud"))
+        heard = await script("survey.py", "3.0", scan, cloud)
+        assert (heard[scan]["type"], heard[scan]["frames"]) == (
+            "sensor_msgs/LaserScan",
+            ["laser_frame"],
+        )
+        assert (heard[cloud]["type"], heard[cloud]["frames"]) == (
+            "sensor_msgs/PointCloud",
+            ["odom"],
+        )
+        await node.end(signal.SIGINT)
+
+
+async def test_an_inverted_laser_alone_is_mirrored_and_unknown_settings_are_told(
+    ros1: None,
+) -> None:
+    async with (
+        simulated("utm-30lx") as (_, laser),
+        running(
+            *("ros1", "laser", f"_port:={laser}", "_baud:=38400", "_inverted:=true"),
+            *("_angle_min:=-1.0", "_angle_max:=0.5", "_connect_delay:=35"),
+        ) as node,
+    ):
+        while not (await node.line()).startswith("node /laser"):
+            pass
+        assert await angle("/scan", "angle_min") == pytest.approx(degrees(-1.0), abs=0.3)
+        assert await angle("/scan", "angle_max") == pytest.approx(degrees(0.5), abs=0.3)
+        _, said = await node.end(signal.SIGINT)
+        assert "parameter ~connect_delay of sicktoolbox_wrapper has no effect here" in said
+        assert "unknown" not in said

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import pytest
 
 from pioneer3 import Robot, connect_async
+from pioneer3.robot.devices.laser import Laser
+from pioneer3.robot.devices.presence import Presence
 from pioneer3.ros.node.middleware import Response
 from pioneer3.ros.node.node import RobotNode
 from pioneer3.ros.node.parameter_reading import read_parameters
@@ -66,6 +68,27 @@ async def test_it_publishes_what_somebody_subscribes_to() -> None:
         assert 9 <= len(await the.subscribe("odom")) <= 11
         assert len(await the.subscribe("/diagnostics", 3.0)) in {2, 3, 4}
         assert the.middleware.publishers["sonar/points"].messages == []
+
+
+async def test_lasers_are_on_rosarias_topics_where_they_are_asked_for() -> None:
+    async with a_node(publish_aria_lasers=True) as the:
+        lasers = {"~sim_lms2xx_1_laserscan", "~sim_lms2xx_1_pointcloud"}
+        assert lasers <= set(the.middleware.publishers)
+        assert "scan" not in the.middleware.publishers
+        scan, *_ = await the.subscribe("~sim_lms2xx_1_laserscan", 3.0)
+        cloud, *_ = await the.subscribe("~sim_lms2xx_1_pointcloud", 3.0)
+        assert (scan.header.frame_id, cloud.header.frame_id) == ("laser_frame", "odom")
+        assert scan.angle_min < 0 < scan.angle_max
+    async with a_node() as the:
+        assert not {name for name in the.middleware.publishers if "laser" in name}
+
+
+async def test_a_robot_without_a_laser_tells_how_to_give_it_one() -> None:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Laser, "presence", Presence(False, "The robot has no laser."))
+        async with a_node(publish_aria_lasers=True) as the:
+            assert not {name for name in the.middleware.publishers if "laserscan" in name}
+            assert any("no laser" in said and "--laser" in said for said in the.middleware.warnings)
 
 
 async def test_scans_are_asked_for_while_somebody_subscribes() -> None:

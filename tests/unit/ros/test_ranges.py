@@ -1,8 +1,9 @@
+from dataclasses import replace
 from math import inf, pi
 
 import pytest
 
-from pioneer3.geometry import ORIGIN
+from pioneer3.geometry import ORIGIN, Pose2
 from pioneer3.models.description.tree import Frames
 from pioneer3.robot.devices.gyro import GyroReading
 from pioneer3.ros.messages import sensors
@@ -32,6 +33,11 @@ def test_without_an_echo_it_is_the_longest_range_or_infinity(
     assert sensors.bounded_range(metres, Beam(farthest=3.0, no_echo=NoEcho.INF)) == as_rep_117
 
 
+def make(type_name: str) -> Blank:
+    """Return an empty message."""
+    return Blank(kind=type_name)
+
+
 def sweep(count: int) -> Scan:
     """Return a sweep over half a circle; the last reading hears nothing."""
     step = pi / max(count - 1, 1)
@@ -46,9 +52,22 @@ def sweep(count: int) -> Scan:
     )
 
 
+def test_the_points_of_a_scan_are_where_the_robot_saw_them() -> None:
+    message = Blank()
+    scan = replace(sweep(3), robot_in_odom=Pose2(1.0, 2.0, pi / 2), sensor_in_robot=Pose2(0.5, 0.0))
+    seen_from = ScanUpdate(scan=scan, stamp="then", frame="laser", odom="r1/odom", make=make)
+    sensors.scan_cloud(message, seen_from)
+    assert (message.header.stamp, message.header.frame_id) == ("then", "r1/odom")
+    found = [(point.x, point.y, point.z) for point in message.points]
+    assert found == [pytest.approx((3.0, 2.5, 0.0)), pytest.approx((1.0, 4.5, 0.0))]
+    assert {point.kind for point in message.points} == {"geometry_msgs/Point32"}
+
+
 def test_a_scan_goes_counter_clockwise_and_keeps_infinity() -> None:
     message = Blank()
-    sensors.scan(message, ScanUpdate(scan=sweep(181), stamp="then", frame="laser", period=0.1))
+    sensors.scan(
+        message, ScanUpdate(scan=sweep(181), stamp="then", frame="laser", period=0.1, make=make)
+    )
     assert (message.header.stamp, message.header.frame_id) == ("then", "laser")
     assert message.angle_min == pytest.approx(-pi / 2)
     assert message.angle_min + 180 * message.angle_increment == pytest.approx(message.angle_max)
@@ -60,7 +79,7 @@ def test_a_scan_goes_counter_clockwise_and_keeps_infinity() -> None:
 
 def test_a_scan_of_one_reading_has_no_step() -> None:
     message = Blank()
-    sensors.scan(message, ScanUpdate(scan=sweep(1), stamp="then", frame="laser"))
+    sensors.scan(message, ScanUpdate(scan=sweep(1), stamp="then", frame="laser", make=make))
     assert message.angle_increment == 0.0
 
 

@@ -8,6 +8,7 @@ from docs.reference.ros_tables import PAGES, filled
 from pioneer3.geometry import Pose2, Twist2
 from pioneer3.models import load_model
 from pioneer3.models.description.tree import Frames
+from pioneer3.models.lasers import LaserProtocol
 from pioneer3.robot.devices.gyro import GyroReading
 from pioneer3.robot.devices.pictures import Image
 from pioneer3.ros.messages import sensors
@@ -21,7 +22,14 @@ from pioneer3.ros.messages.update import (
 )
 from pioneer3.ros.node.names import Profile
 from pioneer3.ros.node.topic import Topic, Update
-from pioneer3.ros.node.topics import COMMANDS, STAMPED_COMMANDS, TOPICS, published, topics_of
+from pioneer3.ros.node.topics import (
+    COMMANDS,
+    STAMPED_COMMANDS,
+    TOPICS,
+    aria_laser,
+    published,
+    topics_of,
+)
 from pioneer3.state import Battery, Bumpers, Charging, Inputs, Motors, Scan, Sonar
 from tests.unit.ros.support import P3AT, Blank, seen, update
 
@@ -108,6 +116,34 @@ def test_both_at_once_is_all_of_them() -> None:
     assert {name for name, topic in rows(Profile.BOTH).items() if topic.latched} == LATCHED
 
 
+@pytest.mark.parametrize(
+    ("number", "kind", "protocol", "simulated", "name"),
+    [
+        (1, "lms2xx", None, True, "sim_lms2xx_1"),
+        (1, "", None, True, "sim_lms2xx_1"),
+        (1, "lms1XX", None, True, "sim_lms1xx_1"),
+        (1, "s3series", None, True, "sim_S3Series_1"),
+        (1, "lms2xx", LaserProtocol.LMS2XX, False, "lms2xx_1"),
+        (1, "lms2xx", None, False, "lms2xx_1"),
+        (1, "lms5XX", LaserProtocol.COLA, False, "lms5XX_1"),
+        (1, "tim561", LaserProtocol.COLA, False, "tim561_1"),
+        (1, "lms2xx", LaserProtocol.COLA, False, "lms1xx_1"),
+        (1, "lms2xx", LaserProtocol.SCIP, False, "urg20_1"),
+        (1, "urg2.0", LaserProtocol.SCIP, False, "urg20_1"),
+        (1, "urg", LaserProtocol.SCIP, False, "urg_1"),
+        (2, "lms2xx", LaserProtocol.SCIP, False, "urg20_2"),
+    ],
+)
+def test_lasers_have_the_names_of_aria_in_rosarias_topics(
+    number: int, kind: str, protocol: LaserProtocol | None, simulated: bool, name: str
+) -> None:
+    assert aria_laser(number, kind, protocol, simulated=simulated) == name
+    topics = published(P3AT, MessageOptions(), Profile.COMPATIBILITY, aria={"laser": name})
+    found = {name: each.type_name for each in topics for name in each.names(Profile.COMPATIBILITY)}
+    assert found[f"~{name}_laserscan"] == "sensor_msgs/LaserScan"
+    assert found[f"~{name}_pointcloud"] == "sensor_msgs/PointCloud"
+
+
 def make(type_name: str) -> Blank:
     """Return an empty message."""
     return Blank(kind=type_name)
@@ -124,7 +160,7 @@ def update_of(source: type[Update]) -> Update:
             angles=(0.0,),
             ranges=(1.0,),
         )
-        return ScanUpdate(scan=scan, frame="laser", stamp="now")
+        return ScanUpdate(scan=scan, frame="laser", stamp="now", make=make)
     if source is SensorUpdate:
         gyro = GyroReading(stamp=5.0, heading=0.0, rate=0.1, temperature_raw=0)
         return SensorUpdate(reading=gyro, frames=Frames(), stamp="now")
@@ -173,7 +209,7 @@ def scan_of(*ranges: float, reflectances: tuple[int, ...] = ()) -> ScanUpdate:
         ranges=ranges,
         reflectances=reflectances,
     )
-    return ScanUpdate(scan=scan, frame="laser", stamp="now")
+    return ScanUpdate(scan=scan, frame="laser", stamp="now", make=make)
 
 
 @pytest.mark.parametrize(

@@ -280,6 +280,16 @@ def scan(message: Any, update: ScanUpdate) -> None:
     message.intensities = list(map(float, sweep.reflectances))
 
 
+def scan_cloud(message: Any, update: ScanUpdate) -> None:
+    """Fill a sensor_msgs/PointCloud with the echoes of a scan, in the frame of odometry."""
+    fill_header(message, update.stamp, update.odom)
+    message.points = []
+    for x, y in update.scan.points_in_odom():
+        point = update.make("geometry_msgs/Point32")
+        point.x, point.y, point.z = x, y, 0.0
+        message.points.append(point)
+
+
 def imu(message: Any, update: SensorUpdate) -> None:
     """Fill a sensor_msgs/Imu: the rate of turning, and that there is nothing else."""
     fill_header(message, update.stamp, update.frames.imu)

@@ -123,12 +123,17 @@ class StateUpdate:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ScanUpdate:
-    """A new scan of the laser range finder; `period` is the time since the last one [s], or 0."""
+    """A new scan of the laser range finder; `period` is the time since the last one [s], or 0.
+
+    The frame of odometry is `odom`, with the prefix.
+    """
 
     scan: Scan
     frame: str
+    odom: str = Frames().odom
     stamp: Any
     period: float = 0.0
+    make: Callable[[str], Any]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

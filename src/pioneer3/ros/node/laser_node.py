@@ -58,7 +58,13 @@ class LaserNode:
 
     def _update(self, scan: Scan) -> ScanUpdate:
         stamp = self._middleware.stamp(self._loop.time() - scan.stamp)
-        return ScanUpdate(scan=scan, frame=self._frame, stamp=stamp, period=scan.period)
+        return ScanUpdate(
+            scan=scan,
+            frame=self._frame,
+            stamp=stamp,
+            period=scan.period,
+            make=self._middleware.make,
+        )
 
     async def _follow_link(self) -> None:
         """Log changes of the connection to the laser."""

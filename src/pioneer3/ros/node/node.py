@@ -1,7 +1,7 @@
 """A robot as a ROS node; `ros1` and `ros2` run it over their middleware."""
 
 import asyncio
-from collections.abc import AsyncGenerator, Callable, Iterable
+from collections.abc import AsyncGenerator, Callable, Iterable, Mapping
 from contextlib import aclosing, suppress
 from dataclasses import replace
 from functools import partial
@@ -40,7 +40,7 @@ from pioneer3.ros.node.parameters import NodeParameters
 from pioneer3.ros.node.publishing import Publishing
 from pioneer3.ros.node.services import Services
 from pioneer3.ros.node.topic import Topic
-from pioneer3.ros.node.topics import SLOWLY, command_topics, published
+from pioneer3.ros.node.topics import SLOWLY, aria_laser, command_topics, published
 from pioneer3.runtime.robot import Robot
 from pioneer3.state import Bumpers, Scan, Snapshot
 from pioneer3.tasks import hand_over, running
@@ -79,7 +79,8 @@ class RobotNode:
             robot, parameters.timeout, resumes=parameters.resume_cmd_vel, warn=middleware.warn
         )
         names = [laser.name for laser in robot.lasers]
-        topics = published(self._model, options, parameters.profile, names)
+        aria = self._aria_lasers() if parameters.publish_aria_lasers else {}
+        topics = published(self._model, options, parameters.profile, names, aria)
         self._publishing = Publishing(topics, parameters.profile, middleware)
         self._navigation = self._navigation_of(robot)
         self._services = Services(
@@ -173,11 +174,29 @@ class RobotNode:
         )
         self._middleware.reconfigure(self._parameters, driving)
 
+    def _aria_lasers(self) -> Mapping[str, str]:
+        """Return the names of lasers in RosAria's topics, by their own; warn of none."""
+        if not self._robot.laser.presence.there:
+            self._middleware.warn(
+                f"~publish_aria_lasers: no laser: {self._robot.laser.presence}; give its port with"
+                " --laser or ~laser/serial_port"
+            )
+        kind = self._model.laser.kind if self._model.laser else ""
+        return {
+            laser.name: aria_laser(
+                number,
+                kind,
+                laser.protocol if isinstance(laser, LaserDriver) else None,
+                simulated=laser is self._robot.devices.laser,
+            )
+            for number, laser in enumerate(self._robot.lasers, start=1)
+        }
+
     def _is_available(self, topic: Topic) -> bool:
         """Return whether the robot has the device that a topic is published from."""
         if topic.source is ScanUpdate:
             plain = self._parameters.profile is Profile.COMPATIBILITY  # RosAria has no such topic
-            asked = self._robot.laser is not self._robot.devices.laser
+            asked = self._robot.laser is not self._robot.devices.laser or topic.standard is None
             return bool(self._robot.laser.presence.there) and (asked or not plain)
         if topic.source is PictureUpdate:
             return bool(self._robot.devices.camera.presence.there)
@@ -211,8 +230,10 @@ class RobotNode:
         return ScanUpdate(
             scan=scan,
             frame=self._frames.laser_frame(number),
+            odom=self._frames.odom,
             stamp=self._stamp(scan.stamp),
             period=scan.period or (pause if pause < LONGEST_PERIOD else 0.0),
+            make=self._middleware.make,
         )
 
     async def _images(self) -> AsyncGenerator[Image, None]:

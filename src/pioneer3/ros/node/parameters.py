@@ -153,6 +153,10 @@ class NodeParameters:
     laser_frame_id: str | None = frame(
         "of scans", otherwise="`laser`; `laser_frame` in `compatibility`"
     ).field(None)
+    publish_aria_lasers: bool = Parameter(
+        "whether lasers are on RosAria's topics, too, such as `~sim_lms2xx_1_laserscan`",
+        profiles=frozenset({Profile.COMPATIBILITY, Profile.BOTH}),
+    ).field(False)
     publish_tf: bool = Parameter(
         "`odom` to `base_footprint`, else to `base_link`, on `/tf`; false where a filter"
         " publishes it: robot_pose_ekf as it is, robot_localization with `base_link_frame:"

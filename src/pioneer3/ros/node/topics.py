@@ -1,9 +1,11 @@
 """The table of topics, from which a node publishes and subscribes and the docs are made."""
 
-from collections.abc import Sequence
+import re
+from collections.abc import Mapping, Sequence
 from typing import Final
 
 from pioneer3.models import RobotModel
+from pioneer3.models.lasers import LASERS, LaserProtocol
 from pioneer3.ros.messages import motion, sensors
 from pioneer3.ros.messages.diagnostics import DiagnosticsUpdate, diagnostics
 from pioneer3.ros.messages.update import (
@@ -53,6 +55,56 @@ def laser_topic(name: str) -> Topic:
         frame=lambda frames: f"{frames.laser}{name.removeprefix('laser')}",
         note="without `--laser` that of simulators, and in `standard` only; `inf` without an echo"
         " (REP 117); of a second laser `scan2`",
+    )
+
+
+ARIA_SPELLINGS: Final = {"lms5xx": "lms5XX", "s3series": "S3Series"}
+"""Names in ARIA of types of lasers that are not in lower case; those of files may be in either."""
+ARIA_TYPES: Final = {
+    LaserProtocol.LMS2XX: "lms2xx",
+    LaserProtocol.COLA: "lms1xx",
+    LaserProtocol.SCIP: "urg2.0",
+}
+"""Types of lasers in ARIA, by their languages; for those that the robot's model does not name."""
+
+
+def aria_laser(
+    number: int, kind: str, protocol: LaserProtocol | None = None, *, simulated: bool
+) -> str:
+    """Return the name of a laser in RosAria's topics, such as `sim_lms2xx_1`, without points.
+
+    Args:
+        number: From 1.
+        kind: Of the first laser in the robot's model; empty for none.
+        protocol: Its language; `None` where it is not known.
+        simulated: Whether a simulator sends its scans in the robot's own stream.
+    """
+    spoken = {each.protocol for each in LASERS.values() if kind.lower() in each.kinds}
+    if number > 1 or not kind or not (protocol is None or protocol in spoken):
+        kind = ARIA_TYPES[protocol or LaserProtocol.LMS2XX]
+    name = ARIA_SPELLINGS.get(kind.lower(), kind.lower())
+    return re.sub(r"\W", "", f"{'sim_' if simulated else ''}{name}_{number}")
+
+
+def aria_topics(name: str, aria: str) -> tuple[Topic, Topic]:
+    """Return RosAria's topics of the laser of this name, which is `aria` in ARIA."""
+    return (
+        Topic(
+            compatibility=f"~{aria}_laserscan",
+            type_name="sensor_msgs/LaserScan",
+            source=ScanUpdate,
+            sensor=name,
+            fill=sensors.scan,
+            note="with `~publish_aria_lasers`: as on `scan`",
+        ),
+        Topic(
+            compatibility=f"~{aria}_pointcloud",
+            type_name="sensor_msgs/PointCloud",
+            source=ScanUpdate,
+            sensor=name,
+            fill=sensors.scan_cloud,
+            note="with `~publish_aria_lasers`: points of the last scan, in the frame of odometry",
+        ),
     )
 
 
@@ -300,6 +352,9 @@ TOPICS: Final = (
 """All topics but those of single lasers and transducers, whose number depends on the robot."""
 
 
+NOTHING: Final[Mapping[str, str]] = {}
+
+
 def topics_of(model: RobotModel, lasers: Sequence[str] = ("laser",)) -> tuple[Topic, ...]:
     """Return the table for a robot of this kind, with its transducers and `lasers` by name."""
     transducers = (transducer_topic(number) for number in range(len(model.sonars)))
@@ -311,11 +366,16 @@ def published(
     options: MessageOptions,
     profile: Profile,
     lasers: Sequence[str] = ("laser",),
+    aria: Mapping[str, str] = NOTHING,
 ) -> list[Topic]:
-    """Return the topics that a node with these options publishes."""
+    """Return the topics that a node with these options publishes.
+
+    Lasers that are on RosAria's topics, too, have their names there in `aria`.
+    """
+    several = [topic for names in aria.items() for topic in aria_topics(*names)]
     return [
         topic
-        for topic in topics_of(model, lasers)
+        for topic in (*topics_of(model, lasers), *several)
         if topic.direction is Direction.PUBLISHED
         and topic.names(profile)
         and topic.enabled(options)
