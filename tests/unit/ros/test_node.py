@@ -4,6 +4,7 @@ import asyncio
 from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
+from typing import Any
 
 import pytest
 
@@ -75,8 +76,8 @@ async def test_lasers_are_on_rosarias_topics_where_they_are_asked_for() -> None:
         lasers = {"~sim_lms2xx_1_laserscan", "~sim_lms2xx_1_pointcloud"}
         assert lasers <= set(the.middleware.publishers)
         assert "scan" not in the.middleware.publishers
-        scan, *_ = await the.subscribe("~sim_lms2xx_1_laserscan", 3.0)
-        cloud, *_ = await the.subscribe("~sim_lms2xx_1_pointcloud", 3.0)
+        scan: Any = (await the.subscribe("~sim_lms2xx_1_laserscan", 3.0))[0]
+        cloud: Any = (await the.subscribe("~sim_lms2xx_1_pointcloud", 3.0))[0]
         assert (scan.header.frame_id, cloud.header.frame_id) == ("laser_frame", "odom")
         assert scan.angle_min < 0 < scan.angle_max
     async with a_node() as the:
