@@ -120,8 +120,8 @@ def test_robots_of_other_makers_get_the_model_nearest_in_size() -> None:
     models = ["p3at-sh", "p2dx", "p3dx-sh", "p2at", "amigo-sh", ""]
     assert [pioneer_of((name,)) for name in names] == models
     assert laser_of(("fancysicklaser",), 8) == laser_of(("scanner",), 0) == "lms-200"
-    assert laser_of(("scanner",), 30) == "utm-30lx"
-    assert laser_of(("topurg",), 30) == laser_of(("scanner",), 4) == "urg-04lx"
+    assert laser_of(("scanner",), 30) == laser_of(("topurg",), 30) == "utm-30lx"
+    assert laser_of(("hokuyo",), 0) == laser_of(("scanner",), 4) == "urg-04lx"
 
 
 @pytest.mark.parametrize(
@@ -153,7 +153,7 @@ def test_macros_that_multiply_end_in_an_error(tmp_path: Path) -> None:
     text = "define a0 model ( )\n" + "".join(
         f"define a{n + 1} model ( {f'a{n} ( ) ' * 10} )\n" for n in range(9)
     )
-    with pytest.raises(ConfigError, match="more than 50000 models"):
+    with pytest.raises(ConfigError, match="more than 100000 entities"):
         load_world(write_lab(tmp_path, text + "a9 ( )"))
 
 

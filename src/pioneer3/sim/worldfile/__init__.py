@@ -7,6 +7,9 @@ arguments     options of a command line about robots and starts, which override 
 flattened     worlds without their third dimension: in words, and as a map with a world file
 drawing       drawings of worlds: their lines and markers, as SVG and as PNG
 load          finds maps and worlds: shipped ones by name, others by the path of their file
+gazebo        reads worlds of Gazebo: boxes, columns, cuts of meshes, and robots
+gazebo_frames the poses of SDF: of links, frames, joints and models in their model or world
+gazebo_text   the XML of such worlds, and the files that they name
 stage         reads worlds of Stage: walls, boxes, and robots with their lasers
 stage_text    the text of such worlds: tokens, includes and macros become entities
 stand_ins     models and lasers for the robots of another simulator, by their names or sizes

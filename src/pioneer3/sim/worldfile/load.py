@@ -6,10 +6,12 @@ from pathlib import Path
 from pioneer3.errors import ConfigError
 from pioneer3.maps import LineMap, shipped_maps
 from pioneer3.maps.load import FOREIGN_WORLDS, looks_like_map
+from pioneer3.sim.worldfile.gazebo import read_gazebo
+from pioneer3.sim.worldfile.gazebo_text import LARGEST_SDF
 from pioneer3.sim.worldfile.spec import WorldFile
 from pioneer3.sim.worldfile.stage import read_stage
 from pioneer3.sim.worldfile.toml import is_world, read_world
-from pioneer3.text import shown
+from pioneer3.text import read_bytes, shown
 
 LONGEST_PATH = 300
 
@@ -38,7 +40,7 @@ def load_world(name_or_path: str | Path) -> WorldFile:
     if is_world(path):
         return read_world(path)
     if path.suffix.lower() in FOREIGN_WORLDS:
-        return read_stage(path)
+        return read_foreign(path)
     stem = name.removesuffix(".map")
     if name in shipped_maps() or name == "empty":
         return WorldFile(name=name, map=name)
@@ -49,6 +51,16 @@ def load_world(name_or_path: str | Path) -> WorldFile:
     listed = ", ".join((*shipped_maps(), *shipped_worlds(), "empty"))
     said = repr(name) if len(name) <= LONGEST_PATH else shown(name)
     raise ConfigError(f"map {said}: no such file, and none ships so; there is {listed}")
+
+
+def read_foreign(path: Path) -> WorldFile:
+    """Read a world of Gazebo, which is XML, or else of Stage.
+
+    Raises:
+        ConfigError: It cannot be read, or is wrong; names file and line.
+    """
+    start = read_bytes(path, LARGEST_SDF, "world")[:1000].lstrip(b"\xef\xbb\xbf \t\r\n")
+    return read_gazebo(path) if start.startswith(b"<") else read_stage(path)
 
 
 def _exists(path: Path) -> bool:

@@ -31,8 +31,6 @@ log = logging.getLogger(__name__)
 
 DARK = 127
 """Shades up to it are walls."""
-MOST_MODELS = 50_000
-"""Most models of one world, each use of a macro counted."""
 SMALLEST = 0.1
 """Size of a model of which nothing is said [m]."""
 THIN = 0.01
@@ -75,7 +73,8 @@ class _StageReader:
         self._names: set[str] = set()
         self._left: dict[str, None] = {}
         self._others: dict[str, str] = {}
-        self._models = self._count = 0
+        self._count = 0
+        self._pictures: dict[Path, Float] = {}
 
     def world(self) -> WorldFile:
         """Return the world, and warn of all that is not in it."""
@@ -83,7 +82,7 @@ class _StageReader:
         for entity in self._text.world.children:
             self._read(entity, ORIGIN, 0.0)
         name = printable(path.stem)
-        told = [f"{missing} is not there" for missing in self._text.missing]
+        told = list(self._text.missing)
         told += [f"{model} stands for {kind}, no Pioneer" for kind, model in self._others.items()]
         if self._left:
             told.append(f"left out, without a counterpart: {', '.join(self._left)}")
@@ -104,9 +103,6 @@ class _StageReader:
 
     def _read(self, entity: StageEntity, parent: Pose2, foot: float) -> None:
         """Take what an entity of a world or model stands for, and the models in it."""
-        self._models += 1
-        if self._models > MOST_MODELS:
-            raise entity.line.wrong(entity.kinds[0], f"more than {MOST_MODELS} models")
         whole = self._text.resolved(entity)
         kind = whole.kinds[-1]
         if kind == "position" or (kind not in _SCENERY and pioneer_of((kind,))):
@@ -157,14 +153,12 @@ class _StageReader:
         if picture is None:
             seen = "seen from the world's folder; put the picture there, or mend the path"
             raise told.wrong(f"no such file: {shown(model.text('bitmap'))}, {seen}")
-        dark = read_image(picture).shades[::-1] <= DARK
-        try:
-            edges = raster_outline(dark)
-        except OverflowError:
-            most = f"{MOST_WALLS / 1e6:.0f} million"
-            raise wrong(picture, f" pixels: more than {most} edges; not a map") from None
-        if not len(edges):
-            raise wrong(picture, " pixels: none is dark, so there is no wall")
+        if Path(model.text("bitmap")).is_absolute() and Path(model.text("bitmap")) != picture:
+            taken = f"{model.text('bitmap')} is not there, {picture} is taken"
+            self._text.missing.append(f"{told.line.number}: {taken}")
+        if picture not in self._pictures:
+            self._pictures[picture] = _edges(picture)
+        edges = self._pictures[picture]
         self._count += len(edges)
         if self._count > MOST_WALLS:
             raise told.wrong(
@@ -275,6 +269,18 @@ class _StageReader:
             name = free_name(name, self._names)
             self._names.add(name)
         return name
+
+
+def _edges(picture: Path) -> Float:
+    """Return the outlines of the dark pixels of a picture [pixels], shape (E, 4)."""
+    try:
+        edges = raster_outline(read_image(picture).shades[::-1] <= DARK)
+    except OverflowError:
+        most = f"{MOST_WALLS / 1e6:.0f} million"
+        raise wrong(picture, f" pixels: more than {most} edges; not a map") from None
+    if not len(edges):
+        raise wrong(picture, " pixels: none is dark, so there is no wall")
+    return edges
 
 
 def _fitted(points: Float, size: tuple[float, ...]) -> Float:

@@ -26,8 +26,12 @@ MOST_BYTES = 2 << 20
 """Most text of one world, with its includes [bytes]."""
 MOST_TOKENS = 300_000
 """Most words, numbers and brackets of one world."""
+MOST_USES = 100_000
+"""Most entities of one world, those that macros bring counted each time."""
 MOST_NESTED = 24
 """Deepest nesting of includes, of entities, and of macros of macros."""
+ABOVE = 4
+"""So many folders of a file and above it are looked into."""
 SEARCH_PATH = "STAGEPATH"
 """Variable of the environment: folders in which Stage looks for includes."""
 _TOKEN = re.compile(
@@ -116,7 +120,7 @@ class StageText:
     Attributes:
         world: All that stands outside of macros, as one entity.
         macros: The macros by their names.
-        missing: Includes that are nowhere, with the line that names each.
+        missing: Sentences on files that are not where a line names them.
 
     Raises:
         ConfigError: It cannot be read, or is wrong; names file and line.
@@ -127,7 +131,7 @@ class StageText:
         self.missing: list[str] = []
         self.macros: dict[str, StageEntity] = {}
         self._files = self._bytes = self._count = 0
-        self._at = 0
+        self._at = self._uses = 0
         self._tokens = list(self._tokens_of(path, (), None))
         self.world = StageEntity(kinds=("",), line=TextLine(path, 1, ""))
         self._fill(self.world, 0)
@@ -136,8 +140,11 @@ class StageText:
         """Return an entity with all that the macros in its name bring.
 
         Raises:
-            ConfigError: A macro is defined by itself.
+            ConfigError: A macro is defined by itself, or macros multiply.
         """
+        self._uses += 1
+        if self._uses > MOST_USES:
+            raise entity.line.wrong(entity.kinds[0], f"more than {MOST_USES} entities")
         layers = [entity]
         while macro := self.macros.get(layers[-1].kinds[-1]):
             layers.append(macro)
@@ -157,14 +164,13 @@ class StageText:
         """Return the file that a line names, or `None`.
 
         As in Stage it is seen from the folder of the world, or lies in one of `STAGEPATH`; else it
-        is seen from the file that names it, from above the world's folder, or lies beside it.
+        is seen from the file that names it, or where :func:`places_of` has it.
         """
         there = Path(name).expanduser() if name.startswith("~") else Path(name)
         base = PureWindowsPath(name).name
         stage = [Path(each) for each in os.environ.get(SEARCH_PATH, "").split(os.pathsep) if each]
-        world, here = self.path.parent, said.path.parent
-        tried = [world / there, *(each / base for each in stage), here / there]
-        tried += [world.parent / there, world / base]
+        tried = [self.path.parent / there, *(each / base for each in stage)]
+        tried += [said.path.parent / there, *places_of(name, self.path)]
         for path in tried:
             with suppress(OSError, ValueError):
                 if path.is_file():
@@ -194,7 +200,7 @@ class StageText:
                 if inner := self.find(found[kind], line):
                     yield from self._tokens_of(inner, (*within, path), line)
                 else:
-                    self.missing.append(f"{line.number}: {found[kind]}")
+                    self.missing.append(f"{line.number}: {found[kind]} is not there")
             elif kind == "word" and found[kind] == "include":
                 include = True
             elif kind:
@@ -272,3 +278,14 @@ class StageText:
             raise line.wrong("syntax", "the file ends in the middle; is it whole?")
         self._at += 1
         return self._tokens[self._at - 1]
+
+
+def places_of(name: str, file: Path) -> Iterator[Path]:
+    """Yield where a file named by the path of another computer may be: in folders above `file`.
+
+    In each of them the whole path is tried first, and its last part alone last.
+    """
+    parts = PureWindowsPath(name).parts
+    for folder in file.resolve().parents[:ABOVE]:
+        for first in range(len(parts)):
+            yield folder.joinpath(*parts[first:])

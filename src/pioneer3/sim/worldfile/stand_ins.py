@@ -27,7 +27,7 @@ _NARROW = 0.36
 """Range up to which a laser is a small one, as a share of :data:`_FAR`."""
 _SENSORS = (
     (re.compile(r"utm|ust"), "utm-30lx"),
-    (re.compile(r"urg|ubg"), "urg-04lx"),
+    (re.compile(r"urg|ubg|hokuyo"), "urg-04lx"),
     (re.compile(r"lms[-_ ]?1"), "lms-111"),
     (re.compile(r"lms[-_ ]?5"), "lms-511"),
     (re.compile(r"tim[-_ ]?5"), "tim571"),
@@ -59,7 +59,7 @@ def laser_of(names: Sequence[str], farthest: float) -> str:
     for name in names:
         for pattern, laser in _SENSORS:
             if pattern.search(name.lower()):
-                return laser
+                return "utm-30lx" if laser == "urg-04lx" and farthest > _FAR else laser
     if farthest > _FAR:
         return "utm-30lx"
     return "urg-04lx" if 0 < farthest < _NARROW * _FAR else "lms-200"

@@ -1,0 +1,209 @@
+"""Worlds of Gazebo: poses, shapes, includes and robots, and what is wrong with one."""
+
+from math import pi
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from pioneer3.errors import ConfigError
+from pioneer3.geometry import Pose2
+from pioneer3.maps.load import looks_like_map
+from pioneer3.sim.map_convert import convert
+from pioneer3.sim.relief import Cylinder
+from pioneer3.sim.worldfile import WorldFile, load_world
+
+BOX = "<geometry><box><size>2 1 1</size></box></geometry>"
+WRONG = "w.world:1: "
+
+
+def model(inside: str, name: str = "m", collision: str = "") -> str:
+    shape = f"<collision name='c'>{collision}{inside}</collision>" if inside else ""
+    return f"<model name='{name}'><link name='l'>{shape}</link></model>"
+
+
+def solid(shape: str, pose: str = "0 0 0 0 0 0") -> str:
+    return model(f"<pose>{pose}</pose><geometry>{shape}</geometry>")
+
+
+def load(folder: Path, inside: str) -> WorldFile:
+    path = folder / "w.world"
+    path.write_text(f"<sdf version='1.7'><world name='w'>{inside}</world></sdf>")
+    return load_world(path)
+
+
+def test_poses_of_models_links_and_collisions_add_up(tmp_path: Path) -> None:
+    half_turn = f"0 0 {pi / 2}"
+    world = load(
+        tmp_path,
+        f"<model name='a'><pose>1 2 0 {half_turn}</pose>"
+        f"<model name='b'><pose>1 0 0.5 0 0 0</pose><link name='l'><pose>0 1 0 {half_turn}</pose>"
+        f"<collision name='c'><pose>0 0 0.2 0 0 0</pose>{BOX}</collision></link></model></model>",
+    )
+    (box,) = world.boxes
+    assert (box.pose.x, box.pose.y) == pytest.approx((0, 3))
+    assert abs(box.pose.theta) == pytest.approx(pi)
+    assert (*box.size, box.z, box.height) == pytest.approx((2, 1, 0.2, 1))
+
+
+def test_a_pose_may_be_relative_to_a_frame_another_model_or_in_degrees(tmp_path: Path) -> None:
+    first = f"<model name='a'><pose>3 0 0 0 0 {pi / 2}</pose></model>"
+    frame = "<frame name='f' attached_to='a'><pose>1 0 0 0 0 0</pose></frame>"
+    pose = "<pose relative_to='f' degrees='true'>1 0 0.5 0 0 90</pose>"
+    link = f"<link name='l'><collision name='c'>{BOX}</collision></link>"
+    (box,) = load(tmp_path, f"{first}{frame}<model name='b'>{pose}{link}</model>").boxes
+    assert (box.pose.x, box.pose.y) == pytest.approx((3, 2))
+    assert abs(box.pose.theta) == pytest.approx(pi)
+
+
+def test_a_saved_state_tells_where_models_are(tmp_path: Path) -> None:
+    state = "<state world_name='w'><model name='m'><pose>5 6 0.5 0 0 0</pose></model></state>"
+    (box,) = load(tmp_path, model(BOX) + state).boxes
+    assert (box.pose.x, box.pose.y, box.z) == (5, 6, 0)
+
+
+def test_a_box_on_its_side_stands_by_its_other_axis(tmp_path: Path) -> None:
+    (box,) = load(tmp_path, solid("<box><size>2 1 0.4</size></box>", f"0 0 1 0 {pi / 2} 0")).boxes
+    assert sorted(box.size) == [0.4, 1]
+    assert (box.z, box.height) == pytest.approx((0, 2))
+
+
+def test_columns_and_balls_are_cylinders_and_tilted_solids_walls(tmp_path: Path) -> None:
+    column = solid("<cylinder><radius>0.3</radius><length>2</length></cylinder>", "1 1 1 0 0 0")
+    ball = solid("<sphere><radius>0.5</radius></sphere>", "2 2 0.5 0 0 0")
+    pipe = solid(
+        "<cylinder><radius>0.1</radius><length>2</length></cylinder>", "0 0 0.1 0 1.5708 0"
+    )
+    world = load(tmp_path, column + ball + pipe)
+    columns = [solid for solid in world.solids if isinstance(solid, Cylinder)]
+    assert [(each.radius, each.height, each.z) for each in columns] == [(0.3, 2, 0), (0.5, 1, 0)]
+    (wall,) = world.walls
+    assert np.ptp(wall.points, axis=0) == pytest.approx((2, 0.2), abs=0.01)
+
+
+def test_floors_sills_and_ceilings_are_no_walls(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    floor = solid("<box><size>20 20 0.1</size></box>", "0 0 -0.05 0 0 0")
+    plane = solid("<plane><normal>0 0 1</normal><size>100 100</size></plane>")
+    sill = solid("<box><size>1 1 0.04</size></box>", "0 0 0.02 0 0 0")
+    ceiling = solid("<box><size>20 20 0.1</size></box>", "0 0 2.5 0 0 0")
+    world = load(tmp_path, floor + plane + sill * 3 + ceiling)
+    assert not len(world.line_map().walls)
+    assert [box.z for box in world.boxes] == [pytest.approx(2.45)]
+    (record,) = caplog.records
+    assert record.getMessage().count("no higher than 5 cm") == 1
+
+
+def test_a_mesh_is_cut_at_the_height_of_sensors(tmp_path: Path) -> None:
+    corners = [(0, 0, 0), (2, 0, 0), (0, 2, 0), (0, 0, 0.4)]
+    points = "".join(f"v {x} {y} {z}\n" for x, y, z in corners)
+    (tmp_path / "pyramid.obj").write_text(points + "f 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n")
+    mesh = "<mesh><uri>pyramid.obj</uri><scale>1 2 1</scale></mesh>"
+    line_map = load(tmp_path, solid(mesh, "1 0 0 0 0 0")).line_map()
+    assert len(line_map.walls) == 3
+    assert line_map.bounds == pytest.approx((1, 0, 2, 2))
+
+
+def test_a_polyline_is_a_closed_wall_of_its_height(tmp_path: Path) -> None:
+    points = "".join(f"<point>{x} {y}</point>" for x, y in ((0, 0), (3, 0), (3, 1)))
+    (wall,) = load(tmp_path, solid(f"<polyline>{points}<height>1.5</height></polyline>")).walls
+    assert (wall.points, wall.closed, wall.height) == (((0, 0), (3, 0), (3, 1)), True, 1.5)
+
+
+def test_includes_are_found_in_models_and_by_the_environment(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for folder in (tmp_path / "models/desk", tmp_path / "far/shelf"):
+        folder.mkdir(parents=True)
+        (folder / "model.config").write_text("<model><sdf version='1.6'>model.sdf</sdf></model>")
+        (folder / "model.sdf").write_text(f"<sdf version='1.6'>{model(BOX)}</sdf>")
+    monkeypatch.setenv("GAZEBO_MODEL_PATH", str(tmp_path / "far"))
+    (tmp_path / "worlds").mkdir()
+    include = "<include><uri>model://{}</uri><name>i</name><pose>{} 0 0.5 0 0 0</pose></include>"
+    world = load(tmp_path / "worlds", include.format("desk", 1) + include.format("shelf", 4))
+    assert [box.pose.x for box in world.boxes] == [1, 4]
+
+
+def test_what_is_not_on_this_computer_is_named_once(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    gone = "<include><uri>https://fuel.org/cafe</uri></include>"
+    usual = "<include><uri>model://sun</uri></include><include><uri>model://ground_plane</uri></include>"
+    load(tmp_path, gone * 3 + usual + "<actor name='a'/>" * 2)
+    (record,) = caplog.records
+    assert "https://fuel.org/cafe is not on this computer (w.world:1)" in record.getMessage()
+    assert record.getMessage().count("cafe") == record.getMessage().count("actor") == 1
+    assert "sun" not in record.getMessage()
+
+
+def test_pioneers_and_what_drives_two_wheels_are_robots(tmp_path: Path) -> None:
+    pioneer = "<include><uri>model://pioneer3at</uri><pose>1 2 0 0 0 1.5</pose></include>"
+    sensor = (
+        "<sensor name='hokuyo' type='ray'><ray><scan><horizontal><samples>640</samples>"
+        "</horizontal></scan><range><max>10</max></range></ray></sensor>"
+    )
+    plugin = "<plugin name='diff_drive' filename='libdiff.so'/>"
+    other = (
+        f"<model name='tug'><pose>3 0 0 0 0 0</pose><link name='l'>{sensor}</link>{plugin}</model>"
+    )
+    first, second = load(tmp_path, pioneer + other).robots
+    assert (first.model, first.name) == ("p3at-sh", "pioneer3at")
+    assert first.start == Pose2(1, 2, 1.5)
+    assert (second.model, second.name, second.equipment.laser) == ("p3dx-sh", "tug", "urg-04lx")
+
+
+def test_a_converted_world_keeps_its_walls_and_columns(tmp_path: Path) -> None:
+    column = solid("<cylinder><radius>0.3</radius><length>2</length></cylinder>", "1 1 1 0 0 0")
+    before = load(tmp_path, model(BOX) + column)
+    convert(str(tmp_path / "w.world"), tmp_path / "t.toml", resolution=0.05, force=False)
+    after = load_world(tmp_path / "t.toml")
+    assert np.allclose(after.line_map().walls, before.line_map().walls)
+    assert looks_like_map(tmp_path / "w.world")
+
+
+@pytest.mark.parametrize(
+    ("inside", "said"),
+    [
+        ("<model>", WRONG + "not valid XML: mismatched tag"),
+        (solid("<box><size>1 1</size></box>"), WRONG + "size: expected 3 numbers, not '1 1'"),
+        (solid("<box><size>1 1 1e9</size></box>"), WRONG + "size: expected 3 numbers"),
+        (solid("<box/>"), WRONG + "box: has no size"),
+        (solid("<sphere><radius>x</radius></sphere>"), WRONG + "radius: expected 1 numbers"),
+        (
+            "<frame name='a' attached_to='b'/><frame name='b' attached_to='a'/>"
+            "<model name='m'><pose relative_to='a'/></model>",
+            WRONG + "frame: is relative to itself, by 'a'",
+        ),
+        (
+            "<model name='m'><pose relative_to='x'>0 0 0 0 0 0</pose></model>",
+            WRONG + "pose: relative to 'x', and there is no such frame here",
+        ),
+        ("<include><uri>w.world</uri></include>", None),
+        ("<a>" * 200, WRONG + "'a': a world of more than"),
+    ],
+)
+def test_what_is_wrong_is_said_with_file_and_line(
+    tmp_path: Path, inside: str, said: str | None
+) -> None:
+    if said is None:
+        assert not load(tmp_path, inside).boxes
+        return
+    with pytest.raises(ConfigError) as error:
+        load(tmp_path, inside)
+    assert said in str(error.value)
+
+
+def test_entities_are_refused_before_they_grow(tmp_path: Path) -> None:
+    path = tmp_path / "w.sdf"
+    path.write_text("<!DOCTYPE sdf [<!ENTITY a 'aa'><!ENTITY b '&a;&a;'>]><sdf>&b;</sdf>")
+    with pytest.raises(ConfigError, match="entities are not read"):
+        load_world(path)
+
+
+def test_a_model_that_includes_itself_ends_in_an_error(tmp_path: Path) -> None:
+    (tmp_path / "m.sdf").write_text(
+        "<sdf><model name='m'><include><uri>m.sdf</uri></include></model></sdf>"
+    )
+    with pytest.raises(ConfigError, match="in each other"):
+        load_world(tmp_path / "m.sdf")
