@@ -57,6 +57,15 @@ PARTS: Mapping[str, Part] = {
         "each lesson drives for long; the examples beside them drive in the same way",
         {"test_the_programs_are_short": "words"},
     ),
+    "tests/examples/test_from_aria.py": Part(
+        "programs that drive for long",
+        {
+            "test_the_program_does_what_it_says[02_direct_motion]": "the calls that ARIA's have",
+            "test_there_are_twelve_short_programs_and_the_page_leads_to_each": "words",
+            "test_a_search_for_an_old_name_finds_the_page": "words",
+            "test_the_new_names_of_the_page_exist": "words",
+        },
+    ),
     "tests/e2e": Part("the driver against the firmware over faulty cables, in virtual time"),
     "tests/e2e/test_together.py": Part(
         "groups drive for long",

@@ -96,6 +96,11 @@ class BlockingRobot(BlockingConnection):
         return adapted(self._target.devices, self._thread)
 
     @property
+    def navigator(self) -> Any:
+        """Knows where the robot is on a map, as a facade; `None` without a map."""
+        return adapted(self._target.navigator, self._thread)
+
+    @property
     def laser(self) -> Any:
         """The first of :attr:`lasers`."""
         return self.lasers[0]
