@@ -30,7 +30,7 @@ from pioneer3.ros.node.navigation_topics import NAVIGATION_TOPICS
 from pioneer3.ros.node.parameter import Foreign, Parameter, Value, rows_of
 from pioneer3.ros.node.parameter_reading import FOREIGN, read_parameters
 from pioneer3.ros.node.parameters import parameters_in
-from pioneer3.ros.node.services import NAVIGATION_SERVICES, SERVICES
+from pioneer3.ros.node.services import NAVIGATION_SERVICES, P2OS_ORDERS, SERVICES
 from pioneer3.ros.node.topic import Direction, Topic
 from pioneer3.ros.node.topics import TOPICS, aria_topics, laser_topic, transducer_topic
 
@@ -93,6 +93,17 @@ def topics() -> str:
         )
     ]
     return table(("`compatibility`", "`standard`", "type", "when", ""), rows)
+
+
+def topics_of_p2os() -> str:
+    """Return the table of topics that have other names or types in p2os."""
+    commands = [
+        (code(each.name), each.type_name, "subscribed to", each.note) for each in P2OS_ORDERS
+    ]
+    rows = [
+        (code(each.p2os), each.type_name, when(each), each.note) for each in TOPICS if each.p2os
+    ]
+    return table(("topic", "type", "when", ""), (*commands, *rows))
 
 
 def topics_of_ros2() -> str:
@@ -262,6 +273,7 @@ def filled(text: str) -> str:
         "navigation services": navigation_services,
         "laser parameters": laser_parameters,
         "parameters": lambda: parameters(parameters_in(Profile.BOTH), "~"),
+        "topics of p2os": topics_of_p2os,
         "foreign parameters": lambda: foreign_parameters(FOREIGN),
         "driving parameters": driving_parameters,
         "topics of ROS 2": topics_of_ros2,

@@ -78,3 +78,33 @@ async def test_rosrun_starts_the_demos(package: Path) -> None:
         assert done.splitlines()[0].split() == list("01234567")
         done = await ros("rosrun", "pioneer3", "robots", "__name:=mine")
         assert done.startswith("RosAria ")
+
+
+async def test_launch_files_of_p2os_start_the_node_in_its_place(
+    package: Path, tmp_path: Path
+) -> None:
+    launch = tmp_path / "p2os.launch"
+    async with simulated() as (_, url):
+        host, _, port = url.removeprefix("tcp://").partition(":")
+        launch.write_text(
+            '<launch><node pkg="p2os_driver" type="p2os_driver" name="p2os" output="screen">'
+            f'<param name="use_tcp" value="true"/><param name="tcp_remote_host" value="{host}"/>'
+            f'<param name="tcp_remote_port" value="{port}"/><param name="max_xspeed" value="0.2"/>'
+            '<remap from="pose" to="odom"/></node></launch>'
+        )
+        async with until_said("node /p2os on", "roslaunch", str(launch)):
+            assert "---" in await ros("rostopic", "echo", "-n", "1", "/odom")
+            on = ("rostopic", "pub", "-1", "/cmd_motor_state", "p2os_msgs/MotorState", "state: 1")
+            await ros(*on)
+            assert "state: 1" in await ros("rostopic", "echo", "-n", "1", "/motor_state")
+            assert "ranges_count: 16" in await ros("rostopic", "echo", "-n", "1", "/sonar")
+            assert "voltage: 1" in await ros("rostopic", "echo", "-n", "1", "/battery_state")
+            assert "count: 8" in await ros("rostopic", "echo", "-n", "1", "/dio")
+            assert "voltages_count: 1" in await ros("rostopic", "echo", "-n", "1", "/aio")
+
+
+async def test_the_programs_of_manuals_are_in_the_package_rosaria(package: Path) -> None:
+    for name in ("rob_key", "robotWander", "p3_sonar", "rob_key_multi_robot_con_separately"):
+        said = await ros("rosrun", "rosaria", name, "--help")
+        assert "pioneer3 ros1" in said
+    assert "pioneer3 demo" in await ros("rosrun", "rosaria", "robotDemo", "--help")

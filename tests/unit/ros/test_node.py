@@ -4,6 +4,7 @@ import asyncio
 from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -16,7 +17,7 @@ from pioneer3.ros.node.node import RobotNode
 from pioneer3.ros.node.parameter_reading import read_parameters
 from pioneer3.tasks import running
 from tests.support import SimulatedRobot
-from tests.unit.ros.fakes import FakeMiddleware
+from tests.unit.ros.fakes import SOMEBODY, FakeMiddleware
 
 
 @dataclass
@@ -90,6 +91,27 @@ async def test_a_robot_without_a_laser_tells_how_to_give_it_one() -> None:
         async with a_node(publish_aria_lasers=True) as the:
             assert not {name for name in the.middleware.publishers if "laserscan" in name}
             assert any("no laser" in said and "--laser" in said for said in the.middleware.warnings)
+
+
+async def test_in_the_place_of_p2os_its_topic_switches_the_motors() -> None:
+    async with a_node(profile="p2os", max_xspeed=0.2) as the:
+        publishers, switch = the.middleware.publishers, the.middleware.receivers["cmd_motor_state"]
+        assert {"pose", "motor_state", "sonar", "battery_state", "aio", "dio"} <= set(publishers)
+        for state in (1, 0, 1):
+            switch(SimpleNamespace(state=state), SOMEBODY)
+            told: Any = (await the.subscribe("motor_state"))[-1]
+            assert told.state == state
+        the.middleware.drive("cmd_vel", 0.1)
+        await asyncio.sleep(0.4)
+        assert the.sim.body.speeds[0] > 0
+        switch(SimpleNamespace(state=0), SOMEBODY)
+        await asyncio.sleep(1.0)
+        assert the.sim.body.speeds[0] == 0
+        the.middleware.drive("cmd_vel", 0.1)
+        await asyncio.sleep(0.4)
+        assert the.sim.body.speeds[0] == 0
+    async with a_node() as the:
+        assert "cmd_motor_state" not in the.middleware.receivers
 
 
 async def test_scans_are_asked_for_while_somebody_subscribes() -> None:

@@ -1,4 +1,5 @@
 import math
+from math import inf, nan
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +22,7 @@ from pioneer3.ros.messages.update import (
     SensorUpdate,
 )
 from pioneer3.ros.node.names import Profile
+from pioneer3.ros.node.p2os_topics import P2OS_TOPICS
 from pioneer3.ros.node.topic import Topic, Update
 from pioneer3.ros.node.topics import (
     COMMANDS,
@@ -69,6 +71,15 @@ STANDARD = {
     **CAMERA,
     "/diagnostics": "diagnostic_msgs/DiagnosticArray",
     **{f"sonar/range_{number}": "sensor_msgs/Range" for number in range(16)},
+}
+P2OS = {
+    "cmd_vel": "geometry_msgs/Twist",
+    "pose": "nav_msgs/Odometry",
+    "battery_state": "p2os_msgs/BatteryState",
+    "motor_state": "p2os_msgs/MotorState",
+    "sonar": "p2os_msgs/SonarArray",
+    "dio": "p2os_msgs/DIO",
+    "aio": "p2os_msgs/AIO",
 }
 LATCHED = {
     "~battery_recharge_state",
@@ -142,6 +153,37 @@ def test_lasers_have_the_names_of_aria_in_rosarias_topics(
     found = {name: each.type_name for each in topics for name in each.names(Profile.COMPATIBILITY)}
     assert found[f"~{name}_laserscan"] == "sensor_msgs/LaserScan"
     assert found[f"~{name}_pointcloud"] == "sensor_msgs/PointCloud"
+
+
+def test_in_the_place_of_p2os_topics_have_its_names_and_types() -> None:
+    found = {name: topic.type_name for name, topic in rows(Profile.P2OS).items()}
+    assert {name: found[name] for name in P2OS} == P2OS
+    assert "odom" not in found
+    assert found.keys() - P2OS.keys() == STANDARD.keys() - {"odom"} - P2OS.keys()
+
+
+def test_messages_of_p2os_have_what_the_robot_says() -> None:
+    ranges = (1.0, inf, nan, *(2.0,) * 13)
+    now = update(
+        seen(
+            sonar=Sonar(ranges=ranges, fresh=(0,)),
+            inputs=Inputs(digital_in=0x1A5, digital_out=3, analog=2.5),
+            motors=Motors(enabled=True),
+        )
+    )
+    filled = {}
+    for topic in P2OS_TOPICS:
+        assert topic.p2os
+        assert topic.fill
+        assert topic.has_data(now)
+        filled[topic.p2os] = Blank()
+        topic.fill(filled[topic.p2os], now)
+    assert filled["motor_state"].state == 1
+    assert filled["battery_state"].voltage == 12.4
+    assert filled["sonar"].ranges == [1.0, 5.0, 5.0, *[2.0] * 13]
+    assert filled["sonar"].ranges_count == 16
+    assert (filled["dio"].count, filled["dio"].bits) == (8, 0xA5)
+    assert (filled["aio"].voltages_count, filled["aio"].voltages) == (1, [2.5])
 
 
 def make(type_name: str) -> Blank:

@@ -15,6 +15,7 @@ navigation_topics   the table of topics of a node that has a map
 laser_node          a laser range finder as a ROS node
 publishing          publishes the topics of the table: each one when it is due, and has subscribers
 topics              the table of topics
+p2os_topics         topics that only p2os has
 topic               a row of the table of topics
 middleware          the part of a ROS middleware that nodes and clients need
 parameter_reading   reads the parameters of a node as somebody has written them
@@ -22,6 +23,6 @@ parameters          the parameters of a node: what each means, and what follows 
 laser_parameters    parameters of the laser range finder
 driving_parameters  parameters of driving
 parameter           a parameter of a node as one row
-names               the names in both profiles
+names               the names in all profiles
 ==================  ================================================================================
 """

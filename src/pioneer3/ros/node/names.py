@@ -1,4 +1,4 @@
-"""The names in both profiles, and the names that the lab's ROS programs have built in."""
+"""The names in all profiles, and the names that the lab's ROS programs have built in."""
 
 import re
 from dataclasses import dataclass

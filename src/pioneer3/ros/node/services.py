@@ -81,6 +81,10 @@ class Services:
                 elif service.topic_type is not None:
                     take = partial(self._take, service, name)
                     middleware.subscribe(name, service.topic_type, take, queue=QUEUE)
+        if profile is Profile.P2OS:
+            for order in P2OS_ORDERS:
+                take = partial(self._take, order, order.name)
+                middleware.subscribe(order.name, order.type_name, take, queue=QUEUE)
 
     def session_began(self) -> None:
         """Switch the sonars off where the parameters say so: every session begins with them on."""
@@ -152,7 +156,7 @@ class Services:
         self.navigation.navigator.lose()
         return Response(True, "looks for the robot on the whole map")
 
-    def _take(self, service: "Service", name: str, message: Any, _: Sender) -> None:
+    def _take(self, service: "Service | Order", name: str, message: Any, _: Sender) -> None:
         """Act in the loop as a message on the topic of a service asks; in any thread."""
 
         def act() -> None:
@@ -201,6 +205,28 @@ class Services:
     def _not_served(self, service: "Service", reason: str) -> AnyResponse:
         is_plan = service is PLAN
         return PlanResponse(self.navigation.no_plan()) if is_plan else Response(False, reason)
+
+
+@dataclass(frozen=True, slots=True)
+class Order:
+    """A topic of p2os whose messages do what a service does; `act` is given each one."""
+
+    name: str
+    type_name: str
+    act: Callable[[Services, Any], Response]
+    note: str = ""
+
+
+P2OS_ORDERS: Final = (
+    Order(
+        "cmd_motor_state",
+        "p2os_msgs/MotorState",
+        lambda services, message: services.switch_motors(on=bool(message.state)),
+        "1 brings the motors on, 0 stops the robot and takes them off, as `enable_motors` and"
+        " `disable_motors` do",
+    ),
+)
+"""What the profile `p2os` listens to besides `cmd_vel`."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

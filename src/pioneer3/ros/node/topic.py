@@ -56,7 +56,8 @@ class Topic:
     Attributes:
         compatibility: Name in RosAria, `~` for below the node's own; `None` if it has none.
         standard: Name after the conventions of ROS packages, relative; `None` if it has none.
-        ros2: Name in ROS 2; empty where it is the same, `None` if it has none.
+        ros2: Name in ROS 2; empty where it is the same, `None` if it has none; so is `p2os` that in
+            p2os.
         source: Kind of update that it is published from.
         sensor: Name of the sensor or laser that is published; empty for all other topics.
         fill: Puts such an update into a message that is empty, or that it filled before; `None` for
@@ -76,6 +77,7 @@ class Topic:
     compatibility: str | None = None
     standard: str | None = None
     ros2: str | None = AS_STANDARD
+    p2os: str | None = AS_STANDARD
     type_name: str
     source: type[Update] = StateUpdate
     sensor: str = ""
@@ -99,7 +101,7 @@ class Topic:
 
     def names(self, profile: Profile) -> tuple[str, ...]:
         """Return its names in `profile`."""
-        return profile.choose(self.compatibility, self.standard, self.ros2)
+        return profile.choose(self.compatibility, self.standard, self.ros2, self.p2os)
 
     def content(self, message: Any) -> Any:
         """Return the content of a message that is received.

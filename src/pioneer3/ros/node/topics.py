@@ -16,6 +16,7 @@ from pioneer3.ros.messages.update import (
     SensorUpdate,
 )
 from pioneer3.ros.node.names import CommandName, Profile, lab_commands
+from pioneer3.ros.node.p2os_topics import P2OS_TOPICS
 from pioneer3.ros.node.topic import Direction, Topic
 from pioneer3.state import Charging
 
@@ -140,6 +141,7 @@ TOPICS: Final = (
     Topic(
         compatibility="~pose",
         standard="odom",
+        p2os="pose",
         type_name="nav_msgs/Odometry",
         fill=motion.odometry,
         rate=SNAPSHOTS,
@@ -265,6 +267,7 @@ TOPICS: Final = (
     ),
     Topic(
         standard="battery_state",
+        p2os=None,
         type_name="sensor_msgs/BatteryState",
         fill=sensors.battery,
         changes=lambda update: (update.snapshot.battery.charge, update.snapshot.battery.charging),
@@ -312,6 +315,7 @@ TOPICS: Final = (
     ),
     Topic(
         standard="dio",
+        p2os=None,
         type_name="std_msgs/UInt16",
         fill=sensors.digital,
         rate=SNAPSHOTS,
@@ -320,6 +324,7 @@ TOPICS: Final = (
     ),
     Topic(
         standard="aio",
+        p2os=None,
         type_name="std_msgs/Float32MultiArray",
         fill=sensors.analog,
         rate=SNAPSHOTS,
@@ -348,6 +353,7 @@ TOPICS: Final = (
         " simulated ones do, or `~camera_view_deg` does",
     ),
     DIAGNOSTICS,
+    *P2OS_TOPICS,
 )
 """All topics but those of single lasers and transducers, whose number depends on the robot."""
 

@@ -16,6 +16,7 @@ from pioneer3.models.description.xml import MAKER
 from pioneer3.ros.node.driving_parameters import DrivingParameters
 from pioneer3.ros.node.middleware import QUEUE, Lose, Receive, Sender
 from pioneer3.ros.node.parameters import NodeParameters
+from pioneer3.ros.ros1.definitions import DEFINITIONS
 from pioneer3.ros.ros1.reconfigure import Reconfigure
 
 LOOK_AROUND: Final = 0.1
@@ -41,17 +42,6 @@ NAVIGATION_PACKAGES: Final = {
     "move_base_msgs": "python3-move-base-msgs",
 }
 """Modules that a node with a map imports, and their packages."""
-BUMPER_TYPE: Final = "rosaria/BumperState"
-BUMPER_STATE: Final = """Header header
-bool[] front_bumpers
-bool[] rear_bumpers
-================================================================================
-MSG: std_msgs/Header
-uint32 seq
-time stamp
-string frame_id
-"""
-"""RosAria's own message, md5sum f81947761ff7e166a3bbaf937b9869b5: no package need bring it."""
 
 
 def find_rospy(places: Sequence[Path] = PLACES) -> None:
@@ -92,10 +82,10 @@ def find_move_base() -> None:
 @cache
 def message_class(type_name: str) -> Any:
     """Return the class of a message type such as `nav_msgs/Odometry`."""
-    if type_name == BUMPER_TYPE:
+    if type_name in DEFINITIONS:
         from genpy.dynamic import generate_dynamic
 
-        return generate_dynamic(type_name, BUMPER_STATE)[type_name]
+        return generate_dynamic(type_name, DEFINITIONS[type_name])[type_name]
     package, name = type_name.split("/")
     return getattr(import_module(f"{package}.msg"), name)
 

@@ -1,6 +1,7 @@
 """A ROS 1 package that `rosrun` and `roslaunch` find, without catkin and without a build."""
 
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Final
 
@@ -14,32 +15,48 @@ from pioneer3.ros.installation import (
     urdf_files,
     write_files,
 )
-from pioneer3.ros.ros1.middleware import BUMPER_STATE, BUMPER_TYPE
+from pioneer3.ros.ros1.definitions import DEFINITIONS, file_of, module_of
 
-PROGRAMS: Final = {"RosAria": "", **DEMOS}
-"""The programs that `rosrun` finds, and their commands of `pioneer3 ros1`."""
+OWN: Final[Mapping[str, tuple[str, ...]]] = {
+    "RosAria": ("ros1",),
+    **{name: ("ros1", command) for name, command in DEMOS.items()},
+}
+"""The programs that `rosrun pioneer3` finds, and their commands of `pioneer3`."""
+PROGRAMS: Final[Mapping[str, Mapping[str, tuple[str, ...]]]] = {
+    NAME: OWN,
+    "rosaria": {
+        **OWN,
+        "rob_key_multi_robot_con_separately": ("ros1", "rob_key_multi"),
+        "p3_sonar_following_moving_object": ("ros1", "follow", "--rule", "lab"),
+        "robotWander": ("ros1", "wander", "--preset", "aria"),
+        "robotDemo": ("demo",),
+    },
+    "p2os_driver": {"p2os_driver": ("ros1", "_profile:=p2os", "__name:=p2os_driver")},
+}
+"""Programs by packages; those of others have the names that manuals and launch files have."""
+OTHERS: Final = {
+    "rosaria": "RosAria's message, the node in its place, and the programs of the lab's manual",
+    "p2os_driver": "the node in the place of p2os",
+    "p2os_msgs": "messages of p2os",
+}
+"""Packages in the place of others, and a line about each."""
 LAUNCH_FILES: Final = ("pioneer3", "rviz")
-MESSAGES: Final = """from genpy.dynamic import generate_dynamic
-
-BumperState = generate_dynamic({kind!r}, {definition!r})[{kind!r}]
-"""
 
 
 def install_package(folder: Path, python: str = sys.executable) -> Path:
     """Write ROS packages into `folder`, which belongs on ROS_PACKAGE_PATH; return ours.
 
-    The programs of `pioneer3` run with `python`; `rosaria` has the node under RosAria's own name,
-    for launch files and habits, and its message, which ROS's tools need to show it. The files of an
-    earlier version are replaced. ConfigError if nothing can be written there.
+    Their programs run with `python`. `rosaria`, `p2os_driver` and `p2os_msgs` have the names of
+    those packages, for launch files and habits, and their messages, which ROS's tools need to show
+    them. The files of an earlier version are replaced. ConfigError if nothing can be written there.
     """
-    package, rosaria = folder.expanduser() / NAME, folder.expanduser() / "rosaria"
+    place = folder.expanduser()
+    package = place / NAME
     launchers = {
-        package / "scripts" / name: launcher(python, "ros1", command)
-        for name, command in PROGRAMS.items()
+        place / owner / "scripts" / name: launcher(python, *command)
+        for owner, programs in PROGRAMS.items()
+        for name, command in programs.items()
     }
-    node = package / "scripts" / "RosAria"
-    launchers[rosaria / "scripts" / node.name] = launchers[node]
-    module = rosaria / "src" / "rosaria"
     files = {
         package / "package.xml": rendered("ros1", "package.xml", {"version": __version__}),
         **launchers,
@@ -49,11 +66,24 @@ def install_package(folder: Path, python: str = sys.executable) -> Path:
         },
         package / "rviz" / f"{NAME}.rviz": rviz_config("ros1"),
         **urdf_files(package / "urdf"),
-        # of the kind before catkin: ROS's tools look for Python code in `src` of such packages only
-        rosaria / "manifest.xml": rendered("ros1", "manifest.xml", {}),
-        rosaria / "msg" / "BumperState.msg": BUMPER_STATE.partition("=")[0],
-        module / "__init__.py": "",
-        module / "msg" / "__init__.py": MESSAGES.format(kind=BUMPER_TYPE, definition=BUMPER_STATE),
+        **{
+            # of the kind before catkin: ROS's tools look for Python code in `src` of such only
+            place / name / "manifest.xml": rendered("ros1", "manifest.xml", {"brief": brief})
+            for name, brief in OTHERS.items()
+        },
+        **_messages(place),
     }
     write_files(files, launchers, folder)
     return package
+
+
+def _messages(folder: Path) -> dict[Path, str]:
+    """Return the files of messages of packages in `folder`, and their Python modules."""
+    files = {}
+    for kind in DEFINITIONS:
+        owner, _, name = kind.partition("/")
+        module = folder / owner / "src" / owner
+        files[folder / owner / "msg" / f"{name}.msg"] = file_of(kind)
+        files[module / "__init__.py"] = ""
+        files[module / "msg" / "__init__.py"] = module_of(owner)
+    return files
