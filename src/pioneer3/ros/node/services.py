@@ -226,7 +226,7 @@ P2OS_ORDERS: Final = (
         " `disable_motors` do",
     ),
 )
-"""What the profile `p2os` listens to besides `cmd_vel`."""
+"""Topics that the profile `p2os` listens to besides `cmd_vel`."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
