@@ -81,6 +81,13 @@ def test_columns_and_balls_are_cylinders_and_tilted_solids_walls(tmp_path: Path)
     assert np.ptp(wall.points, axis=0) == pytest.approx((2, 0.2), abs=0.01)
 
 
+def test_a_wide_tank_is_round_within_a_centimetre(tmp_path: Path) -> None:
+    tank = solid("<cylinder><radius>3.5</radius><length>1</length></cylinder>", "9 -11 0.5 0 0 1")
+    walls = load(tmp_path, tank).line_map().walls
+    middles = (walls[:, :2] + walls[:, 2:]) / 2 - (9, -11)
+    assert np.hypot(*middles.T).min() == pytest.approx(3.5, abs=0.0101)
+
+
 def test_floors_sills_and_ceilings_are_no_walls(
     tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
@@ -103,6 +110,48 @@ def test_a_mesh_is_cut_at_the_height_of_sensors(tmp_path: Path) -> None:
     line_map = load(tmp_path, solid(mesh, "1 0 0 0 0 0")).line_map()
     assert len(line_map.walls) == 3
     assert line_map.bounds == pytest.approx((1, 0, 2, 2))
+
+
+POINTS = "0 0 0  4 0 0  4 4 0  0 4 0  0 0 2  4 0 2  4 4 2  0 4 2"
+
+
+def collada(faces: str, node: str, unit: float = 0.5) -> str:
+    return f"""<?xml version="1.0"?><COLLADA><asset><unit meter="{unit}"/></asset>
+<library_geometries><geometry id="g"><mesh>
+<source id="s"><float_array>{POINTS}</float_array></source>
+<vertices id="v"><input semantic="POSITION" source="#s"/></vertices>{faces}
+</mesh></geometry></library_geometries>
+<library_visual_scenes><visual_scene><node>{node}<instance_geometry url="#g"/></node>
+</visual_scene></library_visual_scenes></COLLADA>"""
+
+
+SIDES = "0 1 5 4  1 2 6 5  2 3 7 6  3 0 4 7"
+INPUT = "<input semantic='VERTEX' source='#v' offset='0'/>"
+POLYLIST = f"<polylist>{INPUT}<vcount>4 4 4 4</vcount><p>{SIDES}</p></polylist>"
+
+
+def test_a_mesh_of_collada_is_placed_by_its_nodes_and_unit(tmp_path: Path) -> None:
+    node = "<translate>2 0 0</translate><rotate>0 0 1 90</rotate><scale>1 2 1</scale>"
+    (tmp_path / "hall.dae").write_text(collada(POLYLIST, node))
+    line_map = load(tmp_path, solid("<mesh><uri>hall.dae</uri></mesh>")).line_map()
+    assert line_map.bounds == pytest.approx((-3, 0, 1, 2))
+    assert len(line_map.walls) == 8
+
+
+@pytest.mark.parametrize(
+    ("faces", "said"),
+    [
+        (POLYLIST.replace("7 6", "99 6"), "hall.dae: is damaged"),
+        (POLYLIST.replace("4 4 4 4", "4 4 4 9"), "hall.dae: is damaged"),
+        (POLYLIST.replace("#v", "#x"), "hall.dae: is damaged"),
+        ("", "hall.dae: holds no triangles"),
+    ],
+)
+def test_a_damaged_mesh_is_said_with_both_files(tmp_path: Path, faces: str, said: str) -> None:
+    (tmp_path / "hall.dae").write_text(collada(faces, ""))
+    with pytest.raises(ConfigError, match=r"w\.world:1: mesh: ") as error:
+        load(tmp_path, solid("<mesh><uri>hall.dae</uri></mesh>"))
+    assert said in str(error.value)
 
 
 def test_a_polyline_is_a_closed_wall_of_its_height(tmp_path: Path) -> None:

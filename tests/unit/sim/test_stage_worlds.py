@@ -139,7 +139,7 @@ def test_robots_of_other_makers_get_the_model_nearest_in_size() -> None:
         ('name "a\n', "no end of a text in quotes"),
         ("model", "lab.world:1: syntax: the file ends in the middle"),
         ("a (" * 100, "lab.world:1: a: more than 24 entities in each other"),
-        ("a " * 400_000, "lab.world:1: syntax: more than 300000 words and numbers"),
+        ("a " * 200_000, "lab.world:1: syntax: more than 150000 words and numbers"),
     ],
 )
 def test_what_is_wrong_is_said_with_file_and_line(tmp_path: Path, text: str, said: str) -> None:
@@ -153,7 +153,7 @@ def test_macros_that_multiply_end_in_an_error(tmp_path: Path) -> None:
     text = "define a0 model ( )\n" + "".join(
         f"define a{n + 1} model ( {f'a{n} ( ) ' * 10} )\n" for n in range(9)
     )
-    with pytest.raises(ConfigError, match="more than 100000 entities"):
+    with pytest.raises(ConfigError, match="more than 50000 entities"):
         load_world(write_lab(tmp_path, text + "a9 ( )"))
 
 

@@ -8,6 +8,7 @@ flattened     worlds without their third dimension: in words, and as a map with 
 drawing       drawings of worlds: their lines and markers, as SVG and as PNG
 load          finds maps and worlds: shipped ones by name, others by the path of their file
 gazebo        reads worlds of Gazebo: boxes, columns, cuts of meshes, and robots
+collada       triangles of COLLADA files, the usual meshes of Gazebo
 gazebo_frames the poses of SDF: of links, frames, joints and models in their model or world
 gazebo_text   the XML of such worlds, and the files that they name
 stage         reads worlds of Stage: walls, boxes, and robots with their lasers

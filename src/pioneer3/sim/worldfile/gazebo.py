@@ -6,7 +6,7 @@ an upright wall around its outline, and a mesh one where a plane at the height o
 
 import logging
 import re
-from math import atan2, pi
+from math import acos, atan2, ceil, pi
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +22,7 @@ from pioneer3.sim.relief import Cylinder, Solid
 from pioneer3.sim.relief.mesh_file import ENDINGS, read_mesh
 from pioneer3.sim.relief.shapes import outer
 from pioneer3.sim.relief.solids import ROUND, SENSOR_HEIGHT
+from pioneer3.sim.worldfile.collada import read_collada
 from pioneer3.sim.worldfile.gazebo_frames import NONE, SdfFrames, flat, named, pose_of
 from pioneer3.sim.worldfile.gazebo_text import SdfElement, SdfFiles, descendants
 from pioneer3.sim.worldfile.spec import Box, RobotSpec, Wall, WorldFile
@@ -37,6 +38,10 @@ UPRIGHT = 0.999
 """Least cosine between an axis of a solid that stands upright and the vertical."""
 THIN = 0.01
 """Shortest side of a box [m]."""
+WIDE = 1.0
+"""A round solid of a larger radius becomes a wall: a column has too few sides for it [m]."""
+ROUNDING = 0.01
+"""Farthest that such a wall is from the circle [m]."""
 LARGEST = 1000.0
 """Longest side of a solid; larger ones are left out [m]."""
 TALLEST = 100.0
@@ -253,6 +258,12 @@ class _GazeboReader:
         if span:
             pose = Pose2(float(center[0]), float(center[1]))
             foot, height = span
+            if radius > WIDE and foot < SENSOR_HEIGHT:
+                sides = ceil(pi / acos(1 - ROUNDING / radius))
+                angles = np.arange(sides) * (2 * pi / sides)
+                rim = np.column_stack([np.cos(angles), np.sin(angles)]) * radius
+                self._wall(rim + center[:2], span)
+                return
             radius = min(max(radius, THIN), LARGEST / 2)
             self._solids.append(Cylinder(pose=pose, radius=radius, height=height, z=foot))
 
@@ -291,25 +302,31 @@ class _GazeboReader:
         path = self._files.find(uri, shape)
         if path is None:
             return
-        if path.suffix.lower() not in ENDINGS:
-            self._left[f"meshes in {path.suffix or 'files without an ending'}"] = None
+        ending = path.suffix.lower()
+        if ending not in (*ENDINGS, ".dae"):
+            self._left[f"meshes in {ending or 'files without an ending'}"] = None
             return
         try:
-            mesh = read_mesh(path)
+            if ending == ".dae":
+                triangles = read_collada(path, self._files)
+            else:
+                mesh = read_mesh(path)
+                triangles = mesh.points[mesh.corners]
         except ConfigError as error:
             raise shape.wrong(str(error)) from None
-        self._triangles += len(mesh.corners)
+        self._triangles += len(triangles)
         if self._triangles > MOST_TRIANGLES:
             raise shape.wrong(
                 f"the meshes have more than {MOST_TRIANGLES / 1e6:g} million triangles"
             )
-        points = _moved(mesh.points * (shape.numbers("scale", 3) or (1.0, 1.0, 1.0)), place)
+        scale = shape.numbers("scale", 3) or (1.0, 1.0, 1.0)
+        points = _moved(triangles.reshape(-1, 3) * scale, place)
         if not self._span(float(points[:, 2].min()), float(points[:, 2].max()), 0.0):
             return
         if points[:, 2].max() <= SENSOR_HEIGHT:
             self._outlined(points, NONE)
             return
-        walls = cut(points[mesh.corners], SENSOR_HEIGHT)
+        walls = cut(points.reshape(-1, 3, 3), SENSOR_HEIGHT)
         self._count += len(walls)
         if self._count > MOST_WALLS or (len(walls) and abs(walls).max() > 100 * LARGEST):
             raise shape.wrong("has too many walls, or reaches too far")

@@ -24,9 +24,9 @@ MOST_FILES = 64
 """Most files of one world."""
 MOST_BYTES = 2 << 20
 """Most text of one world, with its includes [bytes]."""
-MOST_TOKENS = 300_000
+MOST_TOKENS = 150_000
 """Most words, numbers and brackets of one world."""
-MOST_USES = 100_000
+MOST_USES = 50_000
 """Most entities of one world, those that macros bring counted each time."""
 MOST_NESTED = 24
 """Deepest nesting of includes, of entities, and of macros of macros."""
