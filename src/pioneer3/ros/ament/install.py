@@ -27,6 +27,8 @@ from pioneer3.ros.ros2.distros import DEFAULT, Distro, distro_of
 
 PROGRAMS: Final = {"node": "", "bridge": "bridge", **DEMOS}
 """The programs that `ros2 run pioneer3` finds, and their commands of `pioneer3 ros2`."""
+NODES_OF_OTHERS: Final = {"rosaria": "RosAria", "p2os_driver": "p2os_driver"}
+"""Packages in the place of others, for launch files, and the name of the node in each."""
 LAUNCH_FILES: Final = ("robot", "robots", "rviz", "nav2", "slam", "twist_mux")
 DRIVEN: Final = ("p3at", "p3dx")
 """Models that Nav2 has parameters for."""
@@ -56,14 +58,23 @@ def install_package(folder: Path, distro: str = DEFAULT, python: str = sys.execu
     share, programs = prefix / "share" / NAME, prefix / "lib" / NAME
     launchers = {
         programs / name: launcher(python, "ros2", command) for name, command in PROGRAMS.items()
+    } | {
+        prefix / "lib" / owner / name: launcher(python, "ros2")
+        for owner, name in NODES_OF_OTHERS.items()
     }
-    index = prefix / "share" / "ament_index" / "resource_index" / "packages" / NAME
+    index = prefix / "share" / "ament_index" / "resource_index" / "packages"
+    packages = (NAME, *NODES_OF_OTHERS)
     shell = {"prefix": shlex.quote(str(prefix))}
     contents = {
-        index: "",
+        **dict.fromkeys((index / name for name in packages), ""),
         **launchers,
         **{prefix / name: rendered("ament", name, shell) for name in SETUPS},
-        share / "package.xml": rendered("ament", "package.xml", {"version": __version__}),
+        **{
+            prefix / "share" / name / "package.xml": rendered(
+                "ament", "package.xml", {"name": name, "version": __version__}
+            )
+            for name in packages
+        },
         **_launch_files(share / "launch"),
         **_configuration(share / "config", distro_of(distro)),
         share / "rviz" / f"{NAME}.rviz": rviz_config("ament"),

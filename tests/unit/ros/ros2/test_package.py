@@ -9,7 +9,7 @@ import yaml
 
 from pioneer3.errors import ConfigError
 from pioneer3.models import load_model
-from pioneer3.ros.ament.install import DRIVEN, PROGRAMS, install_package
+from pioneer3.ros.ament.install import DRIVEN, NODES_OF_OTHERS, PROGRAMS, install_package
 from pioneer3.ros.node.driving_parameters import PARAMETERS as DRIVING
 from pioneer3.ros.node.names import Profile
 from pioneer3.ros.node.navigation_topics import NAVIGATION_TOPICS
@@ -66,6 +66,16 @@ def test_the_programs_run_with_the_python_that_has_pioneer3(prefix: Path) -> Non
         assert os.access(program, os.X_OK)
         wanted = f"exec '/opt/my python' -m pioneer3 ros2 {command}".rstrip()
         assert program.read_text() == f'#!/bin/sh\n{wanted} "$@"\n'
+
+
+@pytest.mark.parametrize(("owner", "name"), NODES_OF_OTHERS.items())
+def test_launch_files_of_other_drivers_find_the_node(prefix: Path, owner: str, name: str) -> None:
+    program = prefix / "lib" / owner / name
+    assert os.access(program, os.X_OK)
+    assert program.read_text().endswith('-m pioneer3 ros2 "$@"\n')
+    assert (prefix / "share/ament_index/resource_index/packages" / owner).exists()
+    manifest = ET.parse(prefix / "share" / owner / "package.xml").getroot()
+    assert manifest.findtext("name") == owner
 
 
 @pytest.mark.parametrize(("shell", "setup"), [("sh", "setup.sh"), ("bash", "setup.bash")])
