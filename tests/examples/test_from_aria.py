@@ -71,7 +71,10 @@ getAbsoluteMaxTransVel getRobotName getRobotType getRobotRadius addAction remAct
 addSensorInterpTask addRangeDevice addPacketHandler addConnectCB addDisconnectNormallyCB
 addStabilizingCB clearDirectMotion deactivateExclusive sleep getTime findMapObject getMapObjects
 readFile gripOpen gripClose liftUp liftDown getBreakBeamState pan tilt zoom panTilt panRel setGoal
-haveAchievedGoal cancelGoal getRawReadings
+haveAchievedGoal cancelGoal getRawReadings isConnected getCurrentBufferAsVector findRangeDevice
+getOdometerDistance lockDevice attachKeyHandler logOptions parseArgs loadDefaultArguments
+mSecSince liftStop setActionRobot activate deactivate getRawReadingsAsVector ArGlobalFunctor ArGPS
+ArActionDeceleratingLimiter setMaxVel ArSensorReading isStalled
 """
 
 
