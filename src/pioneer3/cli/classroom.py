@@ -37,7 +37,8 @@ def class_(
 
     Args:
         students: Number of robots to simulate, one for each student.
-        map_: A shipped map or world (office, lab), a .map, map_server .yaml or world .toml file.
+        map_: A shipped map or world (office, lab), a .map, map_server .yaml, world .toml, or .world
+            or .sdf file of Stage or Gazebo.
         robot: Model of the simulated robots.
         fleet: Use the robots of this fleet file in place of simulated ones.
         ideal: Simulate without noise and slip: robots do exactly what they are told.

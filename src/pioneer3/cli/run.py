@@ -73,7 +73,8 @@ def run(
     Args:
         port: A robot: /dev/ttyUSB0, tcp://192.168.0.160:8101, replay:FILE; once for each.
         baud: Serial speed to try first.
-        map_: A shipped map or world (office, lab), a .map, map_server .yaml or world .toml file.
+        map_: A shipped map or world (office, lab), a .map, map_server .yaml, world .toml, or .world
+            or .sdf file of Stage or Gazebo.
         robot: MODEL[:NAME], such as p3dx:bob, once for each; with --port: what those really are.
             Or the name of a robot or group in the fleet file, in place of its port.
         fleet: The fleet file; else fleet.toml here or in ~/.config/pioneer3.

@@ -83,8 +83,8 @@ class MapOptions:
     """The map and the robots in it.
 
     Attributes:
-        map_: A shipped map or world (office, lab, ramps, ...), or a .map, map_server .yaml or
-            world .toml file.
+        map_: A shipped map or world (office, lab, ramps, ...), or a .map, map_server .yaml,
+            world .toml, or .world or .sdf file of Stage or Gazebo.
         nomap: An empty plane in place of a map.
     """
 
