@@ -1,10 +1,18 @@
 """`pioneer3 robot`: the own file of a robot, found by its name or serial number."""
 
+from contextlib import suppress
 from pathlib import Path
+from typing import TYPE_CHECKING, Final
 
 from cyclopts import App
 
 from pioneer3.cli.options import LINK, Flag, LinkOptions
+
+if TYPE_CHECKING:
+    from pioneer3.models import RobotModel
+
+KIN: Final = "what differs from the type that the robot says"
+"""The model in an own file that is not `like` another."""
 
 robot_app = App(
     name="robot",
@@ -30,7 +38,7 @@ def show(name: str | None = None) -> int:
     """
     from pioneer3.cli.process import write_line
     from pioneer3.models.catalog import read_model_text
-    from pioneer3.models.own import own_files, own_folder, read_own
+    from pioneer3.models.own import own_files, own_folder
 
     if name is None:
         paths = own_files()
@@ -38,8 +46,9 @@ def show(name: str | None = None) -> int:
         write_line("\n".join(map(str, paths)) or told)
         return 0
     path = _path(name)
-    model = read_own(path).model
-    write_line(f"# {path}: {model.title} ({model.name}), at most {model.max_speed:g} m/s")
+    model = _checked(path)
+    told = f"{model.title} ({model.name}), at most {model.max_speed:g} m/s" if model else KIN
+    write_line(f"# {path}: {told}")
     write_line(read_model_text(path).rstrip())
     return 0
 
@@ -72,7 +81,7 @@ async def _init(name: str | None, link: LinkOptions, *, force: bool) -> int:
     from pioneer3.cli.process import write_line
     from pioneer3.errors import ConfigError
     from pioneer3.models import load_model
-    from pioneer3.models.own import new_own_text, own_path
+    from pioneer3.models.own import ARIA, TOML, new_own_text, own_folder, own_path, path_of
     from pioneer3.robot.lasers.spec import own_laser
     from pioneer3.text import shown, write_bytes
 
@@ -84,13 +93,17 @@ async def _init(name: str | None, link: LinkOptions, *, force: bool) -> int:
     path = own_path(name)
     if path is None:
         raise ConfigError(f"{shown(name)}: no name of a file; give one: pioneer3 robot init NAME")
-    if path.exists() and not force:
-        raise ConfigError(f"{path}: is there already; edit it, or --force writes over it")
+    there = path_of((name,))
+    if there and not force:
+        raise ConfigError(f"{there}: is there already; edit it, or --force writes {path.name}")
+    if Path(model).suffix.lower() in (ARIA, TOML):
+        raise ConfigError(f"{shown(model)}: copy it to {own_folder()} by the robot's name: it does")
     kin = load_model(model)
     specs = zip(link.lasers.laser, await link.lasers.specs(), strict=True)
     lasers = [own_laser(text, spec, kin) for text, spec in specs]
     text = new_own_text(name, model, lasers, link.camera)
-    path.parent.mkdir(parents=True, exist_ok=True)
+    with suppress(OSError):  # the file cannot be written then, and that tells why
+        path.parent.mkdir(parents=True, exist_ok=True)
     write_bytes(path, text.encode())
     write_line(f"wrote {path}; pioneer3 robot edit {name}")
     return 0
@@ -111,7 +124,6 @@ def edit(name: str) -> int:
 
     from pioneer3.cli.process import write_line
     from pioneer3.errors import ConfigError
-    from pioneer3.models.own import read_own
 
     path = _path(name)
     editor = os.environ.get("VISUAL") or os.environ.get("EDITOR")
@@ -121,9 +133,27 @@ def edit(name: str) -> int:
         subprocess.run([*shlex.split(editor), str(path)], check=True)
     except (OSError, ValueError, subprocess.CalledProcessError) as error:
         raise ConfigError(f"{editor}: {error}") from None
-    read_own(path)
+    _checked(path)
     write_line(f"{path}: is right, and counts from the next connection on")
     return 0
+
+
+def _checked(path: Path) -> "RobotModel | None":
+    """Return the model of an own file; `None` if it has only what differs from the robot's type.
+
+    Raises:
+        ConfigError: It is wrong.
+    """
+    from pioneer3.errors import ConfigError
+    from pioneer3.models import load_model
+    from pioneer3.models.own import read_own
+    from pioneer3.runtime.connect import USUAL
+
+    try:
+        return read_own(path).model
+    except ConfigError:
+        read_own(path, load_model(USUAL))
+        return None
 
 
 def _path(name: str) -> Path:

@@ -39,7 +39,10 @@ LARGEST_IMAGE = 128 << 20
 LARGEST_UNPACKED = 64 << 20
 """Most memory for pixels [bytes]: a small file may hold gigabytes."""
 MOST_SLOW_PIXELS = 1 << 22
-"""Most pixels of a PGM as text, or with an odd largest shade: Pillow reads a million a second."""
+"""Most pixels of a PGM as text, or with an odd largest shade: Pillow reads a million a second.
+
+Three colours count as three pixels.
+"""
 _DAMAGED = (
     *(ArithmeticError, AssertionError, EOFError, LookupError, OSError, SyntaxError),
     *(TypeError, ValueError, struct.error),
@@ -89,6 +92,8 @@ def parse_image(path: Path, raw: bytes) -> ShadeImage:
             picture: ImageFile = opened(BytesIO(_without_comments(raw)))
             _check_size(path, picture)
             picture.load()
+            if picture.mode == "F" or (picture.mode == "I" and kind == "Tiff"):
+                raise wrong(path, " picture: 32 bit for each pixel; save it with 8 bit grey")
             return _gray(picture)
     except ConfigError:
         raise
@@ -111,17 +116,20 @@ def _check_size(path: Path, picture: "ImageFile") -> None:
     if pixels > MOST_CELLS:
         most = f"{MOST_CELLS / 1e6:.0f} million"
         raise wrong(path, f" size: {width} x {height} pixels are more than {most}")
-    if pixels * len(picture.getbands()) > LARGEST_UNPACKED:
+    samples = pixels * len(picture.getbands())
+    if samples > LARGEST_UNPACKED:
         most = f"{LARGEST_UNPACKED >> 20} MB"
         raise wrong(path, f" size: more than {most} unpacked; save it with 8 bit grey")
-    if picture.tile and picture.tile[0][0] in ("ppm", "ppm_plain") and pixels > MOST_SLOW_PIXELS:
+    if picture.tile and picture.tile[0][0] in ("ppm", "ppm_plain") and samples > MOST_SLOW_PIXELS:
         most = f"{MOST_SLOW_PIXELS / 1e6:.0f} million"
         advice = "save it as P5 with 255 shades, or PNG"
         raise wrong(path, f" size: more than {most} pixels in this kind of PGM; {advice}")
 
 
 def _gray(picture: "ImageFile") -> ShadeImage:
-    if picture.mode in ("1", "P", "PA", "CMYK", "YCbCr", "LAB"):
+    if picture.mode == "P":
+        return ShadeImage(_palette(picture)[np.asarray(picture)])
+    if picture.mode in ("1", "PA", "CMYK", "YCbCr", "LAB"):
         pixels = np.asarray(picture.convert("L" if picture.mode == "1" else "RGB"))
     else:
         pixels = np.asarray(picture)
@@ -132,8 +140,21 @@ def _gray(picture: "ImageFile") -> ShadeImage:
     alpha = pixels[:, :, -1] if pixels.shape[2] in (2, 4) else None
     if pixels.shape[2] == 2:
         return ShadeImage(pixels[:, :, 0], alpha)
-    total = pixels[:, :, 0].astype(np.uint16) + pixels[:, :, 1] + pixels[:, :, 2]
-    return ShadeImage(((total + 1) // 3).astype(np.uint8), alpha)
+    return ShadeImage(_mean(pixels), alpha)
+
+
+def _palette(picture: "ImageFile") -> UInt8:
+    """Return the shades of the colours that pixels name by number, shape (256,)."""
+    told = picture.getpalette() or []
+    colours = np.zeros(3 * 256, dtype=np.uint8)
+    colours[: len(told)] = told[: colours.size]
+    return _mean(colours.reshape(256, 3))
+
+
+def _mean(colours: UInt8) -> UInt8:
+    """Return the shades of colours, shape (..., 3 or more)."""
+    total = colours[..., 0].astype(np.uint16) + colours[..., 1] + colours[..., 2]
+    return ((total + 1) // 3).astype(np.uint8)
 
 
 def to_png(pixels: UInt8) -> bytes:

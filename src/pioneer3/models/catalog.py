@@ -113,6 +113,8 @@ def _table_like(source: Source, kin: RobotModel | None) -> dict[str, object]:
         kin = find_model(name) if isinstance(name, str) else None
         if kin is None:
             raise source.wrong(LIKE, _no_such_model(str(name)))
+    if kin is None and not table.keys() & {"name", "distance_factor"}:
+        raise source.wrong(LIKE, 'missing; it names the type with all other numbers: "p3at-sh"')
     return table_of(kin) | table if kin else table
 
 

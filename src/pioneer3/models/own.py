@@ -12,6 +12,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
+from pioneer3.errors import ConfigError
 from pioneer3.models.aria import parse_aria
 from pioneer3.models.catalog import parse_own, read_model_text
 from pioneer3.models.model import OwnFile, OwnLaser, RobotModel
@@ -22,6 +23,8 @@ TOML: Final = ".toml"
 """Ending of our files; they count before the others."""
 ARIA: Final = ".p"
 """Ending of ARIA's parameter files."""
+LONGEST: Final = 255
+"""Longest name of a file [bytes]."""
 CAMERA_EXAMPLE: Final = '# camera = "http://192.168.0.30:8080/stream"'
 """Line of a new file for a robot without a camera."""
 LASER_EXAMPLE: Final = """\
@@ -45,7 +48,8 @@ def own_path(name: str, ending: str = TOML) -> Path | None:
     """Return the path of the file of a robot of this name; `None` if no file can have it."""
     name = name.strip()
     fit = name.isprintable() and name and not name.startswith(".") and "/" not in name
-    return own_folder() / f"{name}{ending}" if fit else None
+    file = f"{name}{ending}"
+    return own_folder() / file if fit and len(os.fsencode(file)) <= LONGEST else None
 
 
 def find_own(names: Sequence[str], kin: RobotModel | None) -> OwnFile | None:
@@ -63,9 +67,24 @@ def find_own(names: Sequence[str], kin: RobotModel | None) -> OwnFile | None:
 
 
 def path_of(names: Sequence[str]) -> Path | None:
-    """Return the path of the first own file that there is by one of these names."""
+    """Return the path of the first own file that there is by one of these names.
+
+    Raises:
+        ConfigError: The folder cannot be read.
+    """
     paths = (own_path(name, ending) for name in names for ending in (TOML, ARIA))
-    return next((path for path in paths if path and path.exists()), None)
+    return next((path for path in paths if path and _is_there(path)), None)
+
+
+def _is_there(path: Path) -> bool:
+    """Return whether there is such a file, even one that cannot be read."""
+    try:
+        path.lstat()
+    except (FileNotFoundError, NotADirectoryError):
+        return False
+    except OSError as error:
+        raise ConfigError(f"{printable(str(path))}: cannot be read: {error.strerror}") from None
+    return True
 
 
 def read_own(path: Path, kin: RobotModel | None = None) -> OwnFile:

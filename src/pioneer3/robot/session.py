@@ -26,7 +26,14 @@ from pioneer3.errors import CommandError, LinkError, NoRobotError, Refusal, Turn
 from pioneer3.limits import Accelerations, Limits
 from pioneer3.links import Link
 from pioneer3.links.base import HUNG_UP
-from pioneer3.models import GivenModel, RobotModel, find_model, generic_model, loaded_model
+from pioneer3.models import (
+    Fallback,
+    GivenModel,
+    RobotModel,
+    find_model,
+    generic_model,
+    loaded_model,
+)
 from pioneer3.models.model import OwnFile
 from pioneer3.models.own import find_own
 from pioneer3.robot.assemble import Assembler
@@ -262,7 +269,7 @@ class Session:
             log.warning("the robot did not send its configuration; the model's values are used")
         elif not trusted:
             log.warning("the configuration came with a wrong checksum, twice the same: accepted")
-        self.own = own_of(self.identity, config)
+        self.own = own_of(self.identity, config, self._given)
         self.model = model_of(self.identity, config, self._given)
         if self.model.refusal:
             log.warning("nothing drives this robot: %s", self.model.refusal)
@@ -386,14 +393,17 @@ def _acceleration_commands(accelerations: Accelerations) -> list[Command]:
     ]
 
 
-def own_of(identity: Identity, config: Config | None) -> OwnFile | None:
-    """Return the robot's own file, if it has one.
+def own_of(identity: Identity, config: Config | None, given: GivenModel = None) -> OwnFile | None:
+    """Return the robot's own file, if it has one, on top of its type's or else the given model.
 
     Raises:
         ConfigError: The file is wrong.
     """
     names = (identity.name, *([config.serial_number] if config else []))
-    return find_own(names, find_model(identity.model))
+    named = loaded_model(given)
+    kin = named.model if isinstance(named, Fallback) else named
+    assert kin is None or isinstance(kin, RobotModel)
+    return find_own(names, find_model(identity.model) or kin)
 
 
 def model_of(identity: Identity, config: Config | None, given: GivenModel = None) -> RobotModel:
@@ -405,7 +415,7 @@ def model_of(identity: Identity, config: Config | None, given: GivenModel = None
     given = loaded_model(given)
     if isinstance(given, RobotModel):
         return given
-    if own := own_of(identity, config):
+    if own := own_of(identity, config, given):
         return own.model
     if found := find_model(identity.model):
         return found

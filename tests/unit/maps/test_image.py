@@ -2,11 +2,13 @@
 
 import tracemalloc
 import zlib
+from io import BytesIO
 from pathlib import Path
 from struct import pack
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from pioneer3.errors import ConfigError
 from pioneer3.maps.image import PNG_SIGNATURE, parse_image, to_png
@@ -150,3 +152,25 @@ def test_an_interlaced_picture_is_read() -> None:
     # one pixel of the first of the seven passes
     image = parse_image(HERE, png((1, 1, 8, 0), bytes([0, 200]), interlace=1))
     assert image.shades.tolist() == [[200]]
+
+
+@pytest.mark.parametrize("kind", [np.float32, np.int32])
+def test_a_picture_of_32_bit_for_each_pixel_is_named(kind: type[np.generic]) -> None:
+    file = BytesIO()
+    Image.fromarray(np.ones((2, 2), dtype=kind)).save(file, "TIFF")
+    with pytest.raises(ConfigError, match="32 bit for each pixel; save it with 8 bit grey"):
+        parse_image(HERE, file.getvalue())
+
+
+def test_a_palette_takes_no_memory_for_three_colours_of_each_pixel() -> None:
+    raw = png((2000, 2000, 8, 3), bytes(2001 * 2000), palette=bytes([30, 60, 90]))
+    tracemalloc.start()
+    image = parse_image(HERE, raw)
+    assert tracemalloc.get_traced_memory()[1] < 3 * image.shades.size
+    tracemalloc.stop()
+    assert image.shades[0, 0] == 60
+
+
+def test_three_colours_as_text_count_as_three_pixels() -> None:
+    with pytest.raises(ConfigError, match="more than 4 million pixels"):
+        parse_image(HERE, b"P3 1200 1200 255 ")

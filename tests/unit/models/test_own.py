@@ -63,7 +63,7 @@ def test_without_a_known_type_it_says_what_it_is_like() -> None:
     assert own is not None
     assert (own.model.distance_factor, own.model.max_speed) == (0.00132, 0.5)
     path = save("odd.toml", "max_speed = 0.5")
-    with pytest.raises(ConfigError, match=f"{path}:? ?.*missing"):
+    with pytest.raises(ConfigError, match=f"{path}: like: missing; .*p3at-sh"):
         find_own(("odd",), None)
 
 
@@ -135,3 +135,24 @@ def test_a_model_written_as_a_parameter_file_is_read_back(name: str) -> None:
     assert parse_aria("", "x.p", "x", model) == read
     for field in ("width", "distance_factor", "heading_factor", "switch_speed", "max_turn_rate"):
         assert getattr(read, field) == pytest.approx(getattr(model, field)), field
+
+
+@pytest.mark.parametrize("name", ["a" * 251, "\u00e9" * 126])
+def test_a_name_too_long_for_a_file_has_none(name: str) -> None:
+    assert find_own((name,), KIN) is None
+    assert own_path(name) is None
+    assert own_path(name[:-1]) is not None
+
+
+def test_a_folder_that_cannot_be_read_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("XDG_CONFIG_HOME", "/" + "a" * 300)
+    with pytest.raises(ConfigError, match=r"rosie\.toml: cannot be read: File name too long"):
+        find_own(("rosie",), KIN)
+
+
+def test_a_link_to_a_file_that_is_gone_is_told() -> None:
+    path = save("rosie.toml", "")
+    path.unlink()
+    path.symlink_to("gone.toml")
+    with pytest.raises(ConfigError, match=r"rosie\.toml: cannot be read: No such file"):
+        find_own(("rosie",), KIN)
