@@ -11,6 +11,15 @@ SIMULATOR: Final = "sim"
 """The command that takes MobileSim's options; all others take ARIA's."""
 LONG: Final = re.compile(r"-[A-Za-z][A-Za-z]+\d?")
 """An option with one dash and several letters, which none of ours has."""
+SIMULATOR_LONG: Final = frozenset(
+    (
+        *("map", "nomap", "robot", "port", "start", "cwd", "html", "resolution", "verbose"),
+        *("noninteractive", "stageworld", "daemonize"),
+    )
+)
+"""Options of MobileSim that are one word; others with one dash are short ones that are joined."""
+END: Final = "--"
+"""Word after which none is an option."""
 LASER_KINDS: Final[Mapping[str, str]] = MappingProxyType(
     {
         "lms2xx": "lms-200",
@@ -91,12 +100,13 @@ def in_our_words(words: Sequence[str], warn: Callable[[str], None]) -> list[str]
         ConfigError: An option of ARIA has another form here, which is told.
     """
     if words[:1] == [SIMULATOR]:
-        return [f"-{word}" if LONG.fullmatch(word) else word for word in words]
+        return [f"-{w}" if w[:1] == "-" and w[1:] in SIMULATOR_LONG else w for w in words]
+    end = words.index(END) if END in words else len(words)
     kept: list[str] = []
     parts: dict[str, str] = {}
-    rest = iter(words)
+    rest = iter(words[:end])
     for word in rest:
-        name = word[1:].lower() if LONG.fullmatch(word) else ""
+        name = _name(word)
         if name in VALUES:
             parts[VALUES[name]] = _value(word, rest)
         elif name in REFUSED:
@@ -105,12 +115,17 @@ def in_our_words(words: Sequence[str], warn: Callable[[str], None]) -> list[str]
             warn(f"{word} has no effect: {NO_EFFECT[name]}")
         else:
             kept.append(word)
-    return kept + [word for option in _options(parts) for word in option]
+    return [*kept, *(word for option in _options(parts) for word in option), *words[end:]]
+
+
+def _name(word: str) -> str:
+    """Return the name of an option of ARIA; empty for a word that can be none."""
+    return word[1:].lower() if LONG.fullmatch(word) else ""
 
 
 def _value(word: str, rest: Iterator[str]) -> str:
     value = next(rest, None)
-    if value is None:
+    if value is None or _name(value) in (*VALUES, *NO_EFFECT, *REFUSED):
         raise ConfigError(f"{word}: its value is missing")
     return value
 

@@ -24,8 +24,8 @@ map_app = App(
     help="""Make, show, check, edit and convert maps and worlds.
 
     They are ARIA .map files, ROS map_server .yaml files with their picture,
-    .toml worlds: a map with robots, boxes and people, and .world and .sdf files of Stage
-    and Gazebo.
+    .toml worlds: a map with robots, boxes and people, and .world and .sdf files
+    of Stage and Gazebo.
 
     Example: pioneer3 map show office
     """,

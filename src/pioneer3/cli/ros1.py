@@ -130,7 +130,7 @@ def laser(
     *arguments: Annotated[str, Parameter(show=True)],
     port: Annotated[str, Parameter(env_var="PIONEER3_LASER", metavar="PORT")] = AUTO,
 ) -> int:
-    """Be a laser's ROS 1 node, in the place of hokuyo_node, urg_node, sicklms or LMS1xx.
+    """Be a laser's ROS 1 node, in place of hokuyo_node, urg_node, sicklms, LMS1xx.
 
     No robot is needed. It has their parameters, and publishes scan and
     /diagnostics.

@@ -71,7 +71,6 @@ NO_EFFECT = {
 }
 """Reason for each option of MobileSim that is taken and changes nothing."""
 NOT_SUPPORTED = {
-    "stageworld": "give the world of Stage to --map",
     "daemonize": "it stays in the foreground; end the line with &, or let systemd start it",
 }
 """Remedy for each option of MobileSim without which a script would go wrong."""
@@ -85,17 +84,20 @@ class MapOptions:
     Attributes:
         map_: A shipped map or world (office, lab, ramps, ...), or a .map, map_server .yaml,
             world .toml, or .world or .sdf file of Stage or Gazebo.
+        stageworld: A world of Stage, as --map takes it, too.
         nomap: An empty plane in place of a map.
     """
 
     map_: Annotated[str | None, Parameter(name=["--map", "-m"])] = None
+    stageworld: Annotated[str | None, Parameter(name=["--stageworld", "-W"])] = None
     nomap: Flag = False
 
     def name(self) -> str:
         """Return the map to load."""
-        if self.nomap and self.map_:
+        given = self.map_ or self.stageworld
+        if self.nomap and given:
             raise ConfigError("--map and --nomap: give one of them")
-        return "empty" if self.nomap else self.map_ or "office"
+        return "empty" if self.nomap else given or "office"
 
 
 @Parameter(name="*", group=PORTS)
@@ -217,7 +219,6 @@ class MobileSimOptions:
         points_chunksize: No effect.
         srisim_compat: No effect.
         no_srisim_laser_compat: No effect.
-        stageworld: Refused: --map takes Stage's worlds.
         daemonize: Refused: it stays in the foreground.
     """
 
@@ -240,7 +241,6 @@ class MobileSimOptions:
     points_chunksize: int | None = None
     srisim_compat: Flag = False
     no_srisim_laser_compat: Flag = False
-    stageworld: Annotated[str | None, Parameter(name=["--stageworld", "-W"])] = None
     daemonize: Flag = False
 
     def enter_folder(self) -> None:

@@ -1,5 +1,6 @@
 """Pictures of maps: reads the formats of map_server, writes PGM and PNG, with Pillow."""
 
+import re
 import struct
 import warnings
 from collections.abc import Mapping
@@ -36,6 +37,11 @@ SIGNATURES: Mapping[bytes, str] = MappingProxyType(
 """Pillow's names of the formats that map_server reads, by the first bytes of a file; PGM is Ppm."""
 LARGEST_IMAGE = 128 << 20
 """Larger picture files are not read [bytes]."""
+LARGEST_JPEG = 8 << 20
+"""Larger ones are not read [bytes]: Pillow walks over what stands before the picture."""
+LONGEST_HEADER = 1 << 16
+"""Bytes of a PGM or PPM within which its size is told; Pillow goes over them one by one."""
+_PPM_HEADER = re.compile(rb"P\d(?:(?:\s|#[^\n]*\n)+\d+){2}(?:\s|#)")
 LARGEST_UNPACKED = 64 << 20
 """Most memory for pixels [bytes]: a small file may hold gigabytes."""
 MOST_SLOW_PIXELS = 1 << 22
@@ -82,6 +88,11 @@ def parse_image(path: Path, raw: bytes) -> ShadeImage:
     if kind is None:
         names = ", ".join(dict.fromkeys(SIGNATURES.values())).upper()
         raise wrong(path, f" header: no picture; PGM, {names} are read")
+    if kind == "Jpeg" and len(raw) > LARGEST_JPEG:
+        raise wrong(path, f" size: a JPEG of more than {LARGEST_JPEG >> 20} MB; save it as PNG")
+    plain = _without_comments(raw)
+    if kind == "Ppm" and not _PPM_HEADER.match(plain[:LONGEST_HEADER]):
+        raise wrong(path, " header: it does not tell the size of the picture")
     # Pillow's own way to open a file refuses large ones in words of its own
     opened = getattr(import_module(f"PIL.{kind}ImagePlugin"), f"{kind}ImageFile")
     try:
@@ -89,7 +100,7 @@ def parse_image(path: Path, raw: bytes) -> ShadeImage:
             warnings.simplefilter("ignore")  # a picture with oddities is read or refused
             if kind == "Png":
                 opened(BytesIO(raw)).verify()  # reading alone ignores checksums
-            picture: ImageFile = opened(BytesIO(_without_comments(raw)))
+            picture: ImageFile = opened(BytesIO(plain))
             _check_size(path, picture)
             picture.load()
             if picture.mode == "F" or (picture.mode == "I" and kind == "Tiff"):

@@ -25,6 +25,8 @@ def ours(line: str) -> tuple[str, list[str]]:
         ("sim -m office.map -robot p2at", "sim -m office.map --robot p2at"),
         ("move -0.5 --speed -30cm -p COM3", "move -0.5 --speed -30cm -p COM3"),
         ("goto -1 -2", "goto -1 -2"),
+        ("sim -mlab -vm lab", "sim -mlab -vm lab"),
+        ("drive -rh h -- -rp x", "drive --port tcp://h:8101 -- -rp x"),
     ],
 )
 def test_an_option_becomes_ours(line: str, expected: str) -> None:
@@ -41,6 +43,7 @@ def test_an_option_without_effect_is_told_and_left_out() -> None:
     ("line", "complaint"),
     [
         ("drive -rh", "-rh: its value is missing"),
+        ("drive -rh -rp COM3", "-rh: its value is missing"),
         ("drive -laserFlipped true", "-laserFlipped is ARIA's: give --laser-pose"),
         ("drive -ld 180", "-ld is ARIA's: give --laser-mask"),
         ("drive -lt sonar9000 -lp COM4", "-laserType sonar9000: known are lms2xx"),

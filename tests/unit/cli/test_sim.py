@@ -278,7 +278,7 @@ def test_the_options_of_mobilesim_are_taken(
         assert told.split()[1] in line
 
 
-@pytest.mark.parametrize("line", ["-W lab.world", "--stageworld lab.world", "--daemonize"])
+@pytest.mark.parametrize("line", ["--daemonize"])
 def test_an_option_of_mobilesim_that_would_lead_astray_is_refused_in_a_sentence(
     line: str, simulated: Seen, capsys: pytest.CaptureFixture[str]
 ) -> None:

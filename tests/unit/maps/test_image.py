@@ -174,3 +174,16 @@ def test_a_palette_takes_no_memory_for_three_colours_of_each_pixel() -> None:
 def test_three_colours_as_text_count_as_three_pixels() -> None:
     with pytest.raises(ConfigError, match="more than 4 million pixels"):
         parse_image(HERE, b"P3 1200 1200 255 ")
+
+
+@pytest.mark.parametrize(
+    ("head", "complaint"),
+    [
+        (b"\xff\xd8\xff" + b"\xff" * (8 << 20), "size: a JPEG of more than 8 MB"),
+        (b"P5" + b"\n" * 100_000 + b"1 1 255 \0", "header: it does not tell the size"),
+        (b"P6\n" + b"#\n" * 50_000 + b"1 1 255 \0\0\0", "header: it does not tell the size"),
+    ],
+)
+def test_what_stands_before_a_picture_is_short(head: bytes, complaint: str) -> None:
+    with pytest.raises(ConfigError, match=complaint):
+        parse_image(Path("m.jpg"), head)
