@@ -108,6 +108,8 @@ class CostMap:
         """Return the costs with a one-way sector that nobody enters, or leaves, the wrong way."""
         within = inside(area, self.raster)
         rows, columns = np.nonzero(within)
+        if not len(rows):
+            return self
         ahead = columns * cos(area.pose.theta) + rows * sin(area.pose.theta)
         edge = ahead <= ahead.min() + BARRIER if at_entry else ahead >= ahead.max() - BARRIER
         closed = self.closed.copy()
@@ -171,6 +173,11 @@ class CostMap:
         return bool(self.clearance[cell] >= self.turning)
 
 
+def covers(item: MapObject, points: Float) -> Bool:
+    """Return which of `points` (N, 2) [m] of the map lie within the outline of an area, (N,)."""
+    return _within(np.array(item.outline), points[:, 0], points[:, 1])
+
+
 def inside(item: MapObject, raster: Raster) -> Bool:
     """Return the cells whose middles lie within the outline of an area, shape (H, W)."""
     corners = raster.in_cells(np.array(item.outline))
@@ -178,14 +185,19 @@ def inside(item: MapObject, raster: Raster) -> Bool:
     high = np.clip(np.ceil(corners.max(axis=0)).astype(int), 0, (raster.width, raster.height))
     x = np.arange(low[0], high[0])[None, :] + 0.5
     y = np.arange(low[1], high[1])[:, None] + 0.5
-    crossed = np.zeros((y.size, x.size), dtype=np.bool_)
+    out = np.zeros(raster.shape, dtype=np.bool_)
+    out[low[1] : high[1], low[0] : high[0]] = _within(corners, x, y)
+    return out
+
+
+def _within(corners: Float, x: Float, y: Float) -> Bool:
+    """Return which points lie within a polygon; coordinates broadcast against each other."""
+    crossed = np.zeros(np.broadcast_shapes(x.shape, y.shape), dtype=np.bool_)
     for (ax, ay), (bx, by) in zip(corners, np.roll(corners, -1, axis=0), strict=True):
         if ay != by:
             spans = (ay > y) != (by > y)
             crossed ^= spans & (x < ax + (y - ay) * (bx - ax) / (by - ay))
-    out = np.zeros(raster.shape, dtype=np.bool_)
-    out[low[1] : high[1], low[0] : high[0]] = crossed
-    return out
+    return crossed
 
 
 def _extent(line_map: LineMap) -> Extent:

@@ -9,7 +9,7 @@ import numpy as np
 from pioneer3.arrays import Bool, Float, Float32
 from pioneer3.jit import fast
 from pioneer3.maps.line_map import MapObject
-from pioneer3.nav.costs import CostMap, inside
+from pioneer3.nav.costs import CostMap, covers, inside
 from pioneer3.nav.kernels import CACHE
 from pioneer3.nav.kernels.fields import NOT_WAITING, march
 from pioneer3.nav.kernels.ways import descend
@@ -126,11 +126,11 @@ def _heeding_sectors(
     barred: list[MapObject] = []
     while True:
         way = _cheapest_way(costs, start, goal)
-        against = next((area for area in costs.sectors if _goes_against(area, way, costs)), None)
+        against = next((area for area in costs.sectors if _goes_against(area, way)), None)
         if against is None:
             return way, barred[-1] if barred else None
         if against.one_way and against not in barred:
-            begins_in = bool(inside(against, costs.raster)[costs.raster.cell_of(*start)])
+            begins_in = bool(covers(against, np.array([start]))[0])
             costs = costs.with_barrier(against, at_entry=begins_in)
         else:
             costs = costs.without(against)
@@ -146,12 +146,11 @@ def _cheapest_way(
     return way_from(cost_to_go, start) if isfinite(cost_to_go.at(*start)) else None
 
 
-def _goes_against(area: MapObject, way: Way | None, costs: CostMap) -> bool:
+def _goes_against(area: MapObject, way: Way | None) -> bool:
     """Whether a way crosses a sector as it must not."""
     if way is None:
         return False
-    columns, rows = np.floor(costs.raster.in_cells(way.points)).astype(int).T
-    within = inside(area, costs.raster)[rows, columns]
+    within = covers(area, way.points)
     if area.restrictive:
         return bool(within.any() and not (within[0] or within[-1]))
     both = within[1:] & within[:-1]

@@ -322,3 +322,15 @@ def test_a_way_that_only_a_sector_closes_names_it() -> None:
         why_not(alone, WEST, EAST).why
         == "no way leads to the goal but against a one-way sector, ramp"
     )
+
+
+@pytest.mark.parametrize("turned", [0.3, -2.0, pi / 2])
+def test_sectors_may_be_turned_overlap_and_be_smaller_than_a_cell(turned: float) -> None:
+    speck = ((4.99, 4.79), (5.01, 4.79), (5.01, 4.81), (4.99, 4.81))
+    on = around(
+        sector("OneWaySector", turned, UPPER),
+        sector("RestrictiveSector", turned, UPPER),
+        sector("OneWaySector", pi, speck),
+    )
+    assert lowest(way(on, WEST, EAST)) < 2.4
+    assert lowest(way(on, EAST, WEST)) < 2.4
