@@ -170,5 +170,5 @@ def test_the_page_of_the_api_shows_every_operation(tabs: Tabs, shared: Product) 
     with visiting(tabs, f"{shared.address}/api") as page:
         shown = page.locator("#operations summary")
         expect(shown).to_have_count(len(OPERATIONS))
-        shown.filter(has_text="/drive").click()
+        shown.filter(has_text="/driveDrive").click()
         expect(page.locator("details[open] pre")).to_contain_text("curl -X POST")

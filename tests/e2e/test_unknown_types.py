@@ -39,7 +39,7 @@ FILE = """
 ConfigVersion 2.0
 Section General settings
 Class Pioneer
-Subclass p2at
+Subclass p9at
 RobotRadius 500
 RobotWidth 505
 RobotLength 626
@@ -53,7 +53,7 @@ RangeConvFactor 0.268
 DiffConvFactor 0.0034
 Vel2Divisor 20
 """
-"""A Pioneer 2-AT: its millimetres are 1.32 of ours, and its echoes come in 0.268 mm."""
+"""A type that nobody knows: its millimetres are 1.32 of ours, and its echoes come in 0.268 mm."""
 STANDS = (
     commands.Enable(on=False),
     commands.Vel(speed=0.0),
@@ -63,7 +63,7 @@ STANDS = (
 
 @pytest.fixture
 def file(tmp_path: Path) -> Path:
-    path = tmp_path / "p2at.p"
+    path = tmp_path / "p9at.p"
     path.write_text(FILE)
     return path
 
@@ -72,7 +72,7 @@ def file(tmp_path: Path) -> Path:
 async def connected(
     file: Path, model: GivenModel = None
 ) -> AsyncIterator[tuple[SimulatedRobot, Robot]]:
-    """Connect to a P2-AT."""
+    """Connect to a robot of this type."""
     async with (
         SimulatedRobot(model=str(file)) as sim,
         connect_async(sim.open, model=model) as robot,
@@ -112,7 +112,7 @@ async def drive(robot: Robot) -> None:
 )
 async def test_a_program_is_refused(file: Path, way: Callable[[Robot], Awaitable[None]]) -> None:
     async with connected(file) as (sim, robot):
-        with pytest.raises((MotionError, CommandError), match=r"'p2at'.*not known.*--model FILE.p"):
+        with pytest.raises((MotionError, CommandError), match=r"'p9at'.*not known.*--model FILE.p"):
             await way(robot)
         await asyncio.sleep(1.0)
         assert "--model FILE.p" in str(robot.why_not_moving())
@@ -142,7 +142,7 @@ async def test_a_raw_command_from_before_its_type_was_told_is_not_sent(file: Pat
 @pytest.mark.parametrize("mode", [wander(), follow(), goto(1.0, 0.0)], ids=lambda m: m.name)
 async def test_no_mode_drives(file: Path, mode: Stack) -> None:
     async with connected(file) as (sim, robot):
-        with pytest.raises(MotionError, match="'p2at'"):
+        with pytest.raises(MotionError, match="'p9at'"):
             await robot.run(mode)
     assert nothing_moved(sim)
 
@@ -151,7 +151,7 @@ async def test_it_is_read_and_stopped(file: Path) -> None:
     async with connected(file) as (sim, robot):
         assert robot.snapshot is not None
         assert robot.snapshot.battery.voltage > 10
-        assert "unknown robot type p2at" in robot.info.model.title
+        assert "unknown robot type p9at" in robot.info.model.title
         robot.stop()
         robot.emergency_stop()
         await asyncio.sleep(1.0)
@@ -171,7 +171,7 @@ async def test_with_its_model_a_metre_is_a_metre(
 
 async def test_a_fallback_does_not_count_where_the_robot_is_known(file: Path) -> None:
     async with SimulatedRobot(model="p3at-sh") as sim:
-        for given, name in ((Fallback(file), "p3at-sh"), (str(file), "p2at")):
+        for given, name in ((Fallback(file), "p3at-sh"), (str(file), "p9at")):
             async with connect_async(sim.open, model=given) as robot:
                 assert robot.info.model.name == name
 
@@ -184,7 +184,7 @@ async def test_a_fleets_file_counts_always_and_its_name_where_nothing_is_known(
     for line, wanted in (
         ("", None),
         ('model = "p3dx-sh"', Fallback("p3dx-sh")),
-        ('model = "p2at.p"', str(file)),
+        ('model = "p9at.p"', str(file)),
     ):
         path.write_text(rows.format(line))
         fleet = read_fleet(path)
@@ -222,7 +222,7 @@ async def test_neither_page_nor_script_drives_it(file: Path) -> None:
                 ("POST", "goto", {"x": 1.0, "y": 0.0}),
             ):
                 answer = await script.ask(method, f"/api/robots/1/{path}", told)
-                assert "p2at" in str(answer.json), path
+                assert "p9at" in str(answer.json), path
             await asyncio.sleep(1.0)
     assert nothing_moved(sim)
 
@@ -263,7 +263,7 @@ async def test_commands_refuse_it_unless_they_are_told_what_it_is(file: Path) ->
     async with simulator(port=0, robot=str(file)) as here:
         number = here.robots[0].url.rpartition(":")[2]
         fleet.write_text(
-            f'[[robot]]\nname = "a"\naddress = "127.0.0.1"\nmodel = "p2at.p"\n'
+            f'[[robot]]\nname = "a"\naddress = "127.0.0.1"\nmodel = "p9at.p"\n'
             f'port = "tcp://127.0.0.1:{number}"\n'
         )
         begin = here.body.robot_in_world
