@@ -39,10 +39,10 @@ class LinkFaults:
 
     @classmethod
     def parse(cls, text: str, *, seed: int = 0) -> Self:
-        """Return what `text` describes, with `seed` if it names none.
+        """Return the faults in a text; without a seed of its own they have `seed`.
 
-        It is any of `drop=SHARE`, `corrupt=SHARE`, `delay=SECONDS`, `seed=NUMBER`, `frozen` and
-        `unplugged`, separated by commas; empty for a good cable.
+        The text has any of `drop=SHARE`, `corrupt=SHARE`, `delay=SECONDS`, `seed=NUMBER`, `frozen`
+        and `unplugged`, separated by commas; empty for a good cable.
 
         Raises:
             ConfigError: it names the word that is wrong.

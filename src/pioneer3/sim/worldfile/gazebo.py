@@ -1,7 +1,7 @@
 """Reads worlds of Gazebo: what is solid in them becomes boxes, columns and walls.
 
-Counted are the collision shapes of models. What stands upright keeps its height; what is tilted is
-an upright wall around its outline, and a mesh one where a plane at the height of sensors cuts it.
+Only collision shapes count. An upright shape keeps its height, a tilted one becomes an upright wall
+around its outline, and a mesh becomes walls where a plane at the height of sensors cuts it.
 """
 
 import logging

@@ -102,7 +102,7 @@ class _StageReader:
         )
 
     def _read(self, entity: StageEntity, parent: Pose2, foot: float) -> None:
-        """Take what an entity of a world or model stands for, and the models in it."""
+        """Add the walls, boxes or robots of an entity, and of the models in it."""
         whole = self._text.resolved(entity)
         kind = whole.kinds[-1]
         if kind == "position" or (kind not in _SCENERY and pioneer_of((kind,))):

@@ -23,8 +23,8 @@ _BY_SIZE = ("p3dx-sh", "p3at-sh", "amigo-sh")
 """Models that stand for a robot of another maker."""
 _FAR = 15.0
 """Range that only large lasers have [m]."""
-_NARROW = 0.36
-"""Range up to which a laser is a small one, as a share of :data:`_FAR`."""
+_NEAR = 5.4
+"""Range up to which a laser is a small one [m]."""
 _SENSORS = (
     (re.compile(r"utm|ust"), "utm-30lx"),
     (re.compile(r"urg|ubg|hokuyo"), "urg-04lx"),
@@ -62,4 +62,4 @@ def laser_of(names: Sequence[str], farthest: float) -> str:
                 return "utm-30lx" if laser == "urg-04lx" and farthest > _FAR else laser
     if farthest > _FAR:
         return "utm-30lx"
-    return "urg-04lx" if 0 < farthest < _NARROW * _FAR else "lms-200"
+    return "urg-04lx" if 0 < farthest < _NEAR else "lms-200"
