@@ -24,7 +24,7 @@ from tests.fleet.terminal import converse, terminal
 from tests.ros1.master import has_ros
 
 pytestmark = [pytest.mark.realtime, pytest.mark.timeout(600)]
-TUTORIAL: Final = ROOT / "docs/tutorial-fleet.md"
+TUTORIAL: Final = ROOT / "docs/tutorial/five-robots.md"
 DEPLOYING: Final = 300.0
 """Longest time to install on five computers of one machine [s]."""
 
