@@ -12,6 +12,7 @@ from docs.reference.protocol_tables import PAGES, filled
 from pioneer3.arcos import commands, reports
 
 ROOT = Path(__file__).parents[2]
+BUILT = ROOT / "src/pioneer3/book"
 PROTOCOL = PAGES[0].read_text(encoding="utf-8")
 TEXTS = {".py", ".md", ".toml", ".js", ".html", ".css", ""}
 NOTE = r"(?:,? (?:row|rule|field) \d+)?"
@@ -30,7 +31,9 @@ def texts() -> Iterator[tuple[str, str]]:
     """Return names and contents of all files that may cite a page."""
     folders = ("src", "tests", "benchmarks", "docs", "examples", "scripts")
     for path in chain(*((ROOT / folder).rglob("*") for folder in folders), ROOT.glob("*.md")):
-        if path.is_file() and path.suffix in TEXTS and path != Path(__file__):
+        if path == Path(__file__) or BUILT in path.parents:
+            continue
+        if path.is_file() and path.suffix in TEXTS:
             yield str(path.relative_to(ROOT)), path.read_text(encoding="utf-8")
 
 
