@@ -105,7 +105,8 @@ class _Reader:
         """Chain the way to a pose of the log's odometry."""
         if self._anchor is not None:
             self._raw @= self._anchor.inverse() @ pose
-        self._anchor, self._moved = pose, True
+        self._moved |= pose != self._anchor
+        self._anchor = pose
         return LoggedOdometry(stamp, self._raw)
 
     def posed(self, sweep: _Sweep, robot: Pose2, *, anchored: bool) -> LoggedScan:

@@ -1,5 +1,6 @@
 """Logs of CARMEN."""
 
+from itertools import pairwise
 from math import cos, hypot, inf, pi, sin
 
 import pytest
@@ -49,11 +50,15 @@ def test_a_corrected_log_gives_raw_odometry_and_the_corrected_poses_apart(
         assert hypot(off.x, off.y) + abs(off.theta) < 1e-6
 
 
-def test_a_corrected_log_without_odometry_between_scans_moves_by_its_corrected_poses() -> None:
+@pytest.mark.parametrize("meaningless", [(9.0, 9.0, 9.0), (0.4, 9.0, 0.0), (9.0, 0.4, 9.0)])
+def test_a_corrected_log_without_odometry_between_scans_moves_by_its_corrected_poses(
+    meaningless: tuple[float, float, float],
+) -> None:
     lines = [odom(ORIGIN, 0.0)]
-    for x in (1.0, 2.0, 3.0):
-        lines += [flaser([1.0, 2.0], Pose2(x), Pose2(x), 0.0), odom(Pose2(x), 9.0)]
-    assert [scan.scan.robot_in_odom.x for scan in scans_of(lines)] == [0.0, 1.0, 2.0]
+    for x, stamp in zip((1.0, 2.0, 3.0), meaningless, strict=True):
+        lines += [flaser([1.0, 2.0], Pose2(x), Pose2(x), 0.0), odom(Pose2(x), stamp)]
+    ways = [scan.scan.robot_in_odom.x for scan in scans_of(lines)]
+    assert [after - before for before, after in pairwise(ways)] == [1.0, 1.0]
 
 
 def test_a_stamp_that_was_never_written_does_not_let_the_answer_leak() -> None:
