@@ -30,7 +30,7 @@ from pioneer3.geometry import Pose2
 from pioneer3.maps import LineMap
 from pioneer3.nav.beams import Beams, beams_of
 from pioneer3.nav.carmen import read_carmen
-from pioneer3.nav.logged import LoggedOdometry
+from pioneer3.nav.logged import LoggedOdometry, LoggedScan
 from pioneer3.nav.mapper import Mapper
 from pioneer3.nav.matching import rotation
 from pioneer3.nav.rendering import MapRenderer
@@ -105,8 +105,7 @@ def rows_of_log(name: str) -> Iterator[Row]:
             if odom is not None:
                 run.mapper.move(odom)
                 continue
-            assert not isinstance(entry, LoggedOdometry)
-            if entry.corrected is None:
+            if not isinstance(entry, LoggedScan) or entry.corrected is None:
                 continue
             beams = beams_of(entry.scan)
             here = beams.robot_in_odom

@@ -21,6 +21,7 @@ from math import hypot, isfinite, pi
 from pioneer3.geometry import ORIGIN, TURN, Pose2, wrap
 from pioneer3.nav.logged import (
     NO_ECHO,
+    LoggedDamage,
     LoggedOdometry,
     LoggedScan,
     Pairing,
@@ -168,8 +169,8 @@ def carmen_sources(lines: Iterable[str]) -> Sources:
     return Sources(tuple(name for name in MESSAGES if name in seen), ("ODOM",))
 
 
-def read_carmen(lines: Iterable[str], laser: str = "FLASER") -> Iterator[Reading]:
-    """Yield the readings of a log in their order; lines that are damaged are skipped.
+def read_carmen(lines: Iterable[str], laser: str = "FLASER") -> Iterator[Reading | LoggedDamage]:
+    """Yield the readings of a log in their order, and the lines that are damaged.
 
     Args:
         lines: Of the log.
@@ -177,7 +178,7 @@ def read_carmen(lines: Iterable[str], laser: str = "FLASER") -> Iterator[Reading
     """
     reader, pairing, message = _Reader(), Pairing(), MESSAGES[laser]
     waiting: _Sweep | None = None
-    for line in lines:
+    for line_number, line in enumerate(lines, 1):
         words = line.split()
         if not words or words[0] not in ("ODOM", "PARAM", laser):
             continue
@@ -192,11 +193,15 @@ def read_carmen(lines: Iterable[str], laser: str = "FLASER") -> Iterator[Reading
         waiting = None
         if words[0] == laser:
             sweep = _sweep(message, numbers)
-            if sweep is not None and sweep.robot is None:
+            if sweep is None:
+                yield LoggedDamage(line_number)
+            elif sweep.robot is None:
                 yield from pairing.scan(reader.scan(sweep, ORIGIN, reader.mounts[message.side]))
             else:
                 waiting = sweep
-        elif len(numbers) >= 8 and is_pose(Pose2(*numbers[:3])) and not anchors:
+        elif len(numbers) < 8 or not is_pose(Pose2(*numbers[:3])):
+            yield LoggedDamage(line_number)
+        elif not anchors:
             moved = reader.move(Pose2(*numbers[:3]), numbers[6])
             yield from (moved,) if message.posed else pairing.move(moved)
     if waiting is not None and waiting.robot is not None:

@@ -78,6 +78,17 @@ class LoggedPlace:
     name: str
 
 
+@dataclass(frozen=True, slots=True)
+class LoggedDamage:
+    """A reading in a text that cannot be read, and is left out.
+
+    Attributes:
+        line: Its number, from 1.
+    """
+
+    line: int
+
+
 Reading = LoggedOdometry | LoggedScan
 """Reading of a sensor in a log."""
 Entry = Reading | LoggedPlace

@@ -16,6 +16,7 @@ from pioneer3.geometry import ORIGIN, TURN, Pose2, wrap
 from pioneer3.nav.logged import (
     NO_ECHO,
     Entry,
+    LoggedDamage,
     LoggedOdometry,
     LoggedPlace,
     LoggedScan,
@@ -51,15 +52,18 @@ class _Reader:
         self._stamp = 0.0
         self._number = 0
 
-    def take(self, tag: str, values: str) -> Entry | None:
-        """Take a line; return the reading in it."""
+    def take(self, tag: str, values: str, line: int) -> Entry | LoggedDamage | None:
+        """Take a line and its number; return the reading in it."""
         if tag == "cairn":
             place = PLACE.match(values)
             return LoggedPlace(place["kind"], place["name"]) if place and self._robot else None
         numbers = _numbers(values)
-        if tag == self._pose and len(numbers) >= 3:
-            return self._move(_pose(numbers))
-        if tag in (f"scan{self._laser}", f"sick{self._laser}") and len(numbers) > 3:
+        if tag == self._pose:
+            moved = len(numbers) >= 3 and self._move(_pose(numbers))
+            return moved or LoggedDamage(line)
+        if tag in (f"scan{self._laser}", f"sick{self._laser}"):
+            if values and not (numbers and isfinite(sum(numbers))):
+                return LoggedDamage(line)
             return self._scan(numbers, in_plane=tag.startswith("scan"))
         if tag in ("time", "logTime") and numbers and isfinite(numbers[0]):
             self._stamp = numbers[0]
@@ -81,7 +85,7 @@ class _Reader:
 
     def _scan(self, numbers: list[float], *, in_plane: bool) -> LoggedScan | None:
         """Make a scan: of points, or of ranges from right to left."""
-        if self._robot is None or self._seen or not isfinite(sum(numbers)):
+        if self._robot is None or self._seen or len(numbers) <= 3:
             return None
         mount, self._seen = self._mount, True
         if in_plane:
@@ -123,12 +127,12 @@ def scan_log_sources(lines: Iterable[str]) -> Sources:
 
 def read_scan_log(
     lines: Iterable[str], laser: str = "scan1", pose: str = POSES[0]
-) -> Iterator[Entry]:
-    """Yield the readings of a log in their order; lines that are damaged are skipped."""
+) -> Iterator[Entry | LoggedDamage]:
+    """Yield the readings of a log in their order, and the lines that are damaged."""
     reader = _Reader(laser.removeprefix("scan"), pose)
-    for line in lines:
+    for number, line in enumerate(lines, 1):
         tag, colon, values = line.partition(":")
-        entry = reader.take(tag.strip(), values.strip()) if colon else None
+        entry = reader.take(tag.strip(), values.strip(), number) if colon else None
         if entry is not None:
             yield entry
 

@@ -123,6 +123,7 @@ class Bag:
         self._read_as = self._rosbags.types(ros_1=bag_format is ROS_1)
         self._frames = BagFrames()
         self._carriers: dict[str, str] = {}
+        self._damaged = 0
 
     def __enter__(self) -> Self:
         with self._damage_told():
@@ -170,6 +171,7 @@ class Bag:
             if each.topic in (laser, odometry)
             or (edge and USED.get(each.msgtype) == TRANSFORMS and each.topic != STATIC)
         ]
+        self._damaged = 0
         total, pairing = max(1, sum(each.msgcount for each in wanted)), Pairing()
         with self._damage_told():
             for number, (connection, time, message) in enumerate(self._read(wanted), 1):
@@ -180,6 +182,8 @@ class Bag:
                 elif (scan := _scan(message, time, number, mounting)) is not None:
                     yield from pairing.scan(scan)
             yield from pairing.rest()
+        if self._damaged:
+            self.notes.append(f"messages that are damaged and left out: {self._damaged}")
 
     def _topics(self, *kinds: str) -> list[str]:
         """Return the topics of these types, the most likely one first."""
@@ -259,6 +263,7 @@ class Bag:
             try:
                 message = self._read_as(raw, USED[connection.msgtype])
             except self._rosbags.faults:
+                self._damaged += 1
                 continue
             yield connection, nanoseconds * NANO, message
 

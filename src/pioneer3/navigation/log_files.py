@@ -17,7 +17,7 @@ from typing import BinaryIO, Protocol, cast
 
 from pioneer3.errors import ConfigError
 from pioneer3.nav.carmen import WORDS, carmen_sources, read_carmen
-from pioneer3.nav.logged import Entry, LoggedScan, Sources
+from pioneer3.nav.logged import Entry, LoggedDamage, LoggedScan, Sources
 from pioneer3.nav.scan_log import FIRST_LINE, read_scan_log, scan_log_sources
 from pioneer3.navigation.bag_frames import mounted
 from pioneer3.navigation.bag_logs import FOLDER, MCAP, ROS_1, SQLITE, Bag, BagFormat
@@ -198,7 +198,7 @@ class _TextFormat:
 
     name: str
     sources: Callable[[Iterable[str]], Sources]
-    read: Callable[[Iterable[str], str, str], Iterator[Entry]]
+    read: Callable[[Iterable[str], str, str], Iterator[Entry | LoggedDamage]]
 
 
 CARMEN = _TextFormat(
@@ -237,11 +237,17 @@ class _TextLog:
 
     def entries(self, laser: str, odometry: str) -> Iterator[Entry]:
         """Yield the readings of a laser and of odometry, in their order."""
+        damaged: list[int] = []
         for entry in self._read(self._lines, laser, odometry):
-            if self._given is not None and isinstance(entry, LoggedScan):
+            if isinstance(entry, LoggedDamage):
+                damaged.append(entry.line)
+            elif self._given is not None and isinstance(entry, LoggedScan):
                 yield LoggedScan(mounted(entry.scan, self._given), entry.corrected)
             else:
                 yield entry
+        if damaged:
+            more = f", and {len(damaged) - 1} more" if damaged[1:] else ""
+            self.notes.append(f"line {damaged[0]} is damaged and left out{more}")
 
 
 @contextmanager
@@ -281,25 +287,25 @@ def is_recording(path: Path) -> bool:
 def _bag(path: Path) -> tuple[Path, BagFormat] | None:
     """Return path and format of a rosbag; `None` for another file.
 
-    A file that is all of the bag in its folder is read with what the folder tells of it.
+    A file that is all of the bag in its folder is read with what the folder tells of it, unless
+    that is told of files with other names.
     """
-    if path.is_dir() or path.name == METADATA:
-        folder = path if path.is_dir() else path.parent
-        if (folder / METADATA).is_file():
-            return folder, FOLDER
-        inside = [(each, form) for each in _files(folder) if (form := _bag_format(each))]
-        if len(inside) != 1:
-            names = ", ".join(each.name for each, _ in inside) or "no rosbag"
-            raise wrong(path, f" is a folder without {METADATA}, with {names} in it; {READ}")
-        return inside[0]
-    form = _bag_format(path)
-    if form is None or form is ROS_1:
+    whole = path.is_dir() or path.name == METADATA
+    form = None if whole else _bag_format(path)
+    if not whole and form in (None, ROS_1):
         return (path, form) if form else None
-    beside = path.parent / METADATA
-    alone = beside.is_file() and [each for each in _files(path.parent) if _bag_format(each)] == [
-        path
-    ]
-    return (path.parent, FOLDER) if alone else (path, form)
+    folder = path if path.is_dir() else path.parent
+    inside = [(each, of) for each in _files(folder) if (of := _bag_format(each))]
+    if (folder / METADATA).is_file() and (whole or [path] == [each for each, _ in inside]):
+        told = _begin(folder / METADATA, LONGEST_LINE)
+        if not inside or any(each.name.encode() in told for each, _ in inside):
+            return folder, FOLDER
+    if form is not None:
+        return path, form
+    if len(inside) != 1:
+        names = ", ".join(each.name for each, _ in inside) or "no rosbag"
+        raise wrong(path, f" is a folder without {METADATA}, with {names} in it; {READ}")
+    return inside[0]
 
 
 def _files(folder: Path) -> list[Path]:
@@ -351,14 +357,14 @@ def _first(lines: Iterable[str]) -> Iterator[str]:
             return
 
 
-def _begin(path: Path) -> bytes:
+def _begin(path: Path, size: int = HEAD) -> bytes:
     """Return the first bytes of a file as they are.
 
     Raises:
         ConfigError: It cannot be read.
     """
     with _raw(path) as raw:
-        return raw.read(HEAD)
+        return raw.read(size)
 
 
 def _unpacked(path: Path) -> bytes:

@@ -61,7 +61,8 @@ def map_log(log: ChosenLog, tell: Tell, settings: NavigationSettings = AS_SHIPPE
             mapping.improve()
             tell(log.share)
     if not mapping.scans:
-        raise wrong(log.path, f": no scan can be read in {log.source}")
+        notes = "".join(f"; {note}" for note in log.notes)
+        raise wrong(log.path, f": no scan can be read in {log.source}{notes}")
     mapping.improve()
     return LogMap(
         mapper=mapping.mapper, places=mapping.places, source=log.source, notes=tuple(log.notes)

@@ -11,7 +11,7 @@ from benchmarks.nav_judge import trajectory_errors
 from pioneer3.geometry import Pose2
 from pioneer3.nav.beams import beams_of
 from pioneer3.nav.carmen import read_carmen
-from pioneer3.nav.logged import LoggedOdometry
+from pioneer3.nav.logged import LoggedOdometry, LoggedScan
 from pioneer3.nav.mapper import Mapper
 
 DATASETS = Path(__file__).resolve().parents[4] / "shared" / "datasets"
@@ -34,6 +34,7 @@ def test_a_log_of_a_real_robot_becomes_a_map(name: str, rmse: float, most: float
             if isinstance(entry, LoggedOdometry):
                 mapper.move(entry.robot_in_odom)
                 continue
+            assert isinstance(entry, LoggedScan)
             assert entry.corrected is not None
             here = mapper.add(beams_of(entry.scan))
             last = len(mapper.survey.frames) - 1

@@ -206,6 +206,28 @@ def test_a_bag_without_scans_names_its_topics(tmp_path: Path) -> None:
         pass
 
 
+@pytest.mark.parametrize("named", ["", "metadata.yaml", "renamed.mcap"])
+def test_a_file_that_was_renamed_in_its_folder_is_read_by_itself(
+    tmp_path: Path, named: str
+) -> None:
+    with BagWriter(tmp_path / "bag", "mcap") as writer:
+        writer.odometry(1.0, ORIGIN)
+        writer.scan(1.0, [1.0, 1.0])
+    (tmp_path / "bag" / "bag.mcap").rename(tmp_path / "bag" / "renamed.mcap")
+    assert len(scans(tmp_path / "bag" / named)) == 1
+
+
+def test_damaged_messages_are_told(tmp_path: Path) -> None:
+    with BagWriter(tmp_path / "a.bag", ROS_1) as writer:
+        writer.odometry(1.0, ORIGIN)
+        writer.scan(1.0, [1.0, 1.0], frame="of a good scan")
+        writer.scan(2.0, [1.0, 1.0], frame="of a bad one")
+    whole = (tmp_path / "a.bag").read_bytes()
+    frame = b"\x0c\0\0\0of a bad one"
+    (tmp_path / "a.bag").write_bytes(whole.replace(frame, b"\xff" * len(frame)))
+    assert notes(tmp_path / "a.bag")[-1] == "messages that are damaged and left out: 1"
+
+
 @pytest.mark.parametrize("storage", [ROS_1, "sqlite3", "mcap"])
 def test_a_damaged_bag_is_refused_or_read_as_far_as_it_goes(tmp_path: Path, storage: str) -> None:
     path = tmp_path / "bag"

@@ -3,6 +3,7 @@
 import bz2
 import gzip
 import lzma
+import re
 import zipfile
 from collections.abc import Callable
 from io import BytesIO
@@ -114,6 +115,22 @@ def test_a_folder_needs_a_bag_and_a_device_is_no_log(tmp_path: Path) -> None:
     refused(Path("/dev/zero"), "/dev/zero: is not a file")
     with pytest.raises(ConfigError, match="cannot be read: No such file"):
         is_recording(tmp_path / "none")
+
+
+@pytest.mark.parametrize(
+    ("text", "note"),
+    [
+        (f"{FLASER}FLASER 2 1.0 x 0 0 0 0 0 0 1 host 1\nODOM 1\n", "line 2 .*, and 1 more"),
+        (f"{SCAN_LOG}robot: 0 nan 0\n", "line 5 is damaged and left out$"),
+    ],
+)
+def test_damaged_lines_are_told(tmp_path: Path, text: str, note: str) -> None:
+    path = tmp_path / "a.log"
+    path.write_text(text)
+    with opened_log(path) as log:
+        list(log.entries(log.sources.lasers[0], log.sources.odometry[0]))
+        (told,) = log.notes
+    assert re.match(note, told)
 
 
 def test_a_packed_text_that_is_cut_is_refused(tmp_path: Path) -> None:
