@@ -7,6 +7,7 @@ import pytest
 from tests.e2e.processes import p3
 from tests.ros1.conftest import laboratory, simulated
 from tests.ros1.master import ros, until_said
+from tests.ros1.test_lasers import simulated as fitted
 
 pytestmark = pytest.mark.realtime
 FIXED = "Visualization Manager/Global Options/Fixed Frame"
@@ -101,6 +102,36 @@ async def test_launch_files_of_p2os_start_the_node_in_its_place(
             assert "voltage: 1" in await ros("rostopic", "echo", "-n", "1", "/battery_state")
             assert "count: 8" in await ros("rostopic", "echo", "-n", "1", "/dio")
             assert "voltages_count: 1" in await ros("rostopic", "echo", "-n", "1", "/aio")
+
+
+@pytest.mark.parametrize(
+    ("laser", "node", "address"),
+    [
+        ("lms-200", 'pkg="sicktoolbox_wrapper" type="sicklms"', {"port": "tcp://{place}"}),
+        ("lms-111", 'pkg="lms1xx" type="LMS1xx_node"', {"host": "{host}", "port": "{number}"}),
+        ("utm-30lx", 'pkg="hokuyo_node" type="hokuyo_node"', {"port": "tcp://{place}"}),
+    ],
+)
+async def test_launch_files_of_lasers_start_the_node_in_their_place(
+    package: Path, tmp_path: Path, laser: str, node: str, address: dict[str, str]
+) -> None:
+    launch = tmp_path / "laser.launch"
+    async with fitted(laser) as (_, url):
+        place = url.removeprefix("tcp://")
+        host, _, number = place.partition(":")
+        name = laser.replace("-", "_")  # parameters stay at the master after a node's end
+        address = {"frame_id": "front", **address}
+        parameters = "".join(
+            f'<param name="{each}" value="{value.format(place=place, host=host, number=number)}"/>'
+            for each, value in address.items()
+        )
+        launch.write_text(
+            f'<launch><node {node} name="{name}" output="screen">{parameters}'
+            '<remap from="scan" to="scan_front"/></node></launch>'
+        )
+        async with until_said(f"node /{name} on", "roslaunch", str(launch)):
+            said = await ros("rostopic", "echo", "-n", "1", "/scan_front/header/frame_id")
+            assert said.startswith('"front"')
 
 
 async def test_the_programs_of_manuals_are_in_the_package_rosaria(package: Path) -> None:

@@ -31,13 +31,21 @@ PROGRAMS: Final[Mapping[str, Mapping[str, tuple[str, ...]]]] = {
         "robotWander": ("ros1", "wander", "--preset", "aria"),
         "robotDemo": ("demo",),
     },
-    "p2os_driver": {"p2os_driver": ("ros1", "_profile:=p2os", "__name:=p2os_driver")},
+    "p2os_driver": dict.fromkeys(
+        ("p2os_driver", "p2os"), ("ros1", "_profile:=p2os", "__name:=p2os_driver")
+    ),
+    "sicktoolbox_wrapper": {"sicklms": ("ros1", "laser", "__name:=sicklms")},
+    "lms1xx": {"LMS1xx_node": ("ros1", "laser", "__name:=lms1xx")},
+    "hokuyo_node": {"hokuyo_node": ("ros1", "laser", "__name:=hokuyo_node")},
 }
 """Programs by packages; those of others have the names that manuals and launch files have."""
 OTHERS: Final = {
     "rosaria": "RosAria's message, the node in its place, and the programs of the lab's manual",
     "p2os_driver": "the node in the place of p2os",
     "p2os_msgs": "messages of p2os",
+    **dict.fromkeys(
+        ("sicktoolbox_wrapper", "lms1xx", "hokuyo_node"), "the laser's node in its place"
+    ),
 }
 """Packages in the place of others, and a line about each."""
 LAUNCH_FILES: Final = ("pioneer3", "rviz")
@@ -46,9 +54,9 @@ LAUNCH_FILES: Final = ("pioneer3", "rviz")
 def install_package(folder: Path, python: str = sys.executable) -> Path:
     """Write ROS packages into `folder`, which belongs on ROS_PACKAGE_PATH; return ours.
 
-    Their programs run with `python`. `rosaria`, `p2os_driver` and `p2os_msgs` have the names of
-    those packages, for launch files and habits, and their messages, which ROS's tools need to show
-    them. The files of an earlier version are replaced. ConfigError if nothing can be written there.
+    Their programs run with `python`. All but `pioneer3` have the names of other packages, for
+    launch files and habits, and their messages, which ROS's tools need to show them. The files of
+    an earlier version are replaced. ConfigError if nothing can be written there.
     """
     place = folder.expanduser()
     package = place / NAME
