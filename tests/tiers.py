@@ -66,6 +66,16 @@ PARTS: Mapping[str, Part] = {
             "test_the_new_names_of_the_page_exist": "words",
         },
     ),
+    "tests/book": Part(
+        "pages that are read to their end",
+        {
+            "test_a_page_does_what_it_says[program]": "the joint",
+            "test_a_page_is_a_list_of_what_its_reader_does": "its comments",
+            "test_a_comment_about_a_block_stands_before_it": "words of errors",
+            "test_words_have_to_be_there_and_numbers_may_differ": "what a page promises",
+        },
+        packages=("cli", "web", "navigation"),
+    ),
     "tests/e2e": Part("the driver against the firmware over faulty cables, in virtual time"),
     "tests/e2e/test_together.py": Part(
         "groups drive for long",

@@ -26,7 +26,7 @@ PERIOD: Final = 0.02
 """Between two instants of the truth [s]."""
 NICENESS: Final = -15
 _DIALOUT: Final = 20
-_DEVICES: Final = f"""\
+DEVICES: Final = f"""\
 set -e
 mkdir -p /run/dev
 mount -t tmpfs -o mode=755 tmpfs /run/dev
@@ -138,7 +138,7 @@ def plugged_in(computers: Sequence[OnBoard], folder: Path) -> Iterator[Robots]:
                 assert terminal.startswith("/dev/pts/"), terminal
                 os.chown(terminal, 0, _DIALOUT)
                 Path(terminal).chmod(0o660)
-                subprocess.run([*computer.inside, "sh", "-c", _DEVICES, "sh", terminal], check=True)
+                subprocess.run([*computer.inside, "sh", "-c", DEVICES, "sh", terminal], check=True)
             assert process.stdout.readline() == "ready\n"
             yield Robots(path, [computer.name for computer in computers])
         finally:
