@@ -119,7 +119,7 @@ def test_there_are_twelve_short_programs_and_the_page_leads_to_each() -> None:
     page = PAGE.read_text()
     for path in PROGRAMS:
         assert len(path.read_text().splitlines()) <= 40, path
-        assert f"(../../examples/from_aria/{path.name})" in page
+        assert f"[{path.name}](examples.md#from-aria-" in page
 
 
 def test_a_search_for_an_old_name_finds_the_page() -> None:

@@ -28,6 +28,7 @@ topic_demos       the demos on topics, from any computer
 sonar             `pioneer3 sonar`
 topic_driving     drives a robot on topics by keys or by a mode; the same in ROS 1 and ROS 2
 diagnosis         `pioneer3 info`, `doctor` and `find-port`
+docs              `pioneer3 docs`: the book in a browser
 tables            tables of a robot, a diagnosis and a list of ports for a terminal
 model             `pioneer3 model`
 robot             `pioneer3 robot`: the own file of a robot

@@ -18,6 +18,7 @@ from pioneer3.cli.bridge import bridge
 from pioneer3.cli.classroom import class_
 from pioneer3.cli.demo import demo
 from pioneer3.cli.diagnosis import doctor, find_port, info
+from pioneer3.cli.docs import docs
 from pioneer3.cli.drive import drive
 from pioneer3.cli.fleet import fleet_app
 from pioneer3.cli.goto import goto, patrol
@@ -76,7 +77,7 @@ app = App(
 )
 app.register_install_completion_command(help="Let the Tab key complete commands and options.")
 GROUPS: dict[str, tuple[Callable[..., object], ...]] = {
-    "Start": (run, sim),
+    "Start": (run, sim, docs),
     "Drive with your hands": (drive, demo),
     "Let the robot drive": (*MODE_COMMANDS, goto, move, patrol, turn),
     "Look at the robot": (info, monitor, sonar, laser_app),
@@ -91,7 +92,18 @@ GROUPS: dict[str, tuple[Callable[..., object], ...]] = {
         access_app,
     ),
 }
-WITHOUT_UNITS = (sim, class_, info, find_port, setup_app, map_app, model_app, robot_app, access_app)
+WITHOUT_UNITS = (
+    sim,
+    docs,
+    class_,
+    info,
+    find_port,
+    setup_app,
+    map_app,
+    model_app,
+    robot_app,
+    access_app,
+)
 for number, (name, commands) in enumerate(GROUPS.items()):
     group = Group(name, sort_key=number)
     for place, command in enumerate(commands):

@@ -5,6 +5,7 @@ module       contents
 ===========  =====================================================================================
 live         `pioneer3 run`
 app          routes: the page, its parts, its WebSocket and the API
+book         the book: its pages by their names, and its place at a server
 server       serves the page in the event loop that drives the robot
 page         the state that all clients share: the robots, the world around them, and the clients
 client       one client of the page, a WebSocket: its requests are carried out, its texts are sent

@@ -28,6 +28,7 @@ from pioneer3.web.access.middleware import (
     session_of,
 )
 from pioneer3.web.api.routes import api_routes
+from pioneer3.web.book import book_routes
 from pioneer3.web.client import Client
 from pioneer3.web.page import Page
 
@@ -73,6 +74,7 @@ def make_app(page: Page, names: frozenset[str] = LOCAL_NAMES) -> ASGIApp:
             *(Route(path, _file(name)) for path, name in FILES.items()),
             WebSocketRoute("/ws", connect),
             *api_routes(page),
+            *book_routes(),
             Mount("/static", _Parts(directory=STATIC)),
         ],
         exception_handlers={

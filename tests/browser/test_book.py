@@ -1,0 +1,165 @@
+"""The book as it is built: whole, light, and served without asking another host."""
+
+import re
+import shutil
+import subprocess
+import sys
+from collections import defaultdict
+from collections.abc import Iterator
+from contextlib import contextmanager
+from html.parser import HTMLParser
+from pathlib import Path
+from threading import Thread
+from urllib.parse import unquote, urldefrag, urlsplit
+
+import pytest
+import uvicorn
+from playwright.sync_api import Page, Request, expect
+from starlette.applications import Starlette
+
+from pioneer3.errors import ConfigError
+from pioneer3.web.book import book_routes, find_page
+from tests.browser.support import until
+from tests.browser.tabs import Tabs, no_complaints
+
+ROOT = Path(__file__).parents[2]
+LARGEST = 15e6
+"""Size of the book with all its pictures [bytes]."""
+SAMPLE = ("", "reference/python-api/", "how-to/laser/", "tutorial/drive/", "reference/protocol/")
+"""Pages with all that any page has: pictures, tables, code, names of the API."""
+
+
+@pytest.fixture(scope="module")
+def book(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Build the book as `scripts/docs` does, in a folder of its own."""
+    folder = tmp_path_factory.mktemp("book")
+    for name in ("src", "examples"):
+        (folder / name).symlink_to(ROOT / name)
+    shutil.copytree(ROOT / "docs", folder / "docs")
+    config = (ROOT / "zensical.toml").read_text()
+    (folder / "zensical.toml").write_text(config.replace("src/pioneer3/book", "site"))
+    zensical = Path(sys.executable).with_name("zensical")
+    done = subprocess.run(
+        [zensical, "build", "--clean", "--strict"],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    return folder / "site"
+
+
+@contextmanager
+def served(book: Path) -> Iterator[str]:
+    """Serve the book as the page's server does; yield its address."""
+    app = Starlette(routes=book_routes(book))
+    config = uvicorn.Config(app, port=0, log_config=None, access_log=False, lifespan="off")
+    server = uvicorn.Server(config)
+    thread = Thread(target=server.run)
+    thread.start()
+    until(lambda: server.started)
+    try:
+        yield f"http://127.0.0.1:{server.servers[0].sockets[0].getsockname()[1]}/book/"
+    finally:
+        server.should_exit = True
+        thread.join()
+
+
+class Links(HTMLParser):
+    """Collects what a page names: other files, and its own anchors."""
+
+    def __init__(self, html: str) -> None:
+        super().__init__()
+        self.named: list[str] = []
+        self.anchors: set[str] = set()
+        self.feed(html)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        """Take a tag."""
+        for key, value in attrs:
+            if key == "id" and value:
+                self.anchors.add(value)
+            elif key in {"href", "src"} and value:
+                self.named.append(value)
+
+
+def test_every_link_and_anchor_of_the_book_leads_somewhere(book: Path) -> None:
+    pages = {path: Links(path.read_text()) for path in book.rglob("*.html")}
+    dead = defaultdict(set)
+    for path, links in pages.items():
+        if path.name == "404.html":  # served for any path, it names its parts from the root
+            continue
+        for link in links.named:
+            url, anchor = urldefrag(link)
+            if urlsplit(url).scheme or url.startswith("//"):
+                continue
+            target = (path.parent / unquote(url)).resolve() if url else path
+            target = target / "index.html" if target.is_dir() else target
+            if not target.exists() or (
+                anchor and target in pages and unquote(anchor) not in pages[target].anchors
+            ):
+                dead[path.relative_to(book).as_posix()].add(link)
+    assert dead == {}
+    assert len(pages) > 50
+
+
+def test_every_page_has_its_line_in_the_order() -> None:
+    config = (ROOT / "zensical.toml").read_text()
+    pages = {path.relative_to(ROOT / "docs").as_posix() for path in (ROOT / "docs").rglob("*.md")}
+    assert pages - set(re.findall(r'"([\w/-]+\.md)"', config)) == {"package.md"}
+
+
+def test_every_example_is_on_its_page() -> None:
+    page = (ROOT / "docs/how-to/examples.md").read_text()
+    examples = (path.relative_to(ROOT).as_posix() for path in (ROOT / "examples").rglob("*.py"))
+    assert [path for path in examples if f'--8<-- "{path}"' not in page] == []
+
+
+def test_the_book_is_light(book: Path) -> None:
+    assert sum(path.stat().st_size for path in book.rglob("*") if path.is_file()) < LARGEST
+
+
+def test_a_page_is_found_by_its_name_with_a_hint_at_those_near(book: Path) -> None:
+    assert find_page("", book) == ""
+    assert find_page("laser", book) == find_page("how-to/laser.md", book) == "how-to/laser/"
+    assert find_page("how-to/drive#keys", book) == "how-to/drive/#keys"
+    with pytest.raises(ConfigError, match=r"no page 'lasr'; there is .*how-to/laser"):
+        find_page("lasr", book)
+    with pytest.raises(ConfigError, match=r"several pages .* how-to/"):
+        find_page("drive", book)
+
+
+def test_without_a_book_it_is_said_how_to_make_one(tmp_path: Path) -> None:
+    assert book_routes(tmp_path) == []
+    with pytest.raises(ConfigError, match="scripts/docs"):
+        find_page("", tmp_path)
+
+
+def test_no_page_asks_another_host(book: Path, tabs: Tabs) -> None:
+    with served(book) as address, tabs.open() as page, no_complaints(page):
+        asked: list[str] = []
+        page.on("request", lambda request: note(request, asked))
+        for name in SAMPLE:
+            page.goto(address + name, wait_until="networkidle")
+        assert len(asked) > len(SAMPLE)
+        assert [url for url in asked if not url.startswith((address, "blob:", "data:"))] == []
+
+
+def note(request: Request, asked: list[str]) -> None:
+    """Note the address of a request."""
+    asked.append(request.url)
+
+
+def test_the_search_finds_a_page(book: Path, tabs: Tabs) -> None:
+    with served(book) as address, tabs.open(address) as page, no_complaints(page):
+        search(page, "bumper")
+        expect(page.get_by_text(re.compile(r"\d+ results"))).to_be_visible()
+
+
+def search(page: Page, words: str) -> None:
+    """Search for `words` as a reader does."""
+    page.wait_for_load_state("networkidle")
+    page.keyboard.press("/")
+    expect(page.get_by_placeholder("Search")).to_be_focused()
+    page.keyboard.type(words)
