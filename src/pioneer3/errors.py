@@ -4,8 +4,9 @@ Corrupt bytes *received* are counted, not raised: noise on a serial cable is nor
 """
 
 from dataclasses import dataclass
+from enum import StrEnum
 from pathlib import Path
-from typing import final
+from typing import ClassVar, final
 
 SETUP = Path(__file__).parents[2] / "scripts/setup"
 """Exists where the package runs from a clone."""
@@ -17,6 +18,34 @@ def how_to_get(extra: str) -> str:
         return f"the extra `{extra}` is missing; run: {SETUP}"
     command = f"python -m pip install '.[{extra}]'"
     return f"the extra `{extra}` is missing; in the folder of the package's clone run: {command}"
+
+
+class Symptom(StrEnum):
+    """Symptoms that a user sees, each by the name of its page in docs/troubleshooting."""
+
+    COMMAND_NOT_FOUND = "command-not-found"
+    DOES_NOT_MOVE = "does-not-move"
+    DRIVES_IN_CIRCLES = "drives-in-circles"
+    EMERGENCY_STOP = "emergency-stop"
+    IT_BEEPS = "it-beeps"
+    LOSES_THE_LINK = "loses-the-link"
+    NO_ANSWER = "no-answer"
+    NO_LASER = "no-laser"
+    NO_PORT = "no-port"
+    NO_WAY = "no-way"
+    NOT_SURE_WHERE_IT_IS = "not-sure-where-it-is"
+    PAGE_DOES_NOT_OPEN = "page-does-not-open"
+    PAGE_IS_SLOW = "page-is-slow"
+    ROS_TOPIC_SILENT = "ros-topic-silent"
+    SONAR_IS_WRONG = "sonar-is-wrong"
+    STOPS_BY_ITSELF = "stops-by-itself"
+    UNKNOWN_ROBOT = "unknown-robot"
+    WRONG_DISTANCES = "wrong-distances"
+
+    @property
+    def command(self) -> str:
+        """The command that opens the page."""
+        return f"pioneer3 docs {self}"
 
 
 @final
@@ -31,7 +60,12 @@ class Refusal:
 
 
 class PioneerError(Exception):
-    """Base class; catch this to catch everything below."""
+    """Base class; catch this to catch everything below.
+
+    `symptom` is the page about a kind of errors; `None` where the message says it all.
+    """
+
+    symptom: ClassVar[Symptom | None] = None
 
 
 class LinkError(PioneerError, ConnectionError):
@@ -41,21 +75,31 @@ class LinkError(PioneerError, ConnectionError):
 class PortNotFoundError(LinkError, FileNotFoundError):
     """There is no such port, host or file."""
 
+    symptom = Symptom.NO_PORT
+
 
 class UnknownHostError(PortNotFoundError):
     """Nobody knows a host of this name."""
+
+    symptom = Symptom.NO_ANSWER
 
 
 class PortPermissionError(LinkError, PermissionError):
     """The port exists, but this user may not open it."""
 
+    symptom = Symptom.NO_PORT
+
 
 class PortBusyError(LinkError):
     """Another program has the port open."""
 
+    symptom = Symptom.NO_PORT
+
 
 class HungUpError(LinkError):
     """The far end closed the link, as it does while another program has the robot."""
+
+    symptom = Symptom.NO_ANSWER
 
 
 class RecordingOverError(LinkError):
@@ -72,6 +116,14 @@ class LoginError(HostError):
 
 class NoRobotError(PioneerError, TimeoutError):
     """The port opened, but no robot answered on it."""
+
+    symptom = Symptom.NO_ANSWER
+
+
+class NoNodeError(NoRobotError):
+    """No node of ROS is a robot by that name, or it is silent."""
+
+    symptom = Symptom.ROS_TOPIC_SILENT
 
 
 class TurnedAwayError(NoRobotError):

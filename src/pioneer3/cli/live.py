@@ -168,7 +168,9 @@ def _place(now: "Snapshot") -> str:
 
 def lost(robot: "Driven") -> str:
     """Return that the link is lost, and why."""
-    return f"LOST: {robot.why_not_moving()}"
+    from pioneer3.robot.explain import advised
+
+    return f"LOST: {advised(robot.why_not_moving())}"
 
 
 async def looks(robot: "Driven", seconds: float = inf) -> AsyncIterator["Snapshot | None"]:

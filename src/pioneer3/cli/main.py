@@ -172,7 +172,8 @@ def execute(arguments: Sequence[str]) -> int:
     except KeyboardInterrupt:
         return Exit.INTERRUPTED
     except PioneerError as error:
-        return _tell(error, exit_code(error))
+        see = f"; see: {error.symptom.command}" if error.symptom else ""
+        return _tell(f"{error}{see}", exit_code(error))
     except BrokenPipeError:  # the reader of our output has gone: that is its right
         sys.stdout = None
         return Exit.OK
@@ -197,7 +198,7 @@ def _tell_full(error: OSError) -> Exit:
     return _tell(OSError(words), Exit.FAILED)
 
 
-def _tell(error: Exception, code: Exit) -> Exit:
+def _tell(error: Exception | str, code: Exit) -> Exit:
     write_error(f"pioneer3: {error}")
     return code
 

@@ -12,7 +12,7 @@ from rich.text import Text
 from pioneer3.cli.tables import battery_text
 from pioneer3.demo.drawing import CLOSE, NEAR
 from pioneer3.models import SonarMount
-from pioneer3.robot.explain import Reason, ReasonKind
+from pioneer3.robot.explain import Reason, ReasonKind, advised
 from pioneer3.robot.supervisor import Connection, ConnectionStatus, RobotInfo, is_simulator, kind
 from pioneer3.state import LinkQuality, Snapshot, Sonar
 
@@ -193,7 +193,7 @@ def _bottom(
     if status and status.connection is not Connection.CONNECTED:
         lines.append(Text(f"{status.connection}: {status.message}", "bold red"))
     faulty = why is not None and why.kind is ReasonKind.FAULT
-    lines.append(Text(why.text if why else "It moves.", "yellow" if faulty else ""))
+    lines.append(Text(advised(why) or "It moves.", "yellow" if faulty else ""))
     return Panel(Group(*lines), title="link and why it stands still", subtitle="Ctrl-C ends")
 
 

@@ -102,6 +102,8 @@ def findings_table(findings: Iterable[Finding]) -> Table:
             lines.append(Text(finding.meaning, "dim"))
         if finding.advice:
             lines.append(Text(f"→ {finding.advice}", "cyan"))
+        if finding.symptom:
+            lines.append(Text(f"See: {finding.symptom.command}", "dim"))
         table.add_row(SIGNS[finding.level], finding.check, Group(*lines))
     return table
 

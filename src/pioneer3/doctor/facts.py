@@ -5,7 +5,7 @@ from enum import StrEnum
 
 from pioneer3.doctor.ports import SerialPort
 from pioneer3.doctor.recognition import OtherDevice
-from pioneer3.errors import LinkError
+from pioneer3.errors import LinkError, Symptom
 from pioneer3.robot.supervisor import RobotInfo
 from pioneer3.state import Snapshot
 
@@ -36,6 +36,7 @@ class Finding:
         meaning: Its explanation; empty where it is plain.
         advice: For the user; empty where there is nothing to do.
         code: Exit code of the command, where this is the first failure.
+        symptom: The page of the book about it; `None` where all is well.
     """
 
     check: str
@@ -44,6 +45,7 @@ class Finding:
     meaning: str = ""
     advice: str = ""
     code: int = 0
+    symptom: Symptom | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

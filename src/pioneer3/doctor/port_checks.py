@@ -7,13 +7,21 @@ from typing import Final
 from pioneer3.doctor.facts import FAILED, FORBIDDEN, UNREACHABLE, Finding, Level, LinkFacts
 from pioneer3.doctor.ports import PortHolder, SerialPort, latency_file
 from pioneer3.doctor.recognition import DeviceKind, OtherDevice
-from pioneer3.errors import PortBusyError, PortNotFoundError, PortPermissionError, UnknownHostError
+from pioneer3.errors import (
+    PortBusyError,
+    PortNotFoundError,
+    PortPermissionError,
+    Symptom,
+    UnknownHostError,
+)
 from pioneer3.links.serial import SPEEDS, how_to_get_permission
 from pioneer3.robot.supervisor import kind
 
 LONGEST_LATENCY_MS: Final = 1
-_closed = partial(Finding, check="port", level=Level.FAIL)
-_no_answer = partial(Finding, check="answer", level=Level.FAIL, code=UNREACHABLE)
+_closed = partial(Finding, check="port", level=Level.FAIL, symptom=Symptom.NO_PORT)
+_no_answer = partial(
+    Finding, check="answer", level=Level.FAIL, code=UNREACHABLE, symptom=Symptom.NO_ANSWER
+)
 
 
 def check_port(facts: LinkFacts) -> Iterator[Finding]:
@@ -29,6 +37,7 @@ def check_port(facts: LinkFacts) -> Iterator[Finding]:
         meaning="No connection at all: the robot's protocol has not been tried.",
         advice=_network_advice(facts),
         code=UNREACHABLE,
+        symptom=Symptom.NO_ANSWER,
     )
 
 
@@ -77,6 +86,7 @@ def _serial_port(port: SerialPort, facts: LinkFacts) -> Iterator[Finding]:
             found=f"{where} opens, but is the console of this computer",
             meaning="The kernel writes its messages to whatever is connected there.",
             advice="Take console=... for this port off the kernel's command line.",
+            symptom=Symptom.NO_PORT,
         )
     else:
         yield Finding(check="port", level=Level.OK, found=f"{where} opens")
@@ -118,6 +128,7 @@ def check_adapter(facts: LinkFacts) -> Iterator[Finding]:
         found=f"{port.chip} holds bytes back for up to {port.latency_ms} ms (latency timer)",
         meaning="All reports of the robot arrive late and in bursts.",
         advice=f"Until it is unplugged: echo 1 | sudo tee {latency_file(port.device)}",
+        symptom=Symptom.LOSES_THE_LINK,
     )
 
 

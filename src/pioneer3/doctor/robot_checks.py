@@ -5,6 +5,7 @@ from functools import partial
 from typing import Final
 
 from pioneer3.doctor.facts import FAILED, Finding, Heard, Level, LinkFacts
+from pioneer3.errors import Symptom
 from pioneer3.links.serial import SPEEDS
 from pioneer3.robot.supervisor import RobotInfo
 from pioneer3.state import Snapshot
@@ -22,6 +23,7 @@ NOISY = 0.001
 VERY_NOISY = 0.05
 """Share of corrupt frames above which there is a failure."""
 _warning = partial(Finding, level=Level.WARN)
+_bad_line = partial(Finding, symptom=Symptom.LOSES_THE_LINK)
 
 
 def check_speed(facts: LinkFacts) -> Iterator[Finding]:
@@ -38,6 +40,7 @@ def check_speed(facts: LinkFacts) -> Iterator[Finding]:
         meaning="An earlier program switched the robot and left it so, or its settings say so.",
         advice="Nothing to do: pioneer3 tries all speeds and remembers. Others need the robot "
         "switched off and on.",
+        symptom=Symptom.NO_ANSWER,
     )
 
 
@@ -53,6 +56,7 @@ def check_session(facts: LinkFacts) -> Iterator[Finding]:
         found="the robot was still serving an earlier session",
         meaning="Its last program did not close its session (crash, kill, cable pulled).",
         advice="Nothing to do: that session has been closed now.",
+        symptom=Symptom.NO_ANSWER,
     )
 
 
@@ -73,6 +77,7 @@ def check_type(facts: LinkFacts) -> Iterator[Finding]:
         advice="Say what it is at every command, as in pioneer3 doctor --model FILE.p: a model that"
         " ships (pioneer3 model show), or the parameter file that ARIA has for it.",
         code=FAILED,
+        symptom=Symptom.UNKNOWN_ROBOT,
     )
 
 
@@ -87,12 +92,14 @@ def check_config(facts: LinkFacts) -> Iterator[Finding]:
             found="the robot did not send its configuration",
             meaning=f"The usual values of {facts.info.model.title} are used for limits and alarms.",
             advice="Harmless with old firmware; else look at the checksums below.",
+            symptom=Symptom.LOSES_THE_LINK,
         )
     elif facts.heard is not None and not facts.heard.config_trusted:
         yield _warning(
             check="config",
             found="the configuration comes with a wrong checksum, each time the same",
             meaning="A known fault of some P3-DX-SH controllers. It is used all the same.",
+            symptom=Symptom.LOSES_THE_LINK,
         )
     else:
         firmware = f", firmware {config.firmware_version}" if config.firmware_version else ""
@@ -109,7 +116,7 @@ def check_reports(facts: LinkFacts) -> Iterator[Finding]:
     rate, share = heard.reports / heard.seconds, heard.reports * cycle / heard.seconds
     found = f"{rate:.1f} reports/s of {1 / cycle:.0f}, longest gap {heard.longest_gap:.2f} s"
     if heard.ended is not None:
-        yield Finding(
+        yield _bad_line(
             check="reports",
             level=Level.FAIL,
             found=f"the session broke off: {heard.ended}",
@@ -120,7 +127,7 @@ def check_reports(facts: LinkFacts) -> Iterator[Finding]:
     elif share >= SLOW:
         yield _ok("reports", found)
     else:
-        yield Finding(
+        yield _bad_line(
             check="reports",
             level=Level.WARN if share >= VERY_SLOW else Level.FAIL,
             found=found,
@@ -141,7 +148,7 @@ def check_checksums(facts: LinkFacts) -> Iterator[Finding]:
     if share <= NOISY and not heard.bytes_skipped:
         yield _ok("checksums", f"{frames} frames, all good")
         return
-    yield Finding(
+    yield _bad_line(
         check="checksums",
         level=Level.FAIL if share > VERY_NOISY else Level.WARN,
         found=lost,
@@ -185,6 +192,7 @@ def _stop_button(now: Snapshot) -> Finding:
         found="pressed",
         meaning="The motors have no power: the robot will not move, whatever it is told.",
         advice="Turn or pull the red button until it comes out.",
+        symptom=Symptom.EMERGENCY_STOP,
         code=FAILED,
     )
 
@@ -195,6 +203,7 @@ def _motors(now: Snapshot) -> Iterator[Finding]:
             check="motors",
             found="on, although they were told to be off",
             meaning="Somebody pressed the MOTORS button, or a joystick is in use.",
+            symptom=Symptom.DOES_NOT_MOVE,
         )
     else:
         yield _ok("motors", "off, as they should be now; the first command switches them on")
@@ -205,6 +214,7 @@ def _motors(now: Snapshot) -> Iterator[Finding]:
             found=f"{' and '.join(side for side, stalled in sides if stalled)} wheels blocked",
             meaning="The robot pushes against something.",
             advice="Free it, or drive the other way.",
+            symptom=Symptom.DOES_NOT_MOVE,
         )
 
 
@@ -220,6 +230,7 @@ def battery_finding(now: Snapshot, info: RobotInfo) -> Finding:
             found=found,
             meaning=f"At {shutdown:g} V the robot shuts down.",
             advice="Charge it, or put charged batteries in, one after the other.",
+            symptom=Symptom.IT_BEEPS,
             code=FAILED,
         )
     if now.battery.low:
@@ -228,6 +239,7 @@ def battery_finding(now: Snapshot, info: RobotInfo) -> Finding:
             found=f"{found}: low",
             meaning="The robot's own alarm level is reached; it beeps.",
             advice="Charge it soon.",
+            symptom=Symptom.IT_BEEPS,
         )
     return _ok("battery", found)
 
@@ -245,6 +257,7 @@ def _sonar(heard: Heard, info: RobotInfo) -> Iterator[Finding]:
         found=f"{got} of {expected} transducers, none from {missing}",
         meaning="No rear ring on this robot, a loose cable, or sonar switched off.",
         advice="A robot without rear ring needs nothing: its readings are just missing.",
+        symptom=Symptom.SONAR_IS_WRONG,
     )
 
 
@@ -255,6 +268,7 @@ def _faults(now: Snapshot) -> Iterator[Finding]:
             found=", ".join(now.faults),
             meaning="The controller reports these about itself.",
             advice="Switch the robot off and on; if they stay, see the robot's manual.",
+            symptom=Symptom.DOES_NOT_MOVE,
         )
 
 

@@ -1,10 +1,11 @@
 """The reason that the robot stands still: a kind, and one sentence."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
-from typing import final
+from typing import Final, final
 
+from pioneer3.errors import Symptom
 from pioneer3.robot.limits import limit
 from pioneer3.robot.pilot import REPORT_TIMEOUT, Pilot, stands
 from pioneer3.state import Snapshot
@@ -24,13 +25,77 @@ class ReasonKind(StrEnum):
 @final
 @dataclass(frozen=True, slots=True)
 class Reason:
-    """The reason that a robot stands still; as a string, the sentence for people."""
+    """The reason that a robot stands still; as a string, the sentence for people.
+
+    `symptom` has a page of the book that says what mends it.
+    """
 
     kind: ReasonKind
     text: str
+    symptom: Symptom = Symptom.DOES_NOT_MOVE
 
     def __str__(self) -> str:
         return self.text
+
+    def about(self, detail: object) -> "Reason":
+        """Return the reason with `detail` in its place in the text."""
+        return replace(self, text=self.text.format(detail))
+
+
+DISCONNECTED: Final = Reason(ReasonKind.FAULT, "No robot is connected{}.", Symptom.LOSES_THE_LINK)
+LATCHED: Final = Reason(
+    ReasonKind.FAULT,
+    "The emergency stop is latched: reset it, then ask again.",
+    Symptom.EMERGENCY_STOP,
+)
+REFUSED: Final = Reason(ReasonKind.FAULT, "Nothing drives it: {}.", Symptom.UNKNOWN_ROBOT)
+PRESSED: Final = Reason(
+    ReasonKind.FAULT,
+    "The stop button on the robot is pressed: pull it out, then ask again.",
+    Symptom.EMERGENCY_STOP,
+)
+SILENT: Final = Reason(
+    ReasonKind.FAULT,
+    "The robot has said nothing for {:.1f} s: the link is failing.",
+    Symptom.LOSES_THE_LINK,
+)
+STOPPED: Final = Reason(ReasonKind.FAULT, "Waiting for a fresh command: {}.")
+DECIDED: Final = Reason(ReasonKind.NORMAL, "It stands because of {}.")
+NO_POWER: Final = Reason(
+    ReasonKind.FAULT,
+    "The motors do not come on: is the stop button pressed, the charger plugged in, "
+    "or the battery empty?",
+)
+EXPIRED: Final = Reason(
+    ReasonKind.NORMAL,
+    "The last command expired after {:g} s: send it again for as long as the robot shall move.",
+    Symptom.STOPS_BY_ITSELF,
+)
+IDLE: Final = Reason(ReasonKind.IDLE, "Nothing is asked of it{}.")
+SWITCHED_ON: Final = Reason(ReasonKind.NORMAL, "The motors are off; they are being switched on.")
+SWITCHED_OFF: Final = Reason(
+    ReasonKind.FAULT,
+    "The motors are off, and commands do not switch them on: switch them on first.",
+)
+STALLED: Final = Reason(ReasonKind.FAULT, "The wheels are stalled: something blocks them.")
+BUMPED: Final = Reason(
+    ReasonKind.FAULT, "A bumper touches something in that direction: drive the other way."
+)
+JUST_SENT: Final = Reason(
+    ReasonKind.NORMAL, "The command has just been sent; the wheels do not turn yet."
+)
+REASONS: Final = (
+    *(DISCONNECTED, LATCHED, REFUSED, PRESSED, SILENT, STOPPED, DECIDED, NO_POWER, EXPIRED),
+    *(IDLE, SWITCHED_ON, SWITCHED_OFF, STALLED, BUMPED, JUST_SENT),
+)
+"""All reasons, the hardest to remove first; braces have the place of a detail."""
+
+
+def advised(why: Reason | None) -> str:
+    """Return the sentence, followed for a fault by the command that opens the page about it."""
+    if why is None:
+        return ""
+    return f"{why} See: {why.symptom.command}" if why.kind is ReasonKind.FAULT else why.text
 
 
 def why_not_moving(
@@ -42,8 +107,7 @@ def why_not_moving(
     stand still, if there was one.
     """
     if snapshot is None:
-        lost = f": {pilot.blocked}" if pilot.blocked else ""
-        return Reason(ReasonKind.FAULT, f"No robot is connected{lost}.")
+        return DISCONNECTED.about(f": {pilot.blocked}" if pilot.blocked else "")
     if not stands(snapshot):
         return None
     return next(_reasons(pilot, snapshot, now, decided))
@@ -51,48 +115,34 @@ def why_not_moving(
 
 def _reasons(pilot: Pilot, snapshot: Snapshot, now: float, decided: str | None) -> Iterator[Reason]:
     """Yield the reasons, the hardest to remove first."""
-    fault, silent = ReasonKind.FAULT, now - snapshot.stamp
+    silent = now - snapshot.stamp
     if pilot.emergency:
-        yield Reason(fault, "The emergency stop is latched: reset it, then ask again.")
+        yield LATCHED
     if pilot.refusal:
-        yield Reason(fault, f"Nothing drives it: {pilot.refusal}.")
+        yield REFUSED.about(pilot.refusal)
     if snapshot.motors.stop_button:
-        yield Reason(fault, "The stop button on the robot is pressed: pull it out, then ask again.")
+        yield PRESSED
     if silent > REPORT_TIMEOUT:
-        yield Reason(fault, f"The robot has said nothing for {silent:.1f} s: the link is failing.")
+        yield SILENT.about(silent)
     if pilot.blocked:
-        yield Reason(fault, f"Waiting for a fresh command: {pilot.last_stop.told}.")
+        yield STOPPED.about(pilot.last_stop.told)
     if decided and pilot.asked(now).is_zero:
-        yield Reason(ReasonKind.NORMAL, f"It stands because of {decided}.")
+        yield DECIDED.about(decided)
     yield from _about_the_request(pilot, snapshot, now)
 
 
 def _about_the_request(pilot: Pilot, snapshot: Snapshot, now: float) -> Iterator[Reason]:
     limits, motors, asked = pilot.limits, snapshot.motors, pilot.asked(now)
-    fault, normal = ReasonKind.FAULT, ReasonKind.NORMAL
     if pilot.enable_failed:
-        yield Reason(
-            fault,
-            "The motors do not come on: is the stop button pressed, the charger plugged in, "
-            "or the battery empty?",
-        )
+        yield NO_POWER
     if asked.is_zero and pilot.asked_for_motion and limits:
-        yield Reason(
-            normal,
-            f"The last command expired after {limits.expiry:g} s: send it again for as long as"
-            " the robot shall move.",
-        )
+        yield EXPIRED.about(limits.expiry)
     if asked.is_zero:
-        off = "" if motors.enabled else ", and the motors are off"
-        yield Reason(ReasonKind.IDLE, f"Nothing is asked of it{off}.")
-    if not motors.enabled and pilot.switches_on:
-        yield Reason(normal, "The motors are off; they are being switched on.")
+        yield IDLE.about("" if motors.enabled else ", and the motors are off")
     if not motors.enabled:
-        yield Reason(
-            fault, "The motors are off, and commands do not switch them on: switch them on first."
-        )
+        yield SWITCHED_ON if pilot.switches_on else SWITCHED_OFF
     if motors.stalled:
-        yield Reason(fault, "The wheels are stalled: something blocks them.")
+        yield STALLED
     if limits and limit(asked, limits, snapshot.bumpers).is_zero:
-        yield Reason(fault, "A bumper touches something in that direction: drive the other way.")
-    yield Reason(normal, "The command has just been sent; the wheels do not turn yet.")
+        yield BUMPED
+    yield JUST_SENT

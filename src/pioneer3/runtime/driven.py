@@ -9,7 +9,7 @@ from pioneer3.behaviors.action import Stack
 from pioneer3.behaviors.actions.sensing import BLIND
 from pioneer3.behaviors.surroundings import Buffer, Echo
 from pioneer3.errors import DeviceError, LinkError
-from pioneer3.robot.explain import Reason
+from pioneer3.robot.explain import Reason, advised
 from pioneer3.robot.limits import finite
 from pioneer3.robot.supervisor import RobotInfo
 from pioneer3.runtime.arbiter import Arbiter, Drivable
@@ -65,7 +65,7 @@ class Driven(Protocol):
                 return
             except TimeoutError:
                 if robot.snapshot is None:
-                    raise LinkError(str(robot.why_not_moving())) from None
+                    raise LinkError(advised(robot.why_not_moving())) from None
                 if until == end:
                     return
                 # silent, but not lost: a simulator that is paused
@@ -99,7 +99,7 @@ class Driven(Protocol):
         first, last = finite("start", start), finite("end", end)
         situation = self.arbiter.situation()
         if situation is None:
-            raise LinkError(str(self.why_not_moving()))
+            raise LinkError(advised(self.why_not_moving()))
         if not situation.around.sensing:
             raise DeviceError(f"nearest: {BLIND}; switch the sonars on, or connect a laser")
         return situation.around.nearest(first, last, buffer)

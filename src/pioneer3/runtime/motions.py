@@ -9,6 +9,7 @@ from types import TracebackType
 from pioneer3.behaviors.action import Stack
 from pioneer3.behaviors.actions import Move, Turn
 from pioneer3.errors import LinkError, MotionError
+from pioneer3.robot.explain import advised
 from pioneer3.robot.supervisor import Supervisor
 from pioneer3.runtime.arbiter import PROGRAM, Arbiter
 from pioneer3.state import Snapshot
@@ -55,7 +56,7 @@ async def carry_out(
                 if stuck is None or arbiter.driving_action != action.name:
                     moved_at = clock()
                 elif clock() - moved_at >= STUCK_PATIENCE:
-                    raise MotionError(f"{action.name}: {stuck}")
+                    raise MotionError(f"{action.name}: {advised(stuck)}")
         raise MotionError(f"{action.name}: the connection was closed")
     finally:
         arbiter.remove(action)

@@ -12,6 +12,7 @@ from pioneer3.geometry import wrap
 from pioneer3.nav.settings import AS_SHIPPED
 from pioneer3.robot.devices import Devices, PictureSource
 from pioneer3.robot.devices.laser import LaserSource
+from pioneer3.robot.explain import advised
 from pioneer3.robot.limits import checked, finite, wheels_as_twist
 from pioneer3.robot.supervisor import Supervisor
 from pioneer3.runtime.arbiter import PROGRAM, Arbiter
@@ -112,7 +113,7 @@ class Robot(Driven):
                 if snapshot.motors.enabled == on:
                     return
         failure = f"the motors did not switch {'on' if on else 'off'}"
-        raise MotionError(str(self.why_not_moving() or failure))
+        raise MotionError(advised(self.why_not_moving()) or failure)
 
     async def move(self, distance: float, speed: float | None = None) -> None:
         """Drive `distance` [m] straight ahead, negative backwards, at `speed` [m/s] at most.
@@ -154,7 +155,7 @@ class Robot(Driven):
         """
         snapshot = self.snapshot
         if snapshot is None:
-            raise MotionError(str(self.why_not_moving()))
+            raise MotionError(advised(self.why_not_moving()))
         here = snapshot.odometry.robot_in_odom.theta
         self.set_delta_heading(wrap(finite("heading", heading) - here), rate)
 

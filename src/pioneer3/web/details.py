@@ -9,7 +9,7 @@ from pioneer3.arcos.commands import IoRequest, RequestMode
 from pioneer3.arcos.reports import Io, Report
 from pioneer3.doctor.facts import Finding, Level
 from pioneer3.doctor.watch import LineWatch
-from pioneer3.errors import CommandError, PioneerError
+from pioneer3.errors import CommandError, PioneerError, Symptom
 from pioneer3.robot.config_table import explained
 from pioneer3.robot.devices import detailed_status
 from pioneer3.robot.devices.laser import LaserSource
@@ -169,7 +169,11 @@ def laser_findings(lasers: Iterable[LaserSource]) -> Iterator[Finding]:
         else:
             advice = "is it switched on and plugged in? It is looked for again and again"
             yield Finding(
-                check=laser.name, level=Level.FAIL, found=str(laser.presence), advice=advice
+                check=laser.name,
+                level=Level.FAIL,
+                found=str(laser.presence),
+                advice=advice,
+                symptom=Symptom.NO_LASER,
             )
 
 

@@ -10,6 +10,7 @@ import msgspec
 
 from pioneer3 import state
 from pioneer3.doctor.facts import Finding
+from pioneer3.errors import Symptom
 from pioneer3.geometry import Pose2, Twist2
 from pioneer3.maps.line_map import Role as ObjectRole
 from pioneer3.models.model import SonarMount
@@ -174,7 +175,8 @@ class Target(Part, frozen=True):
 class SnapshotMessage(Part, frozen=True):
     """A snapshot of a robot, ten times a second.
 
-    `why` is the reason for the robot to stand still, and `standing` the kind of that reason.
+    `why` is the reason for the robot to stand still, `standing` the kind of that reason, and
+    `symptom` the page of the book about it.
     `decided` says which action of the `mode` decides what; `commanded` is the last command sent.
     """
 
@@ -191,6 +193,7 @@ class SnapshotMessage(Part, frozen=True):
     faults: tuple[str, ...]
     why: str | None
     standing: ReasonKind | None
+    symptom: Symptom | None
     emergency_stop: bool
     driver: Driver | None
     mode: str | None

@@ -200,6 +200,7 @@ def snapshot_part(
         faults=now.faults,
         why=why and why.text,
         standing=why and why.kind,
+        symptom=why and why.symptom,
         emergency_stop=emergency_stop,
         driver=driver,
         mode=mode.mode,

@@ -27,6 +27,7 @@ CODES = {
     errors.FilePermissionError: 4,
     errors.PortBusyError: 1,
     errors.RecordingOverError: 3,
+    errors.NoNodeError: 3,
     errors.MotionError: 1,
     errors.DeviceError: 1,
     errors.RemoteError: 1,

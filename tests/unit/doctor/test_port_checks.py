@@ -39,8 +39,10 @@ def only(facts: LinkFacts) -> Finding:
 
 
 def the(check: str, facts: LinkFacts) -> Finding:
-    """Return the finding of `check`."""
-    return next(finding for finding in diagnose(facts) if finding.check == check)
+    """Return the finding of `check`; a page treats it unless all is well."""
+    found = next(finding for finding in diagnose(facts) if finding.check == check)
+    assert (found.symptom is None) is (found.level is Level.OK)
+    return found
 
 
 def test_a_port_that_is_not_there_leads_to_find_port() -> None:

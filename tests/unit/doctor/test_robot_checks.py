@@ -51,8 +51,10 @@ FACTS = LinkFacts(url=URL, port=SerialPort(path=URL, device=URL), info=INFO, hea
 
 
 def the(check: str, facts: LinkFacts) -> Finding:
-    """Return the finding of `check`."""
-    return next(finding for finding in diagnose(facts) if finding.check == check)
+    """Return the finding of `check`; a page treats it unless all is well."""
+    found = next(finding for finding in diagnose(facts) if finding.check == check)
+    assert (found.symptom is None) is (found.level is Level.OK)
+    return found
 
 
 def with_snapshot(**changes: object) -> LinkFacts:

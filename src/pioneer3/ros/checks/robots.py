@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from pioneer3.errors import ConfigError, NoRobotError
+from pioneer3.errors import ConfigError, NoNodeError
 from pioneer3.names import printable
 from pioneer3.ros.ros2.backend import EndpointKind, Graph, NodeName
 from pioneer3.ros.ros2.mismatches import TWISTS
@@ -34,7 +34,7 @@ def robot_called(graph: Graph, name: str | None, where: str) -> NodeName:
     `name` is the full or last name of its node, or its namespace.
 
     Raises:
-        NoRobotError: there is none; the message says which there are.
+        NoNodeError: there is none; the message says which there are.
         ConfigError: there are several.
     """
     robots = robots_in(graph)
@@ -42,7 +42,7 @@ def robot_called(graph: Graph, name: str | None, where: str) -> NodeName:
     if name is None:
         if not robots:
             there = f"; the nodes there: {_listed(nodes)}" if nodes else ""
-            raise NoRobotError(
+            raise NoNodeError(
                 f"no robot is on {where}: no node publishes odometry and takes velocity"
                 f" commands{there}; {HOW}"
             )
@@ -55,7 +55,7 @@ def robot_called(graph: Graph, name: str | None, where: str) -> NodeName:
         found = [each for each in named if each in robots] or named
         if not found:
             there_are = _listed(robots or nodes) or "none"
-            raise NoRobotError(
+            raise NoNodeError(
                 f"no node or namespace is called {name!r} on {where}; there are: {there_are}"
             )
     if len(found) > 1:

@@ -6,7 +6,7 @@ from dataclasses import replace
 from math import inf
 from typing import Final
 
-from pioneer3.errors import Refusal
+from pioneer3.errors import Refusal, Symptom
 from pioneer3.geometry import STILL, Twist2
 from pioneer3.robot.explain import Reason, ReasonKind, why_not_moving
 from pioneer3.robot.pilot import Pilot, VelocityCommand, stands
@@ -25,6 +25,7 @@ HELD: Final = Reason(
     ReasonKind.FAULT,
     "Its emergency stop is latched, or its stop button pressed: reset it, or pull the button out,"
     " then ask again.",
+    Symptom.EMERGENCY_STOP,
 )
 
 

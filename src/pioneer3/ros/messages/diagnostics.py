@@ -281,6 +281,7 @@ def _command(health: Health, _: Snapshot) -> DiagnosticStatus:
         values=(
             ("driver", health.driver or ""),
             ("why_not_moving", words),
+            ("help", why.symptom.command if why else ""),
             ("ignored_because", health.refused or ""),
         ),
     )

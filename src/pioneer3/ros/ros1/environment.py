@@ -9,7 +9,7 @@ from typing import Final
 from urllib.parse import urlsplit
 
 from pioneer3.doctor.facts import Finding, Level
-from pioneer3.errors import ConfigError
+from pioneer3.errors import ConfigError, Symptom
 from pioneer3.links.hosts import SOMEWHERE, address_towards, is_address, is_loopback, is_own
 from pioneer3.ros.addresses import LOCAL, LOOPBACK, PORT
 
@@ -119,7 +119,14 @@ def _check_address(address: str, master: str, network: NetworkProbe) -> Iterator
 
 
 def _finding(found: str, meaning: str, advice: str) -> Finding:
-    return Finding(check="ROS 1", level=Level.WARN, found=found, meaning=meaning, advice=advice)
+    return Finding(
+        check="ROS 1",
+        level=Level.WARN,
+        found=found,
+        meaning=meaning,
+        advice=advice,
+        symptom=Symptom.ROS_TOPIC_SILENT,
+    )
 
 
 def _host_of(uri: str) -> str | None:

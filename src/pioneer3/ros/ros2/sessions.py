@@ -10,7 +10,7 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager, suppress
 from typing import Final
 
-from pioneer3.errors import NoRobotError
+from pioneer3.errors import NoNodeError
 from pioneer3.ros.client.graph import RobotTopics
 from pioneer3.ros.client.robot import TopicRobot
 from pioneer3.ros.ros2.backend import Backend, NodeName
@@ -54,7 +54,7 @@ class NetworkNode:
 
         Raises:
             ConfigError: there is no such model, or several nodes have this name.
-            NoRobotError: there is no such node, or it is silent.
+            NoNodeError: there is no such node, or it is silent.
         """
         topics = await self._found(node, until)
         middleware = self._topics()
@@ -76,7 +76,7 @@ class NetworkNode:
         """Return the state of the robot of a node, as soon as it has told all of it.
 
         Raises:
-            NoRobotError: there is no such node at the time `until` [s, loop time].
+            NoNodeError: there is no such node at the time `until` [s, loop time].
         """
         topics = await self._found(node, until)
         if topics.unclear:
@@ -98,7 +98,7 @@ class NetworkNode:
             if topics is not None and known:
                 return topics
             if now > until:
-                raise NoRobotError(self._missing(full))
+                raise NoNodeError(self._missing(full))
             await asyncio.sleep(LOOK)
 
     def _look(self) -> dict[str, RobotTopics]:

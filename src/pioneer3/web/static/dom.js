@@ -57,6 +57,18 @@ export function putItems(list, key, items) {
   list.replaceChildren(...items());
 }
 
+/** Returns a link to the page of the book about a symptom, where the book is served; else nothing. */
+export function helpLinks(symptom) {
+  const book = document.querySelector('link[rel="help"]');
+  if (!book || !symptom) return [];
+  return [make("a", { class: "help-link", href: `${book.href}troubleshooting/${symptom}/`, target: "_blank" }, "How to mend it")];
+}
+
+/** Shows a text with the link to the page about its symptom, if they have changed. */
+export function putHelp(element, text, symptom) {
+  putItems(element, `${text}\n${symptom ?? ""}`, () => [text, ...helpLinks(symptom).flatMap((link) => [" ", link])]);
+}
+
 /** A number with a real minus sign, and never "-0.00"; a dash if it is not known. */
 export function number(value, digits) {
   if (!Number.isFinite(value)) return "–";

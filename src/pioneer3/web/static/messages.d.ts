@@ -99,7 +99,7 @@ export interface Robots {
   snapshots: SnapshotMessage[];
 }
 
-/** A snapshot of a robot, ten times a second. `why` is the reason for the robot to stand still, and `standing` the kind of that reason. `decided` says which action of the `mode` decides what; `commanded` is the last command sent. */
+/** A snapshot of a robot, ten times a second. `why` is the reason for the robot to stand still, `standing` the kind of that reason, and `symptom` the page of the book about it. `decided` says which action of the `mode` decides what; `commanded` is the last command sent. */
 export interface SnapshotMessage {
   robot: number;
   sequence: number;
@@ -114,6 +114,7 @@ export interface SnapshotMessage {
   faults: string[];
   why: string | null;
   standing: ReasonKind | null;
+  symptom: Symptom | null;
   emergency_stop: boolean;
   driver: Driver | null;
   mode: string | null;
@@ -178,6 +179,9 @@ export interface LinkQuality {
 
 /** Kinds of reasons to stand still. */
 export type ReasonKind = "fault" | "idle" | "normal";
+
+/** Symptoms that a user sees, each by the name of its page in docs/troubleshooting. */
+export type Symptom = "command-not-found" | "does-not-move" | "drives-in-circles" | "emergency-stop" | "it-beeps" | "loses-the-link" | "no-answer" | "no-laser" | "no-port" | "no-way" | "not-sure-where-it-is" | "page-does-not-open" | "page-is-slow" | "ros-topic-silent" | "sonar-is-wrong" | "stops-by-itself" | "unknown-robot" | "wrong-distances";
 
 /** A driver; `id` is the number of a client, null for a script or an action. */
 export interface Driver {
@@ -539,6 +543,7 @@ export interface Finding {
   meaning: string;
   advice: string;
   code: number;
+  symptom: Symptom | null;
 }
 
 /** Severity of a finding. */

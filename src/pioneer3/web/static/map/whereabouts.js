@@ -1,6 +1,6 @@
 // How sure a robot is of its place on the map: an ellipse around it, and a notice while it is not sure.
 
-import { byId, put } from "../dom.js";
+import { byId, putHelp } from "../dom.js";
 
 const APART = 0.3; // m between the drawn pose and the estimate, from which on both are drawn
 const CROSS = 7; // px
@@ -54,7 +54,7 @@ export class Whereabouts {
     byId("unsure").hidden = !navigation?.reason || navigation.sure || snapshot?.mode === LOOKS;
     if (byId("unsure").hidden) return;
     const who = this.#model.several ? `${selected.name} is not sure` : "Not sure";
-    put(byId("unsure-why"), `${who} where it is: ${navigation.reason}.`);
+    putHelp(byId("unsure-why"), `${who} where it is: ${navigation.reason}.`, "not-sure-where-it-is");
     byId("unsure-look").hidden = byId("unsure-how").hidden = viewer;
   }
 

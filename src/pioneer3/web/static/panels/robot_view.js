@@ -1,6 +1,6 @@
 // The view of one robot: fast values from its snapshots, the others from its details, and its CONFIG.
 
-import { degrees, make, number, put, putItems, putLines } from "../dom.js";
+import { degrees, make, number, put, putHelp, putItems, putLines } from "../dom.js";
 import { BumperDrawing, LineBoard, Rows, Sparkline, part, showFindings, showRoundTrip } from "./widgets.js";
 
 const NOT_SENT = "not sent";
@@ -48,8 +48,8 @@ export class RobotView {
   }
 
   showSnapshot(snapshot, roundTrip) {
-    const { motors, battery, why } = snapshot;
-    put(this.#why, why ?? (snapshot.motors.moving ? "It moves." : "Nothing keeps it."));
+    const { motors, battery, why, standing, symptom } = snapshot;
+    putHelp(this.#why, why ?? (snapshot.motors.moving ? "It moves." : "Nothing keeps it."), standing === "idle" ? null : symptom);
     putLines(this.#decided, snapshot.mode ? [snapshot.mode, ...snapshot.decided] : []);
     this.#motion.show("pose", place(snapshot.robot_in_map));
     this.#motion.show("odometry", place(snapshot.robot_in_odom));

@@ -1,6 +1,6 @@
 // The selected robot at a glance: the top bar, the numbers beside the map, and the notices over it.
 
-import { byId, degrees, number, put, putLines, putProse, set } from "../dom.js";
+import { byId, degrees, number, put, putHelp, putLines, putProse, set } from "../dom.js";
 
 const TOAST = 4000; // ms
 const BRIEF = 600; // ms that an expected reason to stand lasts before it is shown
@@ -117,18 +117,18 @@ export function showUsable(usable) {
  * Shows why the robot stands, in the colour of a warning only for a fault.
  * @param hint shown while the robot has nothing to do
  */
-export function showWhy({ why, standing, mode, faults }, hint) {
+export function showWhy({ why, standing, symptom, mode, faults }, hint) {
   const text = standing === "idle" ? hint : standing === "normal" && mode ? "" : why ?? ""; // the card of the mode says it
   if (text !== shown.why) shown = { why: text, since: performance.now() };
   const brief = standing === "normal" && performance.now() - shown.since < BRIEF;
-  put(byId("why"), brief ? "" : text);
+  putHelp(byId("why"), brief ? "" : text, standing === "fault" ? symptom : null);
   byId("why").classList.toggle("fault", standing === "fault");
   putLines(byId("faults"), faults);
 }
 
 /** Shows that simulated time is paused, in place of any other reason. */
 export function showPause() {
-  put(byId("why"), "Simulated time is paused.");
+  putHelp(byId("why"), "Simulated time is paused.", null);
   byId("why").classList.remove("fault");
 }
 

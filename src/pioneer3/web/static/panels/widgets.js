@@ -1,6 +1,6 @@
 // The parts of the views: rows of values, findings of the diagnosis, bumpers, controller lines, a sparkline.
 
-import { make, makeSvg, number, put, putItems, set } from "../dom.js";
+import { helpLinks, make, makeSvg, number, put, putItems, set } from "../dom.js";
 
 const SIGNS = { ok: "✓", warn: "!", fail: "✕" };
 const WORDS = { ok: "fine", warn: "warning", fail: "failure" };
@@ -38,7 +38,7 @@ export function part(title, ...children) {
   return make("section", { class: "part" }, make("h3", {}, title), ...children);
 }
 
-/** Shows findings of the server's diagnosis. @param findings [{check, level, found, meaning, advice}] */
+/** Shows findings of the server's diagnosis. @param findings [{check, level, found, meaning, advice, symptom}] */
 export function showFindings(list, findings) {
   putItems(list, JSON.stringify(findings), () => findings.map(item));
 }
@@ -52,14 +52,15 @@ export function showRoundTrip(list, roundTrip) {
     found: "this page reaches the driver slowly",
     meaning: "Keys and stops arrive late by as much.",
     advice: "Come nearer to the access point, or use a cable; keep the speed low.",
+    symptom: "page-is-slow",
   }]);
 }
 
-function item({ check, level, found, meaning, advice }) {
+function item({ check, level, found, meaning, advice, symptom }) {
   const sign = make("b", { class: "sign", "aria-hidden": "true" }, SIGNS[level]);
   const lines = [meaning, advice].filter(Boolean).map((line) => make("span", {}, line));
   const head = make("strong", {}, `${check}: `, make("span", { class: "sr-only" }, `${WORDS[level]}: `), found);
-  return make("li", { "data-level": level }, sign, make("div", {}, head, ...lines));
+  return make("li", { "data-level": level }, sign, make("div", {}, head, ...lines, ...helpLinks(symptom)));
 }
 
 /** The arc of segment `i` of `count`, clockwise from the left end in front; behind from the right. */
