@@ -28,12 +28,13 @@ from pioneer3.web.access.middleware import (
     session_of,
 )
 from pioneer3.web.api.routes import api_routes
-from pioneer3.web.book import book_routes
+from pioneer3.web.book import book_routes, is_built
 from pioneer3.web.client import Client
 from pioneer3.web.page import Page
 
 STATIC = Path(__file__).with_name("static")
 IMPORT = re.compile(r'^(?:import|\}) (?:.* )?from "(\..+)";$', re.MULTILINE)
+HELP = '  <link rel="help" href="/book/">\n'
 KEPT = "max-age=31536000, immutable"
 PAGES = {
     "/pair": "pages/pair.html",
@@ -87,12 +88,16 @@ def make_app(page: Page, names: frozenset[str] = LOCAL_NAMES) -> ASGIApp:
 
 @cache
 def index() -> str:
-    """Return the page. It names all its modules, so that browsers load them side by side."""
+    """Return the page. It names all its modules, so that browsers load them side by side.
+
+    Where the book is built, it names that too, for links from sentences about faults.
+    """
     html = versioned("index.html")
     start = f"/static/{version()}/"
     (main,) = re.findall(rf'<script type="module" src="{start}(.+?)"', html)
     links = (f'  <link rel="modulepreload" href="{start}{name}">\n' for name in modules(main)[1:])
-    return html.replace("</head>", f"{''.join(links)}</head>")
+    book = HELP if is_built() else ""
+    return html.replace("</head>", f"{''.join(links)}{book}</head>")
 
 
 def versioned(name: str) -> str:

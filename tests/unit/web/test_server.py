@@ -189,6 +189,14 @@ def test_the_page_names_all_its_modules_so_that_they_load_side_by_side() -> None
     assert set(named) | elsewhere | later == files
 
 
+@pytest.mark.parametrize("built", [True, False])
+def test_the_page_names_the_book_where_it_is_built(
+    built: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("pioneer3.web.app.is_built", lambda: built)
+    assert ('<link rel="help" href="/book/">' in index.__wrapped__()) is built
+
+
 async def test_browsers_keep_the_parts_of_the_page_under_their_version_only() -> None:
     async with served() as (_, where):
         _, headers, page = await get(where, "/")
