@@ -4,12 +4,14 @@ import re
 import subprocess
 import sys
 from collections.abc import Iterator
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
 
 ROOT = Path(__file__).parents[2]
-EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
+WITH_RAY = ROOT / "examples/08_learn_with_ray.py"
+EXAMPLES = sorted({*(ROOT / "examples").glob("*.py")} - {WITH_RAY})
 
 
 @pytest.fixture(scope="module")
@@ -30,6 +32,21 @@ def test_the_example_runs(path: Path, url: str) -> None:
     assert done.returncode == 0, done.stderr
     assert done.stderr == ""
     assert len(path.read_text().splitlines()) <= 40
+
+
+@pytest.mark.thorough
+@pytest.mark.skipif(find_spec("ray") is None, reason="no ray here: python -m pip install ray")
+def test_two_workers_of_ray_learn_to_find_goals(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("RAY_USAGE_STATS_ENABLED", "0")
+    monkeypatch.delenv("RAY_ADDRESS", raising=False)
+    done = subprocess.run(
+        [sys.executable, str(WITH_RAY)], capture_output=True, text=True, timeout=110, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    rewards = [float(each) for each in re.findall(r"mean reward (\S+) of 512", done.stdout)]
+    assert len(rewards) == 10
+    assert rewards[-1] > rewards[0] + 2
+    assert len(WITH_RAY.read_text().splitlines()) <= 40
 
 
 def blocks_of(page: str, url: str) -> list[str]:
