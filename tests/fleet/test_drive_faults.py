@@ -18,7 +18,7 @@ from typing import Final
 import pytest
 
 from pioneer3.fleet.inventory import read_fleet
-from pioneer3.fleet.unit import SystemdUnit
+from pioneer3.fleet.unit import unit_of
 from tests.fleet.lab import PATIENCE, ROOT, USER, Lab, OnBoard
 from tests.fleet.manager import as_user, managed, why_no_manager
 from tests.fleet.robots import DEVICE, Robots, plugged_in, preferred
@@ -99,9 +99,7 @@ def serve(lab: Lab, robot: OnBoard) -> None:
     python.write_text(f'#!/bin/sh\nPYTHONPATH={packages} exec /usr/bin/python3 "$@"\n')
     python.chmod(0o755)
     robot.sh(f"touch /run/python; mount --bind {python} /run/python")
-    unit = SystemdUnit(
-        robot=fleet.robot(robot.name), fleet=fleet, python="/run/python", with_root=False
-    ).text()
+    unit = unit_of(fleet.robot(robot.name), fleet, "/run/python", with_root=False).text()
     folder = robot.user_home / ".config/systemd/user"
     subprocess.run(as_user(robot, "mkdir", "-p", f"/home/{USER}/.config/systemd/user"), check=True)
     (folder / "pioneer3.service").write_text(unit)

@@ -159,6 +159,14 @@ def gather_ros_arguments(words: list[str]) -> list[str]:
     return [*kept, "--ros-args", msgspec.json.encode(own).decode()] if own else kept
 
 
+def separate_ros_arguments(words: Sequence[str]) -> list[str]:
+    """Return the words from which :func:`gather_ros_arguments` has made `words`."""
+    if "--ros-args" not in words:
+        return [*words]
+    place = words.index("--ros-args")
+    return [*words[:place], "--ros-args", *msgspec.json.decode(words[place + 1], type=list[str])]
+
+
 def _install(folder: Path, distro: str) -> int:
     from pioneer3.ros.ament.install import install_package
 

@@ -24,7 +24,8 @@ edit          changes of files that belong to people
 discovery     finds robots, simulators, serial bridges, and computers that may be on robots
 announce      robots and pages that others reach are announced by DNS-SD (RFC 6763, zeroconf)
 deploy        installs this package on robots' computers
-unit          the systemd unit that drives a robot from when its computer is switched on. Pure
+unit          the systemd unit that runs pioneer3 from when a computer is switched on. Pure
+service       the service of this computer: installed, looked at, removed
 ros_graph     questions to a ROS 1 graph without ROS
 reach         how this computer reaches a robot of the fleet: by its port, if that is one for others
 host_facts    the facts that a robot's computer tells: one question over ssh, and its answer as data

@@ -13,19 +13,23 @@ from typing import TYPE_CHECKING, Final
 from pioneer3.errors import ConfigError, RemoteError
 from pioneer3.fleet.bundle import OLDEST_PYTHON, Bundle, Bundler, Platform, version_pair
 from pioneer3.fleet.copy import put_file
-from pioneer3.fleet.host_facts import BASE, SERVICE, WITH_ROOT
+from pioneer3.fleet.host_facts import BASE
 from pioneer3.fleet.run import Done, Outcome, on_each, output_of
 from pioneer3.fleet.spec import Fleet, FleetRobot
 from pioneer3.fleet.ssh import LOGIN, Login, connect
-from pioneer3.fleet.unit import SystemdUnit
+from pioneer3.fleet.unit import (
+    SERVICE,
+    USER_UNIT,
+    WATCHED,
+    WITH_ROOT,
+    SystemdUnit,
+    check_unit,
+    unit_of,
+)
 
 if TYPE_CHECKING:
     import asyncssh
 
-USER_UNIT: Final = f".config/systemd/user/{SERVICE}.service"
-WATCHED: Final = 6
-"""So long a new version must run before it counts as started [s], and four times the time that the
-computer takes to load it."""
 KEPT: Final = 2
 """Number of versions that stay: the new one, and the one before it."""
 
@@ -144,20 +148,17 @@ async def deploy(
                 target = await _ask(connection)
                 try:
                     if service:
-                        SystemdUnit.check(robot, fleet)
+                        check_unit(robot, fleet)
                     bundle = await bundler.bundle(target.platform)
                 except ConfigError as error:
                     raise RemoteError(str(error)) from None
                 is_new = await _install(connection, target, bundle)
                 said = bundle.name if is_new else f"{bundle.name} was there"
                 if service:
-                    unit = SystemdUnit(
-                        robot=robot,
-                        fleet=fleet,
-                        python=f"{target.base}/current/bin/python",
-                        with_root=target.with_root,
-                    )
-                    said += await _serve(connection, target, bundle, unit, Path(folder))
+                    python = f"{target.base}/current/bin/python"
+                    unit = unit_of(robot, fleet, python, with_root=target.with_root)
+                    file = Path(folder) / robot.name
+                    said += await _serve(connection, target, bundle, unit, file, user=robot.user)
                 else:
                     await _run(connection, _SWITCH, target, bundle)
                 await _run(connection, _PRUNE, target, bundle)
@@ -228,7 +229,9 @@ async def _serve(
     target: _Target,
     bundle: Bundle,
     unit: SystemdUnit,
-    folder: Path,
+    file: Path,
+    *,
+    user: str,
 ) -> str:
     """Let the service run this version; return a word about that.
 
@@ -245,7 +248,7 @@ async def _serve(
     unchanged = before.rstrip("\n") == unit.text().rstrip("\n")
     if unchanged and target.current == f"releases/{bundle.name}" and state == "active":
         return ", and runs"
-    await _write_unit(connection, target, unit.text(), folder / unit.robot.name)
+    await _write_unit(connection, target, unit.text(), file)
     await _run(connection, _SWITCH, target, bundle)
     try:
         await _run(connection, _MANAGER + _START, target, bundle)
@@ -254,7 +257,7 @@ async def _serve(
         why = "; ".join(said.splitlines())
         told = "That version was there before"
         if not (unchanged and target.current == f"releases/{bundle.name}"):
-            told = await _roll_back(connection, target, bundle, before, folder / unit.robot.name)
+            told = await _roll_back(connection, target, bundle, before, file)
         raise RemoteError(f"{bundle.name} does not start: {error}; {why}. {told}") from None
     if target.with_root:
         return ", and drives the robot from the start"
@@ -262,7 +265,7 @@ async def _serve(
         return ", and drives the robot from the start"
     return (
         ", and runs; to let it run from the start an administrator has to run there: "
-        f"sudo loginctl enable-linger {unit.robot.user}"
+        f"sudo loginctl enable-linger {user}"
     )
 
 

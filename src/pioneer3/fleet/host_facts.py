@@ -12,6 +12,7 @@ from pioneer3.errors import HostError, RemoteError
 from pioneer3.fleet.run import output_of
 from pioneer3.fleet.spec import Fleet, FleetRobot
 from pioneer3.fleet.ssh import asyncssh_module, connect
+from pioneer3.fleet.unit import SERVICE, WITH_ROOT
 from pioneer3.names import printable
 
 if TYPE_CHECKING:
@@ -20,9 +21,6 @@ if TYPE_CHECKING:
 BASE: Final = ".local/share/pioneer3"
 """Below the user's home; `fleet deploy` puts the package there, and `current` points to the version
 in use."""
-SERVICE: Final = "pioneer3"
-WITH_ROOT: Final = f"/etc/systemd/system/{SERVICE}.service"
-"""The unit of a service that an administrator has installed; else it is the user's own."""
 RUNTIME: Final = "XDG_RUNTIME_DIR=${XDG_RUNTIME_DIR:-/run/user/$(id -u)}"
 """The user's service manager is found by this; not every sshd sets it."""
 CLOCK_QUESTIONS: Final = 3

@@ -1,5 +1,6 @@
-"""The systemd unit that drives a robot from when its computer is switched on. Pure."""
+"""The systemd unit that runs pioneer3 from when a robot's computer is switched on. Pure."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -8,9 +9,19 @@ from pioneer3.fleet.network import FILES
 from pioneer3.fleet.ros_graph import master_of
 from pioneer3.fleet.spec import Fleet, FleetRobot
 
+SERVICE: Final = "pioneer3"
+WITH_ROOT: Final = f"/etc/systemd/system/{SERVICE}.service"
+"""The unit of a service that an administrator has installed; else it is the user's own."""
+USER_UNIT: Final = f".config/systemd/user/{SERVICE}.service"
+"""The unit of a user, below the home."""
+WRITTEN_BY: Final = "# Written by: "
+"""A unit begins with this, and the command that wrote it."""
 STOPPING: Final = 10
 """Time that the program has to stop the robot before it is killed [s]; the robot's own watchdog
 stops it 2 s after that."""
+WATCHED: Final = 6
+"""So long a new version must run before it counts as started [s], and four times the time that the
+computer takes to load it."""
 _HARDENING: Final = (
     "NoNewPrivileges=yes",
     "LockPersonality=yes",
@@ -32,56 +43,58 @@ _HARDENING_WITH_ROOT: Final = (
     "DeviceAllow=char-ttyUSB rw",
     "DeviceAllow=char-ttyACM rw",
     "DeviceAllow=char-ttyS rw",
+    "DeviceAllow=char-ttyAMA rw",
 )
 """These need an administrator's service manager."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SystemdUnit:
-    """The unit of one robot, with the path of the Python that has the package.
+    """The unit of one robot.
 
-    It belongs to the system `with_root`, else to the user.
+    Attributes:
+        command: The words that it runs.
+        about: Its purpose, for people.
+        written_by: The command that writes it.
+        environment: Variables, as `NAME=value`.
+        user: The user that the program runs as, in a unit of the system; empty for a unit of the
+            user's own.
+        folder: The program begins there; empty for the home of the user.
+        pauses: When the program is started again; newer versions of systemd know longer pauses.
     """
 
-    robot: FleetRobot
-    fleet: Fleet
-    python: str
-    with_root: bool
+    command: Sequence[str]
+    about: str
+    written_by: str
+    environment: Sequence[str] = ()
+    user: str = ""
+    folder: str = ""
+    pauses: Sequence[str] = ("RestartSec=2",)
 
-    @staticmethod
-    def check(robot: FleetRobot, fleet: Fleet) -> None:
-        """Refuse a robot that no unit can drive.
-
-        Raises:
-            ConfigError: Its network of ROS 2 has files, of which the robot needs its own.
-        """
-        network = fleet.network(robot)
-        if robot.ros == "2" and any(getattr(network, key) for key in FILES):
-            raise ConfigError(
-                f"the network {network.name} has certificates or passwords in files, and"
-                f" {robot.name} needs its own: start pioneer3 ros2 there with them; see"
-                " how-to/ros2-fleet.md, A robot. --no-service installs the package alone"
-            )
+    @property
+    def with_root(self) -> bool:
+        """Whether it belongs to the system."""
+        return bool(self.user)
 
     def text(self) -> str:
         """Return the text of the file."""
         wants = ["Wants=network-online.target", "After=network-online.target"]
-        who = [f"User={self.robot.user}", "SupplementaryGroups=dialout"]
-        does = "bridges" if self.robot.bridge else "drives"
+        who = [f"User={self.user}", "SupplementaryGroups=dialout"]
         lines = [
-            "# Written by: pioneer3 fleet deploy",
+            f"{WRITTEN_BY}{self.written_by}",
             "[Unit]",
-            f"Description=pioneer3 {does} the robot {self.robot.name}",
+            f"Description={self.about}",
             *(wants if self.with_root else []),
             "StartLimitIntervalSec=0",
             "",
             "[Service]",
             "Type=exec",
-            f"ExecStart={self.command()}",
-            *self._environment(),
+            f"ExecStart={' '.join(map(quoted, self.command))}",
+            *(f"Environment={quoted(each)}" for each in self.environment),
+            *([f"WorkingDirectory={self.folder.replace('%', '%%')}"] if self.folder else []),
             *(who if self.with_root else []),
             "Restart=always",
-            "RestartSec=2",
+            *self.pauses,
             "KillSignal=SIGTERM",
             f"TimeoutStopSec={STOPPING}",
             *_HARDENING,
@@ -92,44 +105,71 @@ class SystemdUnit:
         ]
         return "\n".join(lines) + "\n"
 
-    def command(self) -> str:
-        """Return the command line that drives the robot, or lets others reach it."""
-        robot = self.robot
-        if robot.bridge:
-            words = [self.python, "-m", "pioneer3", "bridge", "--port", robot.port]
-            words += ["--bind", robot.address, "--listen", str(robot.bridge)]
-            return " ".join(map(quoted, words))
-        program = {"1": "ros1", "2": "ros2"}.get(robot.ros, "run")
-        words = [self.python, "-m", "pioneer3", program]
-        words += ["--port", robot.port]
-        words += ["--laser", robot.laser] if robot.laser else []
-        words += ["--camera", robot.camera] if robot.camera else []
-        words += [f"__name:={robot.node}"] if robot.ros == "1" else []
-        words += self._on_ros2() if robot.ros == "2" else []
-        return " ".join(map(quoted, words))
 
-    def _on_ros2(self) -> list[str]:
-        """Return the options of the robot's node on ROS 2: it is at its own address."""
-        network = self.fleet.network(self.robot)
-        space, _, name = self.robot.node.strip("/").rpartition("/")
-        words = ["--namespace", space, "--name", name] if space else ["--name", name]
-        words += ["--backend", network.backend]
-        words += ["--distro", network.distro] if network.distro else []
-        words += [] if network.domain is None else ["--domain", str(network.domain)]
-        for place in network.connect:
-            words += ["--connect", place]
-        if not network.connect and network.backend != "rclpy":
-            words += ["--interface", self.robot.address]
-        return [*words, *(["--dds-services"] if network.dds_services else [])]
+def unit_of(robot: FleetRobot, fleet: Fleet, python: str, *, with_root: bool) -> SystemdUnit:
+    """Return the unit of a robot of a fleet, with the path of the Python that has the package.
 
-    def _environment(self) -> list[str]:
-        found = ["PYTHONUNBUFFERED=1"]
-        if self.robot.ros == "1":
-            found.append(f"ROS_MASTER_URI={master_of(self.fleet)}")
-            found.append(f"ROS_IP={self.robot.address}")
-        elif self.robot.ros == "2" and self.fleet.network(self.robot).backend == "rclpy":
-            found.append("ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET")
-        return [f"Environment={quoted(each)}" for each in found]
+    It belongs to the system `with_root`, else to the user.
+    """
+    return SystemdUnit(
+        command=[python, "-m", "pioneer3", *_words(robot, fleet)],
+        about=f"pioneer3 {'bridges' if robot.bridge else 'drives'} the robot {robot.name}",
+        written_by="pioneer3 fleet deploy",
+        environment=_environment(robot, fleet),
+        user=robot.user if with_root else "",
+    )
+
+
+def check_unit(robot: FleetRobot, fleet: Fleet) -> None:
+    """Refuse a robot that no unit can drive.
+
+    Raises:
+        ConfigError: Its network of ROS 2 has files, of which the robot needs its own.
+    """
+    network = fleet.network(robot)
+    if robot.ros == "2" and any(getattr(network, key) for key in FILES):
+        raise ConfigError(
+            f"the network {network.name} has certificates or passwords in files, and"
+            f" {robot.name} needs its own: start pioneer3 ros2 there with them; see"
+            " how-to/ros2-fleet.md, A robot. --no-service installs the package alone"
+        )
+
+
+def _words(robot: FleetRobot, fleet: Fleet) -> list[str]:
+    """Return the command that drives the robot, or lets others reach it."""
+    if robot.bridge:
+        words = ["bridge", "--port", robot.port]
+        return [*words, "--bind", robot.address, "--listen", str(robot.bridge)]
+    words = [{"1": "ros1", "2": "ros2"}.get(robot.ros, "run"), "--port", robot.port]
+    words += ["--laser", robot.laser] if robot.laser else []
+    words += ["--camera", robot.camera] if robot.camera else []
+    words += [f"__name:={robot.node}"] if robot.ros == "1" else []
+    return [*words, *(_on_ros2(robot, fleet) if robot.ros == "2" else [])]
+
+
+def _on_ros2(robot: FleetRobot, fleet: Fleet) -> list[str]:
+    """Return the options of the robot's node on ROS 2: it is at its own address."""
+    network = fleet.network(robot)
+    space, _, name = robot.node.strip("/").rpartition("/")
+    words = ["--namespace", space, "--name", name] if space else ["--name", name]
+    words += ["--backend", network.backend]
+    words += ["--distro", network.distro] if network.distro else []
+    words += [] if network.domain is None else ["--domain", str(network.domain)]
+    for place in network.connect:
+        words += ["--connect", place]
+    if not network.connect and network.backend != "rclpy":
+        words += ["--interface", robot.address]
+    return [*words, *(["--dds-services"] if network.dds_services else [])]
+
+
+def _environment(robot: FleetRobot, fleet: Fleet) -> list[str]:
+    found = ["PYTHONUNBUFFERED=1"]
+    if robot.ros == "1":
+        found.append(f"ROS_MASTER_URI={master_of(fleet)}")
+        found.append(f"ROS_IP={robot.address}")
+    elif robot.ros == "2" and fleet.network(robot).backend == "rclpy":
+        found.append("ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET")
+    return found
 
 
 def quoted(word: str) -> str:

@@ -12,7 +12,7 @@ from pioneer3.errors import ConfigError
 from pioneer3.fleet.bundle import Bundler, Platform, here, installed, suits, version_pair
 from pioneer3.fleet.network import FleetNetwork
 from pioneer3.fleet.spec import Fleet, FleetRobot, OperatorComputer
-from pioneer3.fleet.unit import SystemdUnit, quoted
+from pioneer3.fleet.unit import SystemdUnit, check_unit, quoted, unit_of
 
 ROBOT = FleetRobot(name="p3at-1", host="p3at-1", address="192.168.1.111", node="RosAria_p3at_1")
 FLEET = Fleet(
@@ -23,7 +23,7 @@ FLEET = Fleet(
 
 
 def unit(robot: FleetRobot = ROBOT, *, with_root: bool = True) -> SystemdUnit:
-    return SystemdUnit(robot=robot, fleet=FLEET, python=sys.executable, with_root=with_root)
+    return unit_of(robot, FLEET, sys.executable, with_root=with_root)
 
 
 def test_it_drives_as_the_user_in_dialout_and_comes_back() -> None:
@@ -57,13 +57,13 @@ def test_with_ros_2_it_is_the_node_on_its_network_at_its_own_address() -> None:
     lab = FleetNetwork(name="lab", backend="dds", distro="jazzy", domain=3, interface=("wlan0",))
     fleet = replace(FLEET, networks=(lab,))
     robot = replace(ROBOT, ros="2", node="p3at_1/pioneer3")
-    text = replace(unit(robot), fleet=fleet).text()
+    text = unit_of(robot, fleet, sys.executable, with_root=True).text()
     node = "--namespace p3at_1 --name pioneer3 --backend dds --distro jazzy --domain 3"
     command = f"pioneer3 ros2 --port /dev/ttyUSB0 {node} --interface 192.168.1.111\n"
     assert command in text
     far = FleetNetwork(name="far", backend="zenoh", connect=("tls/a:7447",), ca="ca.pem")
     with pytest.raises(ConfigError, match=r"network far has certificates .* p3at-1 needs its own"):
-        SystemdUnit.check(robot, replace(FLEET, networks=(far,)))
+        check_unit(robot, replace(FLEET, networks=(far,)))
 
 
 def test_with_a_bridge_it_lets_others_reach_the_device_at_the_robots_address() -> None:
