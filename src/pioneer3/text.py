@@ -13,6 +13,8 @@ LARGEST_FILE = 16 * 1024 * 1024
 """Larger files are not maps [bytes]; ARIA's largest has 0.7 MB."""
 
 _LINE = re.compile(r"([^\r\n]*)(?:\r\n|\r|\n|\Z)")
+POINTER = b"version https://git-lfs.github.com/spec/"
+"""Begins what stands in place of a large file until `git lfs pull` fetches it."""
 LARGEST_MM = 1e8
 """Coordinates beyond 100 km are mistakes [mm]."""
 
@@ -83,7 +85,7 @@ def read_bytes(path: Path, largest: int = LARGEST_FILE, kind: str = "map") -> by
     """Return the contents of a file of at most `largest` bytes; `kind` is for messages.
 
     Raises:
-        ConfigError: The file is missing, not a regular file, unreadable or too large.
+        ConfigError: The file is missing, not a regular file, unreadable, too large or not fetched.
     """
     try:
         if path.is_dir():
@@ -98,6 +100,8 @@ def read_bytes(path: Path, largest: int = LARGEST_FILE, kind: str = "map") -> by
         raise wrong(path, f" cannot read this {kind} file: {_reason(error)}") from None
     if len(raw) > largest:
         raise wrong(path, f" is larger than {largest >> 20} MB, so not a {kind}")
+    if raw.startswith(POINTER):
+        raise wrong(path, f" is no {kind} yet: fetch it by `git lfs pull` in its folder")
     return raw
 
 

@@ -3,7 +3,7 @@
 import re
 import struct
 import warnings
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib import import_module
 from io import BytesIO
@@ -69,16 +69,18 @@ class ShadeImage:
     alpha: UInt8 | None = None
 
 
-def read_image(path: Path) -> ShadeImage:
+def read_image(path: Path, *, reds: bool = False) -> ShadeImage:
     """Read a picture of a format that map_server reads; shades are scaled to 0 to 255.
+
+    With `reds` the shade of a pixel is the red of its colours, not their average.
 
     Raises:
         ConfigError: The file is no such picture, is damaged, or is too large.
     """
-    return parse_image(path, read_bytes(path, LARGEST_IMAGE))
+    return parse_image(path, read_bytes(path, LARGEST_IMAGE, "picture"), reds=reds)
 
 
-def parse_image(path: Path, raw: bytes) -> ShadeImage:
+def parse_image(path: Path, raw: bytes, *, reds: bool = False) -> ShadeImage:
     """Read the bytes of a picture file; `path` is for messages.
 
     Raises:
@@ -105,7 +107,7 @@ def parse_image(path: Path, raw: bytes) -> ShadeImage:
             picture.load()
             if picture.mode == "F" or (picture.mode == "I" and kind == "Tiff"):
                 raise wrong(path, " picture: 32 bit for each pixel; save it with 8 bit grey")
-            return _gray(picture)
+            return _gray(picture, _red if reds else _mean)
     except ConfigError:
         raise
     except _DAMAGED as error:
@@ -137,9 +139,9 @@ def _check_size(path: Path, picture: "ImageFile") -> None:
         raise wrong(path, f" size: more than {most} pixels in this kind of PGM; {advice}")
 
 
-def _gray(picture: "ImageFile") -> ShadeImage:
+def _gray(picture: "ImageFile", shade: Callable[[UInt8], UInt8]) -> ShadeImage:
     if picture.mode == "P":
-        return ShadeImage(_palette(picture)[np.asarray(picture)])
+        return ShadeImage(shade(_palette(picture))[np.asarray(picture)])
     if picture.mode in ("1", "PA", "CMYK", "YCbCr", "LAB"):
         pixels = np.asarray(picture.convert("L" if picture.mode == "1" else "RGB"))
     else:
@@ -151,21 +153,25 @@ def _gray(picture: "ImageFile") -> ShadeImage:
     alpha = pixels[:, :, -1] if pixels.shape[2] in (2, 4) else None
     if pixels.shape[2] == 2:
         return ShadeImage(pixels[:, :, 0], alpha)
-    return ShadeImage(_mean(pixels), alpha)
+    return ShadeImage(shade(pixels), alpha)
 
 
 def _palette(picture: "ImageFile") -> UInt8:
-    """Return the shades of the colours that pixels name by number, shape (256,)."""
+    """Return the colours that pixels name by number, shape (256, 3)."""
     told = picture.getpalette() or []
     colours = np.zeros(3 * 256, dtype=np.uint8)
     colours[: len(told)] = told[: colours.size]
-    return _mean(colours.reshape(256, 3))
+    return colours.reshape(256, 3)
 
 
 def _mean(colours: UInt8) -> UInt8:
     """Return the shades of colours, shape (..., 3 or more)."""
     total = colours[..., 0].astype(np.uint16) + colours[..., 1] + colours[..., 2]
     return ((total + 1) // 3).astype(np.uint8)
+
+
+def _red(colours: UInt8) -> UInt8:
+    return colours[..., 0]
 
 
 def to_png(pixels: UInt8) -> bytes:

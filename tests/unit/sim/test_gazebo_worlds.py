@@ -11,10 +11,21 @@ from pioneer3.geometry import Pose2
 from pioneer3.maps.load import looks_like_map
 from pioneer3.sim.map_convert import convert
 from pioneer3.sim.relief import Cylinder
-from pioneer3.sim.worldfile import WorldFile, load_world
+from pioneer3.sim.relief.mesh_file import Triangles, read_mesh
+from pioneer3.sim.worldfile import WorldFile, gazebo, load_world
 
 BOX = "<geometry><box><size>2 1 1</size></box></geometry>"
 WRONG = "w.world:1: "
+WALL_STL = """solid
+facet normal 0 1 0
+outer loop
+vertex 0 0 0
+vertex 1 0 0
+vertex 0 0 1
+endloop
+endfacet
+endsolid
+"""
 
 
 def model(inside: str, name: str = "m", collision: str = "") -> str:
@@ -76,9 +87,74 @@ def test_columns_and_balls_are_cylinders_and_tilted_solids_walls(tmp_path: Path)
     )
     world = load(tmp_path, column + ball + pipe)
     columns = [solid for solid in world.solids if isinstance(solid, Cylinder)]
-    assert [(each.radius, each.height, each.z) for each in columns] == [(0.3, 2, 0), (0.5, 1, 0)]
+    assert [(each.radius, each.height, each.z) for each in columns] == [
+        (0.3, 2, 0),
+        (pytest.approx(0.4), 1, 0),
+    ]
     (wall,) = world.walls
     assert np.ptp(wall.points, axis=0) == pytest.approx((2, 0.2), abs=0.01)
+
+
+def test_a_leaning_board_is_a_wall_only_where_sensors_meet_it(tmp_path: Path) -> None:
+    board = solid("<box><size>4 1 0.02</size></box>", f"0 0 1 0 {-pi / 6} 0")
+    walls = load(tmp_path, board).line_map().walls.reshape(-1, 2)
+    assert np.ptp(walls, axis=0) == pytest.approx((0.04, 1))
+    assert walls[:, 0].mean() == pytest.approx(-0.8 / np.tan(pi / 6))
+
+
+def test_shapes_without_a_size_have_that_of_the_format(tmp_path: Path) -> None:
+    world = load(tmp_path, solid("<box/>", "0 0 0.5 0 0 0") + solid("<cylinder/>"))
+    (box,), (column,) = world.boxes, world.solids
+    assert isinstance(column, Cylinder)
+    assert (*box.size, box.height, column.radius, column.height) == (1, 1, 1, 1, 0.5)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "<!-- a -- b -->\n<?xml version='1.0' encoding='no-such'?>\n<sdf>{}</sdf>",
+        "<sdf><!-- one <b> --><!-- --- --><a b='x & y'>&c; d & e</a>{}</sdf>",
+        "<?xml version='1.0' encoding='UTF-8'?><sdf><!-- Größe -->{}</sdf>",
+    ],
+)
+def test_what_gazebo_takes_for_xml_is_read(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "w.sdf"
+    path.write_bytes(text.format(model(BOX)).encode("latin-1"))
+    assert len(load_world(path).boxes) == 1
+
+
+def test_an_error_below_comments_is_on_its_line(tmp_path: Path) -> None:
+    with pytest.raises(ConfigError, match="world:5: size: "):
+        load(tmp_path, "<!--\n--\n-->\n\n" + solid("<box><size>1</size></box>"))
+
+
+def test_what_fell_through_the_floor_is_left_out(tmp_path: Path) -> None:
+    fallen = solid("<box><size>1 1 1</size></box>", "0 0 -7.5e8 0 0 0")
+    assert load(tmp_path, fallen + solid("<box/>")).boxes[0].size == (1, 1)
+
+
+def test_a_mesh_that_git_did_not_fetch_is_not_there(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    (tmp_path / "a.dae").write_text("version https://git-lfs.github.com/spec/v1\noid sha256:0\n")
+    load(tmp_path, solid("<mesh><uri>a.dae</uri></mesh>"))
+    assert "a.dae is not on this computer" in caplog.text
+
+
+def test_a_mesh_that_is_used_often_is_read_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    read: list[Path] = []
+
+    def noted(path: Path) -> Triangles:
+        read.append(path)
+        return read_mesh(path)
+
+    (tmp_path / "a.stl").write_text(WALL_STL)
+    monkeypatch.setattr(gazebo, "read_mesh", noted)
+    mesh = solid("<mesh><uri>a.stl</uri></mesh>")
+    assert len(load(tmp_path, mesh * 5).line_map().walls) == 5
+    assert len(read) == 1
 
 
 def test_a_wide_tank_is_round_within_a_centimetre(tmp_path: Path) -> None:
@@ -216,9 +292,11 @@ def test_a_converted_world_keeps_its_walls_and_columns(tmp_path: Path) -> None:
     [
         ("<model>", WRONG + "not valid XML: mismatched tag"),
         (solid("<box><size>1 1</size></box>"), WRONG + "size: expected 3 numbers, not '1 1'"),
-        (solid("<box><size>1 1 1e9</size></box>"), WRONG + "size: expected 3 numbers"),
-        (solid("<box/>"), WRONG + "box: has no size"),
-        (solid("<sphere><radius>x</radius></sphere>"), WRONG + "radius: expected 1 numbers"),
+        (solid("<box><size>1 1 1e9</size></box>"), WRONG + "size: '1 1 1e9' is not within 100000"),
+        (
+            solid("<sphere><radius>x</radius></sphere>"),
+            WRONG + "radius: expected a number, not 'x'",
+        ),
         (
             "<frame name='a' attached_to='b'/><frame name='b' attached_to='a'/>"
             "<model name='m'><pose relative_to='a'/></model>",

@@ -8,7 +8,7 @@ import pytest
 
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
-from pioneer3.maps.image import to_pgm
+from pioneer3.maps.image import to_pgm, to_png
 from pioneer3.maps.load import looks_like_map
 from pioneer3.models import load_model
 from pioneer3.sim.map_check import check_world
@@ -66,6 +66,29 @@ def test_what_has_no_counterpart_is_named_once(
     assert told.count("camera") == told.count("ctrl") == told.count("gone.inc") == 1
     assert told.count("amigo-sh stands for bot") == 1
     assert "window" not in told
+
+
+def test_the_red_of_a_pixel_makes_it_a_wall(tmp_path: Path) -> None:
+    path = write_lab(tmp_path, 'model ( bitmap "c.png" size [4 1 1] )')
+    red, blue, grey = (255, 0, 0), (100, 200, 255), (127, 127, 127)
+    pixels = np.array([[red, blue, grey, grey, grey, (128, 0, 0)]], dtype=np.uint8)
+    (tmp_path / "c.png").write_bytes(to_png(pixels))
+    assert load_map(path).bounds == pytest.approx((-2, -0.5, 2, 0.5))
+
+
+def test_numbers_after_the_last_that_counts_are_skipped(tmp_path: Path) -> None:
+    world = "model ( size [2 1 1 9] pose [1.65 7.25 0 90 0] )"
+    (box,) = load_world(write_lab(tmp_path, world)).boxes
+    assert (box.pose.x, box.pose.theta, box.size) == (1.65, radians(90), (2, 1))
+
+
+def test_a_picture_that_is_missing_beside_other_walls_is_named(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    gone = 'floorplan ( bitmap "gone.png" size [1 1 1] )\n'
+    world = load_world(write_lab(tmp_path, LAB + gone * 2))
+    assert len(world.line_map().walls) == 4 + 8
+    assert caplog.text.count("the picture gone.png, which is not there") == 1
 
 
 def test_blocks_fill_the_size_of_a_model_at_its_origin(tmp_path: Path) -> None:

@@ -9,35 +9,43 @@ from pathlib import Path
 
 import numpy as np
 
-from pioneer3.arrays import Float
-from pioneer3.sim.relief.mesh_file import MOST_TRIANGLES
+from pioneer3.arrays import Float, Int
 from pioneer3.sim.worldfile.gazebo_text import SdfElement, SdfFiles, descendants
 from pioneer3.text import wrong
 
+MOST_TRIANGLES = 500_000
+"""Triangles of a scene, each use of a geometry counted."""
 MOST_NODES = 20_000
 """Most nodes of a scene, each use counted."""
 DEEPEST = 50
 """Deepest nesting of nodes."""
 
 
-def read_collada(path: Path, files: SdfFiles) -> Float:
+def read_collada(path: Path) -> Float:
     """Return the triangles of the scene of a file [m], shape (T, 3, 3).
 
     Raises:
         ConfigError: It cannot be read, or is damaged; names the file.
     """
-    root = files.root(path)
+    root = SdfFiles().root(path)
     try:
-        found = list(_Scene(root).triangles())
+        with np.errstate(all="ignore"):  # numbers too large, which are told below
+            found = list(_Scene(root).triangles())
         triangles = np.concatenate(found) if found else np.empty((0, 3, 3))
+    except _TooManyError:
+        most = f"{MOST_TRIANGLES} triangles, or {MOST_NODES} nodes"
+        raise wrong(path, f" holds more than {most}: reduce it") from None
     except (ValueError, IndexError, KeyError, OverflowError):
         raise wrong(path, " is damaged: no COLLADA file") from None
     if not len(triangles):
         raise wrong(path, " holds no triangles")
-    if len(triangles) > MOST_TRIANGLES or not np.isfinite(triangles).all():
-        problem = f"more than {MOST_TRIANGLES} triangles, or no numbers: reduce it"
-        raise wrong(path, f" holds {problem}")
+    if not np.isfinite(triangles).all():
+        raise wrong(path, " is damaged: a corner is no number")
     return triangles
+
+
+class _TooManyError(Exception):
+    """A file has more triangles or nodes than are read."""
 
 
 class _Scene:
@@ -64,7 +72,7 @@ class _Scene:
     def _placed(self, node: SdfElement, place: Float, depth: int) -> Iterator[Float]:
         self._nodes += 1
         if depth > DEEPEST or self._nodes > MOST_NODES:
-            raise ValueError
+            raise _TooManyError
         for child in node.children:
             place = place @ _transform(child)
         for child in node.children:
@@ -78,7 +86,7 @@ class _Scene:
                     shape = self._shape(target)
                     self._count += len(shape)
                     if self._count > MOST_TRIANGLES:
-                        raise ValueError
+                        raise _TooManyError
                     yield shape @ place[:3, :3].T + place[:3, 3]
 
     def _shape(self, name: str) -> Float:
@@ -96,7 +104,7 @@ class _Scene:
         vertices = self._by_id[inputs["VERTEX"]["source"][1:]]
         points = self._points(vertices)
         first = int(inputs["VERTEX"].get("offset", 0))
-        faces = [np.array(each.text.split(), dtype=np.int64) for each in part.all("p")]
+        faces = [_whole(each.text) for each in part.all("p")]
         corners = np.concatenate([np.empty(0, np.int64), *faces]).reshape(-1, stride)[:, first]
         if (corners < 0).any():
             raise ValueError
@@ -104,7 +112,7 @@ class _Scene:
             found: Float = points[corners.reshape(-1, 3)]
             return found
         if part.tag == "polylist":
-            counts = np.array(part.told("vcount").split(), dtype=np.int64)
+            counts = _whole(part.told("vcount"))
         else:
             counts = np.array([len(face) // stride for face in faces], dtype=np.int64)
         if (counts < 0).any() or counts.sum() != len(corners):
@@ -120,8 +128,17 @@ class _Scene:
     def _points(self, vertices: SdfElement) -> Float:
         inputs = {each.attributes["semantic"]: each.attributes for each in vertices.all("input")}
         source = inputs["POSITION"]["source"][1:]
-        numbers = self._by_id[source].told("float_array").split()
-        return np.array(numbers, dtype=np.float64).reshape(-1, 3)
+        return _numbers(self._by_id[source].told("float_array")).reshape(-1, 3)
+
+
+def _whole(text: str) -> Int:
+    words = text.split()
+    return np.fromiter(map(int, words), np.int64, len(words))
+
+
+def _numbers(text: str) -> Float:
+    words = text.split()
+    return np.fromiter(map(float, words), np.float64, len(words))
 
 
 def _transform(element: SdfElement) -> Float:
@@ -129,7 +146,7 @@ def _transform(element: SdfElement) -> Float:
     matrix = np.eye(4)
     if element.tag not in ("matrix", "translate", "rotate", "scale"):
         return matrix
-    numbers = np.array(element.text.split(), dtype=np.float64)
+    numbers = _numbers(element.text)
     match element.tag:
         case "matrix":
             return numbers.reshape(4, 4)

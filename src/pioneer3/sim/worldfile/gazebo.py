@@ -1,7 +1,7 @@
 """Reads worlds of Gazebo: what is solid in them becomes boxes, columns and walls.
 
-Only collision shapes count. An upright shape keeps its height, a tilted one becomes an upright wall
-around its outline, and a mesh becomes walls where a plane at the height of sensors cuts it.
+Only collision shapes count. An upright shape keeps its height; a tilted one, a ball and a mesh
+become walls where a plane at the height of sensors cuts them, or around all of them below it.
 """
 
 import logging
@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from pioneer3.arrays import Float
+from pioneer3.arrays import Float, Float32
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
 from pioneer3.maps import LineMap
@@ -20,10 +20,10 @@ from pioneer3.names import clean_name, free_name, printable
 from pioneer3.sim.equipment import NO_OPTIONS, EquipmentOptions
 from pioneer3.sim.relief import Cylinder, Solid
 from pioneer3.sim.relief.mesh_file import ENDINGS, read_mesh
-from pioneer3.sim.relief.shapes import outer
+from pioneer3.sim.relief.shapes import FARTHEST, outer
 from pioneer3.sim.relief.solids import ROUND, SENSOR_HEIGHT
 from pioneer3.sim.worldfile.collada import read_collada
-from pioneer3.sim.worldfile.gazebo_frames import NONE, SdfFrames, flat, named, pose_of
+from pioneer3.sim.worldfile.gazebo_frames import ANYWHERE, NONE, SdfFrames, flat, named, pose_of
 from pioneer3.sim.worldfile.gazebo_text import SdfElement, SdfFiles, descendants
 from pioneer3.sim.worldfile.spec import Box, RobotSpec, Wall, WorldFile
 from pioneer3.sim.worldfile.stand_ins import laser_of, pioneer_of
@@ -46,7 +46,9 @@ LARGEST = 1000.0
 """Longest side of a solid; larger ones are left out [m]."""
 TALLEST = 100.0
 """Highest that anything is made [m]."""
-MOST_TRIANGLES = 1_000_000
+MOST_TRIANGLES = 3_000_000
+"""Triangles of all meshes of a world."""
+MOST_CUT = 30_000_000
 """Triangles of all meshes of a world, each use counted."""
 MOST_MODELS = 20_000
 """Models of a world, with those in other models."""
@@ -89,7 +91,8 @@ class _GazeboReader:
         self._names: set[str] = set()
         self._left: dict[str, None] = {}
         self._others: dict[str, str] = {}
-        self._models = self._triangles = self._count = 0
+        self._meshes: dict[Path, Float32] = {}
+        self._models = self._triangles = self._cut = self._count = 0
 
     def world(self) -> WorldFile:
         """Return the world, and warn of all that is not in it."""
@@ -198,9 +201,12 @@ class _GazeboReader:
 
     def _shape(self, shape: SdfElement, place: Float) -> None:
         """Take one collision shape at a pose, a matrix (4, 4)."""
+        if abs(place[:3, 3]).max() > FARTHEST:
+            self._left[f"solids farther than {FARTHEST / 1000:g} km"] = None
+            return
         match shape.tag:
             case "box":
-                size = _needed(shape, "size", 3)
+                size = _told(shape, "size", (1.0, 1.0, 1.0))
                 corners = np.array(np.meshgrid(*[(-side / 2, side / 2) for side in size]))
                 axis = _upright(place)
                 if axis is None:
@@ -208,15 +214,15 @@ class _GazeboReader:
                 else:
                     self._box(size, place, axis)
             case "cylinder" | "capsule":
-                radius, length = (_needed(shape, key, 1)[0] for key in ("radius", "length"))
+                radius, length = (_told(shape, key, (1.0,))[0] for key in ("radius", "length"))
                 length += 2 * radius if shape.tag == "capsule" else 0.0
                 if _upright(place) == 2:
                     self._column(place[:3, 3], radius, length)
                 else:
                     self._outlined(_ring(radius, length), place)
             case "sphere":
-                radius = _needed(shape, "radius", 1)[0]
-                self._column(place[:3, 3], radius, 2 * radius)
+                radius = _told(shape, "radius", (1.0,))[0]
+                self._ball(place[:3, 3], radius)
             case "mesh":
                 self._mesh(shape, place)
             case _:
@@ -226,11 +232,11 @@ class _GazeboReader:
         """Take a collision shape of the rarer kinds."""
         match shape.tag:
             case "ellipsoid":
-                radii = _needed(shape, "radii", 3)
+                radii = _told(shape, "radii", (1.0, 1.0, 1.0))
                 self._outlined(np.array(_ring(1.0, 2.0)) * radii, place)
             case "polyline":
                 points = [point.read("point", point.text, 2) for point in shape.all("point")]
-                height = _needed(shape, "height", 1)[0]
+                height = _told(shape, "height", (1.0,))[0]
                 self._prism(np.array(points).reshape(-1, 2), height, place)
             case "plane":
                 normal = np.array(shape.numbers("normal", 3) or (0.0, 0.0, 1.0))
@@ -267,6 +273,12 @@ class _GazeboReader:
             radius = min(max(radius, THIN), LARGEST / 2)
             self._solids.append(Cylinder(pose=pose, radius=radius, height=height, z=foot))
 
+    def _ball(self, center: Float, radius: float) -> None:
+        """Take a ball as a column, as wide as it is at the height of sensors if it is higher."""
+        above = float(center[2]) - SENSOR_HEIGHT
+        wide = max(radius**2 - max(above, 0.0) ** 2, 0.0) ** 0.5 if above < radius else radius
+        self._column(center, wide, 2 * radius)
+
     def _prism(self, points: Float, height: float, place: Float) -> None:
         """Take a polygon (P, 2) that is as high as told."""
         if _upright(place) != 2:
@@ -280,11 +292,20 @@ class _GazeboReader:
             self._wall(corners[:, :2], span)
 
     def _outlined(self, points: Float, place: Float) -> None:
-        """Take the convex hull of points (P, 3) as seen from above, as an upright wall."""
+        """Take the convex hull of points (P, 3) as an upright wall, cut at the height of sensors.
+
+        One that is not higher, or a little, is seen from above.
+        """
         moved = _moved(np.asarray(points), place)
         low, high = moved[:, 2].min(), moved[:, 2].max()
         span = self._span(float(low), float(high), float(np.ptp(moved[:, :2], axis=0).max()))
         if span:
+            if low <= SENSOR_HEIGHT < high - LOW:
+                is_above = moved[:, 2] > SENSOR_HEIGHT
+                # the cut of a hull is the hull of the cuts of all lines between its points
+                start, end = moved[~is_above][:, None], moved[is_above][None]
+                share = (SENSOR_HEIGHT - start[..., 2:]) / (end[..., 2:] - start[..., 2:])
+                moved = (start + share * (end - start)).reshape(-1, 3)
             self._wall(outer(moved[:, :2]), span)
 
     def _wall(self, corners: Float, span: tuple[float, float]) -> None:
@@ -306,31 +327,44 @@ class _GazeboReader:
         if ending not in (*ENDINGS, ".dae"):
             self._left[f"meshes in {ending or 'files without an ending'}"] = None
             return
-        try:
-            if ending == ".dae":
-                triangles = read_collada(path, self._files)
-            else:
-                mesh = read_mesh(path)
-                triangles = mesh.points[mesh.corners]
-        except ConfigError as error:
-            raise shape.wrong(str(error)) from None
-        self._triangles += len(triangles)
-        if self._triangles > MOST_TRIANGLES:
-            raise shape.wrong(
-                f"the meshes have more than {MOST_TRIANGLES / 1e6:g} million triangles"
-            )
+        triangles = self._triangles_of(path, shape)
+        self._cut += len(triangles)
+        if self._cut > MOST_CUT:
+            raise shape.wrong(f"the meshes have more than {MOST_CUT / 1e6:g} million triangles")
         scale = shape.numbers("scale", 3) or (1.0, 1.0, 1.0)
-        points = _moved(triangles.reshape(-1, 3) * scale, place)
-        if not self._span(float(points[:, 2].min()), float(points[:, 2].max()), 0.0):
+        heights = triangles @ (place[2, :3] * scale) + place[2, 3]
+        if not self._span(float(heights.min()), float(heights.max()), 0.0):
             return
-        if points[:, 2].max() <= SENSOR_HEIGHT:
-            self._outlined(points, NONE)
+        above = heights > SENSOR_HEIGHT
+        if not above.any():
+            self._outlined(triangles.reshape(-1, 3).astype(np.float64) * scale, place)
             return
-        walls = cut(points.reshape(-1, 3, 3), SENSOR_HEIGHT)
+        crossing = triangles[above.any(axis=1) & ~above.all(axis=1)] * scale
+        walls = cut(_moved(crossing.reshape(-1, 3), place).reshape(-1, 3, 3), SENSOR_HEIGHT)
         self._count += len(walls)
         if self._count > MOST_WALLS or (len(walls) and abs(walls).max() > 100 * LARGEST):
             raise shape.wrong("has too many walls, or reaches too far")
         self._segments.append(walls)
+
+    def _triangles_of(self, path: Path, shape: SdfElement) -> Float32:
+        """Return the triangles of a mesh, which is read once, shape (T, 3, 3)."""
+        if path not in self._meshes:
+            try:
+                if path.suffix.lower() == ".dae":
+                    triangles = read_collada(path)
+                else:
+                    mesh = read_mesh(path)
+                    triangles = mesh.points[mesh.corners]
+            except ConfigError as error:
+                raise shape.wrong(str(error)) from None
+            if abs(triangles).max() > ANYWHERE:
+                raise shape.wrong("has too many walls, or reaches too far")
+            self._triangles += len(triangles)
+            if self._triangles > MOST_TRIANGLES:
+                most = f"{MOST_TRIANGLES / 1e6:g} million"
+                raise shape.wrong(f"the meshes have more than {most} triangles")
+            self._meshes[path] = triangles.astype(np.float32)  # there may be millions
+        return self._meshes[path]
 
     def _span(self, low: float, high: float, side: float) -> tuple[float, float] | None:
         """Return foot and height of a solid [m]; `None` for floor and for what is left out."""
@@ -367,12 +401,9 @@ def _saved(world: SdfElement) -> dict[str, Float]:
     return {model.name: pose_of(model) for model in models if model.first("pose")}
 
 
-def _needed(shape: SdfElement, key: str, count: int) -> tuple[float, ...]:
-    """Return numbers that a shape must have, without their signs."""
-    numbers = shape.numbers(key, count)
-    if not numbers:
-        raise shape.wrong(f"has no {key}")
-    return tuple(map(abs, numbers))
+def _told(shape: SdfElement, key: str, usual: tuple[float, ...]) -> tuple[float, ...]:
+    """Return numbers of a shape without their signs; where there are none, those of SDF."""
+    return tuple(map(abs, shape.numbers(key, len(usual)) or usual))
 
 
 def _upright(place: Float) -> int | None:

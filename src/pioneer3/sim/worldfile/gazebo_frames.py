@@ -8,6 +8,8 @@ from pioneer3.arrays import Float
 from pioneer3.geometry import Pose2
 from pioneer3.sim.worldfile.gazebo_text import SdfElement
 
+ANYWHERE = 1e12
+"""Farthest that a pose may be [m]: what fell through a floor is saved where it was at the end."""
 NONE: Float = np.eye(4)
 """The pose of what is not moved, as a matrix (4, 4)."""
 
@@ -17,14 +19,14 @@ def pose_of(element: SdfElement) -> Float:
     pose = element.first("pose")
     origin = element.first("origin")
     if pose is None and origin is not None:
-        return matrix(origin.numbers("pose", 6))
+        return matrix(origin.numbers("pose", 6, ANYWHERE))
     if pose is None or not pose.text:
         return NONE
     if pose.attributes.get("rotation_format") == "quat_xyzw":
-        return _by_quaternion(pose, pose.read("pose", pose.text, 7))
+        return _by_quaternion(pose, pose.read("pose", pose.text, 7, ANYWHERE))
     # Gazebo takes numbers that are missing at the end for 0
     told = pose.text + " 0" * (6 - len(pose.text.split(None, 6)))
-    numbers = pose.read("pose", told, 6)
+    numbers = pose.read("pose", told, 6, ANYWHERE)
     if pose.attributes.get("degrees", "") in ("true", "1"):
         numbers = (*numbers[:3], *map(radians, numbers[3:]))
     return matrix(numbers)

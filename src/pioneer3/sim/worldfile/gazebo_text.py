@@ -4,6 +4,7 @@ Documents with entities of their own are refused; size, number and depth have li
 """
 
 import os
+import re
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -14,7 +15,7 @@ from xml.parsers.expat import ExpatError, ParserCreate
 from pioneer3.errors import ConfigError
 from pioneer3.sim.relief.shapes import FARTHEST
 from pioneer3.sim.worldfile.stage_text import ABOVE, places_of
-from pioneer3.text import TextLine, one_line, read_bytes, shown, wrong
+from pioneer3.text import POINTER, TextLine, decoded, one_line, read_bytes, shown, wrong
 
 LARGEST_SDF = 8 << 20
 """Larger files are not read [bytes]."""
@@ -34,6 +35,8 @@ PATHS = (
 )
 """Variables of the environment: folders in which Gazebo looks for models."""
 _SCHEMES = ("model://", "package://", "file://")
+_AMPERSAND = re.compile(r"&(?!(?:amp|lt|gt|quot|apos|#\d+|#x[\da-fA-F]+);)")
+_DECLARATION = re.compile(r"\A\s*<\?xml[^>]*>")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -69,16 +72,16 @@ class SdfElement:
         child = self.first(key)
         return child.text if child else self.attributes.get(key, "").strip()
 
-    def numbers(self, key: str, count: int) -> tuple[float, ...]:
+    def numbers(self, key: str, count: int, most: float = FARTHEST) -> tuple[float, ...]:
         """Return `count` numbers of a child or attribute, none where it is missing or empty.
 
         Raises:
-            ConfigError: They are others.
+            ConfigError: They are others, or beyond `most`.
         """
         child = self.first(key)
-        return (child or self).read(key, self.told(key), count)
+        return (child or self).read(key, self.told(key), count, most)
 
-    def read(self, key: str, text: str, count: int) -> tuple[float, ...]:
+    def read(self, key: str, text: str, count: int, most: float = FARTHEST) -> tuple[float, ...]:
         """Return `count` numbers of a text, none where it is empty; errors as for `numbers`."""
         if not text:
             return ()
@@ -87,10 +90,11 @@ class SdfElement:
             found = tuple(map(float, words))
         except ValueError:
             found = ()
-        if len(found) != count or not all(
-            isfinite(each) and abs(each) <= FARTHEST for each in found
-        ):
-            raise self.wrong(f"expected {count} numbers, not {shown(text)}", key)
+        if len(found) != count or not all(map(isfinite, found)):
+            expected = f"{count} numbers" if count > 1 else "a number"
+            raise self.wrong(f"expected {expected}, not {shown(text)}", key)
+        if any(abs(each) > most for each in found):
+            raise self.wrong(f"{shown(text)} is not within {most:g}", key)
         return found
 
     def wrong(self, problem: str, key: str = "") -> ConfigError:
@@ -130,7 +134,7 @@ class SdfFiles:
         if "://" not in name:
             for path in self._candidates(name, said.line.path):
                 with suppress(OSError, ValueError):
-                    if path.exists():
+                    if path.is_dir() or (path.exists() and not _is_pointer(path)):
                         return path
         self.missing.setdefault(uri, f"{said.line.path.name}:{said.line.number}")
         return None
@@ -167,13 +171,12 @@ class SdfFiles:
         yield from places_of(name, said)
 
     def _parsed(self, path: Path) -> SdfElement:
-        raw = read_bytes(path, LARGEST_SDF, "world")
-        blank = raw[: len(raw) - len(raw.lstrip())]
+        text = _plain(decoded(read_bytes(path, LARGEST_SDF, "world")))
         parser, open_elements = ParserCreate(), list[SdfElement]()
         roots: list[SdfElement] = []
 
         def line() -> TextLine:
-            return TextLine(path, parser.CurrentLineNumber + blank.count(b"\n"), "")
+            return TextLine(path, parser.CurrentLineNumber, "")
 
         def start(tag: str, attributes: dict[str, str]) -> None:
             self._elements += 1
@@ -197,15 +200,32 @@ class SdfFiles:
         parser.StartElementHandler, parser.EndElementHandler = start, end
         parser.CharacterDataHandler, parser.EntityDeclHandler = data, entity
         try:
-            parser.Parse(raw[len(blank) :], True)
+            parser.Parse(text, True)
         except ExpatError as error:
-            number = error.lineno + blank.count(b"\n")
-            raise wrong(path, f"{number}: not valid XML: {one_line(error)}") from None
-        except (ValueError, LookupError) as error:  # an encoding that is not known
-            if isinstance(error, ConfigError):
-                raise
-            raise wrong(path, f" not valid XML: {one_line(error)}") from None
+            raise wrong(path, f"{error.lineno}: not valid XML: {one_line(error)}") from None
         return roots[0]
+
+
+def _is_pointer(path: Path) -> bool:
+    """Whether a file is one of Git LFS that was not fetched."""
+    if not path.is_file():
+        return False
+    with path.open("rb") as file:
+        return file.read(len(POINTER)) == POINTER
+
+
+def _plain(text: str) -> str:
+    """Return XML without comments and its first line, all else on the same lines.
+
+    Gazebo's own reader takes more than XML: `--` in a comment, a comment before the first line, `&`
+    for itself.
+    """
+    pieces, at = [], 0
+    while (start := text.find("<!--", at)) >= 0 and (end := text.find("-->", start + 4)) >= 0:
+        pieces += [text[at:start], "\n" * text.count("\n", start, end)]
+        at = end + 3
+    plain = _AMPERSAND.sub("&amp;", "".join([*pieces, text[at:]]))
+    return _DECLARATION.sub(lambda told: "\n" * told[0].count("\n"), plain, count=1)
 
 
 def descendants(element: SdfElement, tags: Sequence[str]) -> Iterator[SdfElement]:

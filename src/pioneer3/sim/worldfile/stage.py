@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from pioneer3.arrays import Float
+from pioneer3.errors import ConfigError
 from pioneer3.geometry import ORIGIN, Pose2, wrap
 from pioneer3.maps import LineMap
 from pioneer3.maps.grid import MOST_WALLS, raster_outline
@@ -30,7 +31,7 @@ from pioneer3.text import shown, wrong
 log = logging.getLogger(__name__)
 
 DARK = 127
-"""Shades up to it are walls."""
+"""Pixels whose red is no more are walls, as in Stage."""
 SMALLEST = 0.1
 """Size of a model of which nothing is said [m]."""
 THIN = 0.01
@@ -73,6 +74,7 @@ class _StageReader:
         self._names: set[str] = set()
         self._left: dict[str, None] = {}
         self._others: dict[str, str] = {}
+        self._gone: ConfigError | None = None
         self._count = 0
         self._pictures: dict[Path, Float] = {}
 
@@ -81,6 +83,8 @@ class _StageReader:
         path = self._text.path
         for entity in self._text.world.children:
             self._read(entity, ORIGIN, 0.0)
+        if self._gone and not (self._segments or self._walls or self._boxes):
+            raise self._gone
         name = printable(path.stem)
         told = list(self._text.missing)
         told += [f"{model} stands for {kind}, no Pioneer" for kind, model in self._others.items()]
@@ -127,7 +131,8 @@ class _StageReader:
         height = min(size[2], TALLEST) if len(size) > 2 and size[2] > 0 else None
         blocks = self._blocks(model)
         if model.text("bitmap"):
-            self._bitmap(model, place, size, height)
+            if not self._bitmap(model, place, size, height):
+                return
         elif blocks and not self._is_movable(model):
             self._polygons(blocks, place, size, height, foot)
         elif not model.number("noblocks", 0) or blocks:
@@ -146,13 +151,18 @@ class _StageReader:
 
     def _bitmap(
         self, model: StageEntity, place: Pose2, size: tuple[float, ...], height: float | None
-    ) -> None:
-        """Take the outlines of the dark pixels of a picture, scaled to the size of its model."""
+    ) -> bool:
+        """Take the outlines of the dark pixels of a picture, scaled to the size of its model.
+
+        Return whether the picture is there.
+        """
         told = model.properties["bitmap"]
         picture = self._text.find(model.text("bitmap"), told.line)
         if picture is None:
             seen = "seen from the world's folder; put the picture there, or mend the path"
-            raise told.wrong(f"no such file: {shown(model.text('bitmap'))}, {seen}")
+            self._gone = told.wrong(f"no such file: {shown(model.text('bitmap'))}, {seen}")
+            self._left[f"the picture {model.text('bitmap')}, which is not there"] = None
+            return False
         if Path(model.text("bitmap")).is_absolute() and Path(model.text("bitmap")) != picture:
             taken = f"{model.text('bitmap')} is not there, {picture} is taken"
             self._text.missing.append(f"{told.line.number}: {taken}")
@@ -168,6 +178,7 @@ class _StageReader:
         self._segments.append(_placed(points, place).reshape(-1, 4))
         if height is not None:
             self._heights.append(height)
+        return True
 
     def _polygons(
         self,
@@ -242,9 +253,12 @@ class _StageReader:
         return found
 
     def _pose(self, entity: StageEntity, key: str = "pose") -> tuple[Pose2, float]:
-        """Return a pose and its height [m]; three numbers are x, y and heading, as in Stage 2."""
-        numbers = entity.numbers(key)
-        if numbers and len(numbers) not in (2, 3, 4):
+        """Return a pose and its height [m]; three numbers are x, y and heading, as in Stage 2.
+
+        As in Stage all after the fourth count for nothing.
+        """
+        numbers = entity.numbers(key)[:4]
+        if len(numbers) == 1:
             raise entity.properties[key].wrong("expected 4 numbers: x y z heading")
         x, y, *rest = numbers or (0.0, 0.0)
         turn = rest[-1] if rest else 0.0
@@ -254,8 +268,8 @@ class _StageReader:
 
     def _size(self, entity: StageEntity) -> tuple[float, ...]:
         """Return length and width, and the height if it is told [m]."""
-        numbers = entity.numbers("size")
-        if numbers and len(numbers) not in (2, 3):
+        numbers = entity.numbers("size")[:3]
+        if len(numbers) == 1:
             raise entity.properties["size"].wrong("expected 3 numbers: x y z")
         return tuple(abs(side) * self._meter for side in numbers or (SMALLEST, SMALLEST))
 
@@ -274,7 +288,7 @@ class _StageReader:
 def _edges(picture: Path) -> Float:
     """Return the outlines of the dark pixels of a picture [pixels], shape (E, 4)."""
     try:
-        edges = raster_outline(read_image(picture).shades[::-1] <= DARK)
+        edges = raster_outline(read_image(picture, reds=True).shades[::-1] <= DARK)
     except OverflowError:
         most = f"{MOST_WALLS / 1e6:.0f} million"
         raise wrong(picture, f" pixels: more than {most} edges; not a map") from None
