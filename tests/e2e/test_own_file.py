@@ -5,6 +5,7 @@ import pytest
 from pioneer3 import connect_async
 from pioneer3.errors import ConfigError
 from pioneer3.models.own import own_folder
+from pioneer3.robot.lasers.driver import LaserDriver
 from tests.support import SimulatedRobot
 
 OWN = """
@@ -18,6 +19,13 @@ x = 0.1
 y = 0
 theta_deg = 0
 """
+LASER = """
+[[lasers]]
+port = "{port}"
+kind = "urg-04lx"
+x = 0.1
+y = 0
+theta_deg = 0"""
 
 
 def save(text: str) -> None:
@@ -44,6 +52,48 @@ async def test_what_is_given_counts_before_it() -> None:
     ):
         assert driver.info.model.name == "p3dx"
         assert [laser.sensor_in_robot.x for laser in driver.lasers] == [0.018]
+
+
+WRONG_PARTS = {
+    'camera = "rtsp://h/"': r":1: camera: rtsp://h/: no URL of a camera; expected the URL",
+    LASER.format(port="nowhere"): r":3: lasers\[0\].port: 'nowhere' names no port",
+    LASER.format(
+        port="/dev/ttyUSB0"
+    ): r":3: lasers\[0\].port: /dev/ttyUSB0: that is the robot's own",
+    LASER.format(port="/dev/a") * 2: r":9: lasers\[1\].port: /dev/a: given twice",
+}
+
+
+@pytest.mark.parametrize(
+    ("text", "complaint"), WRONG_PARTS.items(), ids=["camera", "port", "own", "twice"]
+)
+async def test_a_wrong_laser_or_camera_in_it_is_told_by_its_line(
+    text: str, complaint: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    save(text)
+    async with SimulatedRobot() as robot:
+        monkeypatch.setattr("pioneer3.runtime.connect.opener", lambda url, baud: robot.open)
+        with pytest.raises(ConfigError, match=rf"MobileSim\.toml{complaint}"):
+            async with connect_async("/dev/ttyUSB0"):
+                pass
+
+
+async def test_a_laser_of_a_program_at_the_robots_port_is_refused() -> None:
+    with pytest.raises(ConfigError, match="/dev/ttyUSB0: that is the robot's own port"):
+        async with connect_async("serial:/dev/ttyUSB0", lasers=["urg-04lx@/dev/ttyUSB0"]):
+            pass
+
+
+async def test_a_recording_is_read_without_the_lasers_of_today(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    save(OWN)
+    async with SimulatedRobot() as robot:
+        monkeypatch.setattr("pioneer3.runtime.connect.opener", lambda url, baud: robot.open)
+        async with connect_async("replay:lab.wire") as driver:
+            assert driver.info.own is not None
+            assert not [each for each in driver.lasers if isinstance(each, LaserDriver)]
+            assert not driver.devices.camera.presence.there
 
 
 async def test_a_wrong_file_is_told_and_nothing_drives() -> None:

@@ -44,3 +44,14 @@ async def test_a_parameter_file_of_the_type_serves_as_well(name: str, tmp_path: 
     path = tmp_path / "it.p"
     path.write_text(aria_text(SimulatedRobot(model=name).body.model).replace(name, "nobody-knows"))
     await drive(SimulatedRobot(wall_at(WALL), model=str(path)), str(path))
+
+
+@pytest.mark.parametrize("name", ["seekur", "seekurjr"])
+async def test_a_mode_wakes_the_simulated_laser_of_a_type_without_sonars(name: str) -> None:
+    async with (
+        SimulatedRobot(wall_at(WALL), model=name) as robot,
+        connect_async(robot.open) as driver,
+    ):
+        await driver.goto(0.8, 0.3)
+        there = robot.body.robot_in_world
+        assert hypot(there.x - 0.8, there.y - 0.3) < 0.2

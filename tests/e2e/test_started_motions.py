@@ -9,6 +9,7 @@ import pytest
 from pioneer3 import connect_async
 from pioneer3.arcos import commands
 from pioneer3.behaviors import Buffer
+from pioneer3.behaviors.modes import goto, wander
 from pioneer3.errors import CommandError, DeviceError, LinkError, MotionError
 from pioneer3.geometry import Pose2
 from pioneer3.runtime.robot import Robot
@@ -58,8 +59,9 @@ async def test_a_turn_is_by_an_angle_or_to_a_heading_by_the_shorter_way() -> Non
         lambda driver: driver.set_delta_heading(0.0),
         lambda driver: driver.move(0.0),
         lambda driver: driver.turn(0.0),
+        lambda driver: driver.run(goto(0.4, 0.0), 0.0),
     ],
-    ids=["drive", "drive_wheels", "stop", "start_move", "set_delta_heading", "move", "turn"],
+    ids=["drive", "drive_wheels", "stop", "start_move", "set_delta_heading", "move", "turn", "run"],
 )
 async def test_the_next_command_ends_it(command: Callable[[Robot], object]) -> None:
     async with SimulatedRobot() as robot, connect_async(robot.open) as driver:
@@ -171,3 +173,13 @@ async def test_nobody_takes_blindness_for_room() -> None:
         with pytest.raises(DeviceError, match="no range sensor works"):
             driver.nearest()
         assert robot.speed == 0
+
+
+async def test_a_mode_that_another_starts_is_named_by_its_end() -> None:
+    async with SimulatedRobot() as robot, connect_async(robot.open) as driver:
+        driver.start_move(5.0)
+        await asyncio.sleep(1)
+        driver.arbiter.start(wander())
+        await asyncio.sleep(1)
+        with pytest.raises(MotionError, match="move: the mode wander was started"):
+            driver.is_move_done()

@@ -9,6 +9,8 @@ from pioneer3.errors import ConfigError
 
 SIMULATOR: Final = "sim"
 """The command that takes MobileSim's options; all others take ARIA's."""
+NAMING: Final = (["robot", "show"], ["robot", "edit"])
+"""Commands that take a name alone, which may be that of an option."""
 LONG: Final = re.compile(r"-[A-Za-z][A-Za-z]+\d?")
 """An option with one dash and several letters, which none of ours has."""
 SIMULATOR_LONG: Final = frozenset(
@@ -101,6 +103,8 @@ def in_our_words(words: Sequence[str], warn: Callable[[str], None]) -> list[str]
     """
     if words[:1] == [SIMULATOR]:
         return [f"-{w}" if w[:1] == "-" and w[1:] in SIMULATOR_LONG else w for w in words]
+    if list(words[:2]) in NAMING:
+        return list(words)
     end = words.index(END) if END in words else len(words)
     kept: list[str] = []
     parts: dict[str, str] = {}

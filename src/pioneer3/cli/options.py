@@ -210,18 +210,14 @@ class LaserOptions:
         found = list(self.laser or otherwise)
         if not (found or self.laser_pose or self.laser_mask):
             return ()
-        from pioneer3.links.urls import split_url
-        from pioneer3.robot.lasers.spec import parse_lasers
+        from pioneer3.robot.lasers.spec import parse_lasers, refuse_robots
 
         if AUTO in found:
             from pioneer3.doctor.lasers import find_laser
 
             found[found.index(AUTO)] = await find_laser((*taken, *found))
         specs = parse_lasers(found, self.laser_pose, self.laser_mask, record=record)
-        robots = {split_url(url) for url in taken}
-        own = next((spec.url for spec in specs if split_url(spec.url) in robots), None)
-        if own is not None:
-            raise ConfigError(f"--laser {own}: that is the robot's own port")
+        refuse_robots(specs, taken)
         return specs
 
 

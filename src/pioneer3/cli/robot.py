@@ -2,9 +2,10 @@
 
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from shlex import quote
+from typing import TYPE_CHECKING, Annotated, Final
 
-from cyclopts import App
+from cyclopts import App, Parameter
 
 from pioneer3.cli.options import LINK, Flag, LinkOptions
 
@@ -13,6 +14,9 @@ if TYPE_CHECKING:
 
 KIN: Final = "what differs from the type that the robot says"
 """The model in an own file that is not `like` another."""
+
+Name = Annotated[str, Parameter(allow_leading_hyphen=True)]
+"""The name of a robot, even one such as `-rb`."""
 
 robot_app = App(
     name="robot",
@@ -28,7 +32,7 @@ robot_app = App(
 
 
 @robot_app.command
-def show(name: str | None = None) -> int:
+def show(name: Name | None = None) -> int:
     """Show the own file of a robot; without a name, list the files that there are.
 
     Example: pioneer3 robot show rosie
@@ -38,7 +42,7 @@ def show(name: str | None = None) -> int:
     """
     from pioneer3.cli.process import write_line
     from pioneer3.models.catalog import read_model_text
-    from pioneer3.models.own import own_files, own_folder
+    from pioneer3.models.own import ARIA, own_files, own_folder
 
     if name is None:
         paths = own_files()
@@ -48,6 +52,8 @@ def show(name: str | None = None) -> int:
     path = _path(name)
     model = _checked(path)
     told = f"{model.title} ({model.name}), at most {model.max_speed:g} m/s" if model else KIN
+    if (hidden := path.with_name(f"{path.stem}{ARIA}")) != path and hidden.exists():
+        told += f"; {hidden.name} beside it is not read"
     write_line(f"# {path}: {told}")
     write_line(read_model_text(path).rstrip())
     return 0
@@ -105,12 +111,12 @@ async def _init(name: str | None, link: LinkOptions, *, force: bool) -> int:
     with suppress(OSError):  # the file cannot be written then, and that tells why
         path.parent.mkdir(parents=True, exist_ok=True)
     write_bytes(path, text.encode())
-    write_line(f"wrote {path}; pioneer3 robot edit {name}")
+    write_line(f"wrote {path}; pioneer3 robot edit {quote(name)}")
     return 0
 
 
 @robot_app.command
-def edit(name: str) -> int:
+def edit(name: Name) -> int:
     """Open the own file of a robot in $VISUAL or $EDITOR, and check it.
 
     Example: pioneer3 robot edit rosie
@@ -126,8 +132,9 @@ def edit(name: str) -> int:
     from pioneer3.errors import ConfigError
 
     path = _path(name)
-    editor = os.environ.get("VISUAL") or os.environ.get("EDITOR")
-    if not editor:
+    editors = (os.environ.get(each, "").strip() for each in ("VISUAL", "EDITOR"))
+    editor = next(filter(None, editors), None)
+    if editor is None:
         raise ConfigError(f"no editor is named: set EDITOR, or open {path}")
     try:
         subprocess.run([*shlex.split(editor), str(path)], check=True)
@@ -147,13 +154,15 @@ def _checked(path: Path) -> "RobotModel | None":
     from pioneer3.errors import ConfigError
     from pioneer3.models import load_model
     from pioneer3.models.own import read_own
-    from pioneer3.runtime.connect import USUAL
+    from pioneer3.runtime.connect import USUAL, fitted_by
 
     try:
-        return read_own(path).model
+        own = read_own(path)
+        model: RobotModel | None = own.model
     except ConfigError:
-        read_own(path, load_model(USUAL))
-        return None
+        own, model = read_own(path, load_model(USUAL)), None
+    fitted_by(own)
+    return model
 
 
 def _path(name: str) -> Path:

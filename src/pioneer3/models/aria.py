@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from math import degrees, tau
+from typing import Final
 
 from pioneer3.models.model import (
     BOUNDS,
@@ -40,6 +41,10 @@ _CONTROLLERS: Mapping[str, Controller] = {
 }
 """Programs by the beginnings of the names of robots, but for those with an SH2 controller."""
 _SH2 = "-sh"
+LENGTH_KEY: Final = "RobotLength"
+"""The length of the whole robot; the keys of its parts begin as it does."""
+NOT_IN_FILES: Final = ("title", "controller", "drive", "braking", "turn_braking")
+"""Fields that parameter files have no keys for: the name of the type stands for them."""
 _FIRST_LASER = "laser parameters"
 _TITLES = {
     "p2at": "Pioneer 2-AT",
@@ -66,10 +71,12 @@ def parse_aria(
     """
     lines = split(text, source)
     if base is not None:
-        lines = split(aria_text(base), base.name) + lines
+        lines = _lines_below(lines, base) + lines
     given = Parameters(source, lines)
     model = _with_dynamics(_body(given, fallback_name), given)
     model = _with_protocol(model, given)
+    if base is not None and model.name == base.name:
+        model = replace(model, **{field: getattr(base, field) for field in NOT_IN_FILES})
     return replace(
         model,
         sonars=tuple(SonarMount(*pose) for pose in given.units("Sonar", 1, "x y th")),
@@ -80,10 +87,18 @@ def parse_aria(
     )
 
 
+def _lines_below(lines: tuple[ParameterLine, ...], base: RobotModel) -> tuple[ParameterLine, ...]:
+    """Return the lines of `base` that `lines` replace; a new length replaces its two parts, too."""
+    told = split(aria_text(base), base.name)
+    if not any(line.key.lower() == LENGTH_KEY.lower() for line in lines):
+        return told
+    return tuple(line for line in told if not line.key.startswith(LENGTH_KEY))
+
+
 def _body(given: Parameters, fallback_name: str) -> RobotModel:
     name = given.word("Subclass", fallback_name).lower()
     tall = name.startswith(_TALL)
-    half = rounded(given.length("RobotLength", _LENGTH) / 2)
+    half = rounded(given.length(LENGTH_KEY, _LENGTH) / 2)
     return RobotModel(
         name=name,
         title=next((title for start, title in _TITLES.items() if name.startswith(start)), name),

@@ -7,6 +7,7 @@ short. The folder is `~/.config/pioneer3/robots`.
 
 import json
 import os
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -17,12 +18,14 @@ from pioneer3.models.aria import parse_aria
 from pioneer3.models.catalog import parse_own, read_model_text
 from pioneer3.models.model import OwnFile, OwnLaser, RobotModel
 from pioneer3.names import printable
-from pioneer3.tables import table_of, written
+from pioneer3.tables import Source, table_of, written
 
 TOML: Final = ".toml"
 """Ending of our files; they count before the others."""
 ARIA: Final = ".p"
 """Ending of ARIA's parameter files."""
+OPTION: Final = re.compile(r"--\w+:? ")
+"""The option that the errors of the readers of ports and cameras begin with."""
 LONGEST: Final = 255
 """Longest name of a file [bytes]."""
 CAMERA_EXAMPLE: Final = '# camera = "http://192.168.0.30:8080/stream"'
@@ -98,6 +101,12 @@ def read_own(path: Path, kin: RobotModel | None = None) -> OwnFile:
         model = parse_aria(text, str(path), path.stem, kin)
         return OwnFile(model=model, path=path)
     return replace(parse_own(text, str(path), kin), path=path)
+
+
+def wrong_in_own(own: OwnFile, place: str, error: ConfigError) -> ConfigError:
+    """Return the error about the key at `place`, made of that about an option."""
+    said = OPTION.sub("", str(error), count=1)
+    return Source.of(own.path, read_model_text(own.path)).wrong(place, said)
 
 
 def new_own_text(name: str, model: str, lasers: Sequence[OwnLaser], camera: str | None) -> str:

@@ -178,15 +178,15 @@ class Pilot:
         self._update_velocity(now)
         return None
 
-    def stop(self, now: float) -> None:
-        """Stand still, at the set deceleration."""
+    def stop(self, now: float, why: str = STOPPED) -> None:
+        """Stand still, at the set deceleration; commands from before end by this reason."""
         self._forget_command()
         self._left_to_raw_commands = False
         if self._snapshot is None:
             self._count_stop(self.last_stop.why)
         else:
             self.blocked = None
-            self._count_stop(STOPPED)
+            self._count_stop(why)
         self._request = replace(self._request, twist=None)
         if self.sent != STILL or now >= self._stopped_at + MIN_INTERVAL:
             self._request = replace(self._request, stop=True)

@@ -26,7 +26,7 @@ from pioneer3.models.model import OwnFile
 from pioneer3.robot.assemble import Assembler
 from pioneer3.robot.explain import Reason, ReasonKind, why_not_moving
 from pioneer3.robot.limits import limits_for
-from pioneer3.robot.pilot import Pilot, VelocityCommand
+from pioneer3.robot.pilot import STOPPED, Pilot, VelocityCommand
 from pioneer3.robot.poses import Poses
 from pioneer3.robot.report_requests import ReportRequest, ReportRequests
 from pioneer3.robot.reports import Reports
@@ -202,9 +202,9 @@ class Supervisor:
             return Refusal(TAKEN)
         return self._wake_writer(self.pilot.drive(command, self._clock()))
 
-    def stop(self) -> None:
-        """Stand still."""
-        self.pilot.stop(self._clock())
+    def stop(self, why: str = STOPPED) -> None:
+        """Stand still; commands from before end by this reason."""
+        self.pilot.stop(self._clock(), why)
         self._wake_writer()
 
     def emergency_stop(self) -> None:

@@ -70,7 +70,7 @@ class Drivable(Protocol):
     def drive(self, command: VelocityCommand) -> Refusal | None:
         """Drive as :meth:`Pilot.drive` does."""
 
-    def stop(self) -> None:
+    def stop(self, why: str = STOPPED) -> None:
         """Stand still."""
 
     def emergency_stop(self) -> None:
@@ -263,10 +263,11 @@ class Arbiter:
 
     def start(self, mode: Stack) -> Refusal | None:
         """Stop, then let `mode` drive in place of the one before."""
-        self.stop()
+        self.stop(why=f"the mode {mode.name} was started")
         self.mode, self.ended = mode, None
         self._progress, self._lacks_since = ProgressChecker(), inf
-        if mode.wants_scans:
+        info = self._supervisor.info
+        if mode.wants_scans or (info is not None and not info.model.sonars):
             for laser in self.lasers:
                 if laser.presence.there:
                     self._laser_on.enter_context(laser.wanted())
@@ -294,12 +295,12 @@ class Arbiter:
     def stop(self, by: Hold | None = None, *, why: str = STOPPED) -> None:
         """End every command and stand still; other holds count again only after a release.
 
-        A mode ends with the reason `why`.
+        Modes and motions end with the reason `why`.
         """
         if by is not None:
             by.release()
         self._end_commands(why)
-        self._supervisor.stop()
+        self._supervisor.stop(why)
 
     def emergency_stop(self) -> None:
         """End every command and stop hard, latched."""

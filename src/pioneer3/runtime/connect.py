@@ -8,10 +8,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pioneer3.arcos.host_events import Timing
+from pioneer3.errors import ConfigError
 from pioneer3.limits import Limits
 from pioneer3.links import Opener, opener
 from pioneer3.links.tap import recorded
+from pioneer3.links.urls import split_url
 from pioneer3.models import GivenModel, load_model
+from pioneer3.models.own import wrong_in_own
 from pioneer3.robot.poses import Poses
 from pioneer3.robot.supervisor import Supervisor
 from pioneer3.runtime.arbiter import Arbiter
@@ -20,6 +23,7 @@ from pioneer3.runtime.signals import StopOnSignals
 from pioneer3.tasks import running
 
 if TYPE_CHECKING:
+    from pioneer3.mjpeg import CameraUrl
     from pioneer3.models.model import OwnFile
     from pioneer3.robot.camera_driver import CameraDriver
     from pioneer3.robot.lasers.driver import LaserDriver
@@ -62,7 +66,8 @@ async def connect_robot(
             open_, model=model, restrict=restrict, auto_enable=auto_enable, timing=timing
         )
         arbiter = Arbiter(supervisor, remark)
-        drivers = [_laser(spec, supervisor, stack) for spec in lasers]
+        ports = [url] if isinstance(url, str) else []
+        drivers = [_laser(spec, supervisor, stack) for spec in _specs(lasers, ports)]
         eyes = _cameras(camera)
         load_model(USUAL)  # the reader of models loads slowly, and a robot that waits is lost
         stack.enter_context(StopOnSignals(asyncio.get_running_loop(), arbiter.stop))
@@ -71,10 +76,12 @@ async def connect_robot(
                 await asyncio.get_running_loop().create_future()  # its end cancels this
             own = supervisor.info.own if supervisor.info else None
             own_drivers, own_eyes = [], []
-            if own is not None and not lasers:
-                own_drivers = [_laser(spec, supervisor, stack) for spec in _specs(own)]
-            if own is not None and camera is None:
-                own_eyes = _cameras(own.camera)
+            if own is not None and not any(split_url(port)[0] == "replay" for port in ports):
+                others = () if lasers else own.lasers
+                unseen = own.camera if camera is None else None
+                specs, eye = fitted_by(replace(own, lasers=others, camera=unseen), ports)
+                own_drivers = [_laser(spec, supervisor, stack) for spec in specs]
+                own_eyes = _cameras(eye)
             async with running(*_runs(own_drivers, own_eyes)):
                 robot = Robot(
                     supervisor, arbiter, drivers + own_drivers, next(iter(eyes + own_eyes), None)
@@ -110,14 +117,30 @@ async def connect_laser_async(
             yield driver
 
 
-def _laser(
-    asked: "LaserSpec | str", supervisor: Supervisor | None, stack: ExitStack
-) -> "LaserDriver":
+def fitted_by(
+    own: "OwnFile", ports: Sequence[str] = ()
+) -> "tuple[tuple[LaserSpec, ...], CameraUrl | None]":
+    """Return the lasers and the camera that the own file of the robot at `ports` gives it.
+
+    Raises:
+        ConfigError: One of them is wrong; names file and line.
+    """
+    if not own.lasers and own.camera is None:
+        return (), None
+    from pioneer3.mjpeg import parse_url
+    from pioneer3.robot.lasers.spec import own_lasers
+
+    lasers = own_lasers(own, ports)
+    try:
+        return lasers, parse_url(own.camera) if own.camera is not None else None
+    except ConfigError as error:
+        raise wrong_in_own(own, "camera", error) from None
+
+
+def _laser(spec: "LaserSpec", supervisor: Supervisor | None, stack: ExitStack) -> "LaserDriver":
     """Return the driver of a laser that looks from the robot of `supervisor`, if there is one."""
     from pioneer3.robot.lasers.driver import LaserDriver  # costs 20 ms that few need
-    from pioneer3.robot.lasers.spec import parse_laser
 
-    spec = parse_laser(asked) if isinstance(asked, str) else asked
     config = spec.config()
     if spec.record is not None:
         clock = asyncio.get_running_loop().time
@@ -141,14 +164,18 @@ def _runs(
     yield from (eye.run() for eye in eyes)
 
 
-def _specs(own: "OwnFile") -> "tuple[LaserSpec, ...]":
-    """Return the lasers that a robot's own file gives it."""
-    from pioneer3.robot.lasers.spec import own_lasers
+def _specs(asked: "Sequence[LaserSpec | str]", ports: Sequence[str]) -> "tuple[LaserSpec, ...]":
+    """Return the lasers that are asked for beside the robot at `ports`."""
+    if not asked:
+        return ()
+    from pioneer3.robot.lasers.spec import parse_laser, refuse_robots
 
-    return own_lasers(own)
+    specs = tuple(parse_laser(each) if isinstance(each, str) else each for each in asked)
+    refuse_robots(specs, ports)
+    return specs
 
 
-def _cameras(url: str | None) -> "list[CameraDriver]":
+def _cameras(url: "str | CameraUrl | None") -> "list[CameraDriver]":
     """Return the driver of the camera at this URL, if there is one."""
     if url is None:
         return []

@@ -5,6 +5,7 @@ from math import inf
 from typing import TYPE_CHECKING
 
 from pioneer3.arcos.commands import Command
+from pioneer3.behaviors.action import Stack
 from pioneer3.behaviors.actions import Hold, Move, Turn
 from pioneer3.behaviors.modes import goto
 from pioneer3.errors import CommandError, MotionError
@@ -201,6 +202,11 @@ class Robot(Driven):
         mode = goto(finite("x", x), finite("y", y), end, speed=top)
         self.started.end()
         await run_mode(mode, self.arbiter, self.snapshots(), until=inf)
+
+    async def run(self, mode: Stack, seconds: float = inf) -> None:
+        """Let `mode` drive as :meth:`Driven.run` tells, in place of a motion that was started."""
+        self.started.end()
+        await super().run(mode, seconds)
 
     def send(self, command: Command) -> None:
         """Send any ARCOS command that is not about motion.

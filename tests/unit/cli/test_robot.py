@@ -42,6 +42,50 @@ def test_an_edited_file_that_is_wrong_is_told_with_its_line(
     assert "rosie.toml:2: max_speed: 99 is out of range" in failure(capsys, "edit", "rosie")
 
 
+def test_a_wrong_laser_is_told_where_its_file_is_shown(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    mounted = 'kind = "urg-04lx"\nx = 0\ny = 0\ntheta_deg = 0\n'
+    save("rosie.toml", f'like = "p3at"\n[[lasers]]\nport = "ttyACM0"\n{mounted}')
+    told = failure(capsys, "show", "rosie")
+    assert (
+        "rosie.toml:3: lasers[0].port: 'ttyACM0' names no port, did you mean /dev/ttyACM0?" in told
+    )
+
+
+@pytest.mark.parametrize("name", ["-rb", "-laserFlipped", "-rh", "-"])
+def test_a_robot_may_be_called_as_an_option_is(
+    name: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = save(f"{name}.toml", 'like = "p3at"')
+    assert execute(["robot", "show", name]) == Exit.OK
+    assert f"# {path}: " in capsys.readouterr().out
+
+
+def test_a_file_of_aria_beside_ours_is_told_to_be_left_alone(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    save("rosie.toml", 'like = "p3at"')
+    save("rosie.p", "")
+    assert execute(["robot", "show", "rosie"]) == Exit.OK
+    assert "; rosie.p beside it is not read\n" in capsys.readouterr().out
+
+
+def test_a_robot_s_name_is_quoted_for_the_shell(capsys: pytest.CaptureFixture[str]) -> None:
+    assert execute(["robot", "init", "$(reboot) x", "--model", "p3at"]) == Exit.OK
+    assert "pioneer3 robot edit '$(reboot) x'" in capsys.readouterr().out
+
+
+def test_a_blank_is_no_editor(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = save("rosie.toml", "#!/bin/sh\nexit 9\n")
+    path.chmod(0o700)
+    monkeypatch.setenv("VISUAL", " ")
+    monkeypatch.delenv("EDITOR", raising=False)
+    assert f"no editor is named: set EDITOR, or open {path}" in failure(capsys, "edit", "rosie")
+
+
 def test_a_new_file_is_not_made_like_a_file(capsys: pytest.CaptureFixture[str]) -> None:
     told = failure(capsys, "init", "rosie", "--model", "/home/me/p2at.p")
     assert f"'/home/me/p2at.p': copy it to {own_folder()}" in told

@@ -1,12 +1,13 @@
 """The own file of a robot: found by its name or serial number, and as short as what differs."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from pioneer3.errors import ConfigError
 from pioneer3.models import load_model
-from pioneer3.models.aria import aria_text, parse_aria
+from pioneer3.models.aria import NOT_IN_FILES, aria_text, parse_aria
 from pioneer3.models.catalog import parse_own
 from pioneer3.models.model import OwnLaser
 from pioneer3.models.own import find_own, new_own_text, own_files, own_folder, own_path
@@ -127,12 +128,27 @@ def test_a_parameter_file_beside_it_has_what_differs_from_the_type() -> None:
     assert find_own(("rosie",), KIN) is not None
 
 
+def test_a_short_parameter_file_keeps_what_its_type_has() -> None:
+    save("rosie.p", "RobotLength 700\n")
+    base = replace(KIN, title="Rosie", drive="differential", controller="P2OS", braking=0.7)
+    own = find_own(("rosie",), base)
+    assert own is not None
+    assert (own.model.length_front, own.model.length_rear) == (0.35, 0.35)
+    parts = ("title", "drive", "controller", "braking", "radius")
+    assert [getattr(own.model, part) for part in parts] == [getattr(base, part) for part in parts]
+    save("rosie.p", "RobotLength 700\nRobotLengthFront 300\nRobotLengthRear 400\n")
+    own = find_own(("rosie",), base)
+    assert own is not None
+    assert (own.model.length_front, own.model.length_rear) == (0.3, 0.4)
+
+
 @pytest.mark.parametrize("name", ["p3at-sh", "p2pb", "peoplebot-sh", "pion1m", "wheelchair-sh"])
 def test_a_model_written_as_a_parameter_file_is_read_back(name: str) -> None:
     model = load_model(name)
     read = parse_aria(aria_text(model), "x.p", "x")
     assert (read.sonars, read.table_irs, read.laser) == (model.sonars, model.table_irs, model.laser)
-    assert parse_aria("", "x.p", "x", model) == read
+    told = {field: getattr(model, field) for field in NOT_IN_FILES}
+    assert parse_aria("", "x.p", "x", model) == replace(read, **told)
     for field in ("width", "distance_factor", "heading_factor", "switch_speed", "max_turn_rate"):
         assert getattr(read, field) == pytest.approx(getattr(model, field)), field
 

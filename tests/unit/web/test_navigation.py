@@ -135,7 +135,7 @@ async def test_a_stop_that_comes_before_the_way_is_found_ends_the_request() -> N
         await asyncio.sleep(3.0)
         assert ann.snapshot["mode"] is None
         assert where(the) == pytest.approx(BEGIN)
-        assert news(ann) == ("aborted", "somebody stopped the robot")
+        assert news(ann) == ("aborted", "script stopped the robot")
 
 
 @pytest.mark.parametrize("how", ["leaves", "falls silent"])

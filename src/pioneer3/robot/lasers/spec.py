@@ -1,6 +1,6 @@
 """Lasers as people write them on a command line."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -11,6 +11,7 @@ from pioneer3.links.urls import BARE_HOST, HOST_AND_PORT, opener, split_url
 from pioneer3.models import LaserMount, RobotModel
 from pioneer3.models.lasers import HOKUYO_PORT, LASERS, LaserProtocol, load_laser
 from pioneer3.models.model import REACH, OwnFile, OwnLaser
+from pioneer3.models.own import wrong_in_own
 from pioneer3.robot.lasers.driver import LaserConfig
 from pioneer3.robot.lasers.mounting import Mounting, Sector
 from pioneer3.units import ANGLE, LENGTH
@@ -112,21 +113,37 @@ def parse_lasers(
     return tuple(specs)
 
 
-def own_lasers(own: OwnFile) -> tuple[LaserSpec, ...]:
+def refuse_robots(specs: Iterable[LaserSpec], robots: Iterable[str]) -> None:
+    """Refuse a laser at a port of a robot: it would take the robot's bytes.
+
+    Raises:
+        ConfigError: there is one.
+    """
+    taken = {split_url(url) for url in robots}
+    for spec in specs:
+        if split_url(spec.url) in taken:
+            raise ConfigError(f"--laser {spec.url}: that is the robot's own port")
+
+
+def own_lasers(own: OwnFile, robots: Iterable[str] = ()) -> tuple[LaserSpec, ...]:
     """Return the lasers that a robot's own file gives it.
 
     Raises:
-        ConfigError: one of them has no port.
+        ConfigError: one of them has no port, or that of another, or of one of the `robots`.
     """
     kinds = (laser.mount.kind for laser in own.lasers)
     urls = [
         f"{kind}@{laser.port}" if kind in LASERS else laser.port
         for kind, laser in zip(kinds, own.lasers, strict=True)
     ]
-    try:
-        specs = parse_lasers(urls)
-    except ConfigError as error:
-        raise ConfigError(f"{own.path}: {error}") from None
+    for number, url in enumerate(urls):
+        try:
+            refuse_robots([parse_laser(url)], robots)
+            if url in urls[:number]:
+                parse_lasers([url, url])  # says that it is given twice
+        except ConfigError as error:
+            raise wrong_in_own(own, f"lasers[{number}].port", error) from None
+    specs = parse_lasers(urls)
     return tuple(
         replace(spec, mounting=mounting_of(laser.mount))
         for spec, laser in zip(specs, own.lasers, strict=True)

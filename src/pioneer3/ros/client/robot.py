@@ -9,7 +9,7 @@ from typing import Final
 from pioneer3.errors import Refusal, Symptom
 from pioneer3.geometry import STILL, Twist2
 from pioneer3.robot.explain import Reason, ReasonKind, why_not_moving
-from pioneer3.robot.pilot import Pilot, VelocityCommand, stands
+from pioneer3.robot.pilot import STOPPED, Pilot, VelocityCommand, stands
 from pioneer3.robot.supervisor import Connection, ConnectionStatus, Feed, RobotInfo
 from pioneer3.runtime.arbiter import Arbiter
 from pioneer3.runtime.driven import Driven
@@ -116,9 +116,9 @@ class TopicSupervisor:
         self._flush()
         return refused
 
-    def stop(self) -> None:
-        """Stop, whichever action has been driving."""
-        self.pilot.stop(self._clock())
+    def stop(self, why: str = STOPPED) -> None:
+        """Stop, whichever action has been driving; commands from before end by this reason."""
+        self.pilot.stop(self._clock(), why)
         self._send(STILL)
         self._flush()
 
