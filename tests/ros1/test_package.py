@@ -88,20 +88,22 @@ async def test_launch_files_of_p2os_start_the_node_in_its_place(
     async with simulated() as (_, url):
         host, _, port = url.removeprefix("tcp://").partition(":")
         launch.write_text(
-            '<launch><node pkg="p2os_driver" type="p2os_driver" name="p2os" output="screen">'
+            '<launch><param name="/lab/tf_prefix" value="r7"/>'
+            '<node pkg="p2os_driver" type="p2os_driver" name="p2os" ns="lab" output="screen">'
             f'<param name="use_tcp" value="true"/><param name="tcp_remote_host" value="{host}"/>'
             f'<param name="tcp_remote_port" value="{port}"/><param name="max_xspeed" value="0.2"/>'
             '<remap from="pose" to="odom"/></node></launch>'
         )
-        async with until_said("node /p2os on", "roslaunch", str(launch)):
-            assert "---" in await ros("rostopic", "echo", "-n", "1", "/odom")
-            on = ("rostopic", "pub", "-1", "/cmd_motor_state", "p2os_msgs/MotorState", "state: 1")
-            await ros(*on)
-            assert "state: 1" in await ros("rostopic", "echo", "-n", "1", "/motor_state")
-            assert "ranges_count: 16" in await ros("rostopic", "echo", "-n", "1", "/sonar")
-            assert "voltage: 1" in await ros("rostopic", "echo", "-n", "1", "/battery_state")
-            assert "count: 8" in await ros("rostopic", "echo", "-n", "1", "/dio")
-            assert "voltages_count: 1" in await ros("rostopic", "echo", "-n", "1", "/aio")
+        async with until_said("node /lab/p2os on", "roslaunch", str(launch)):
+            odometry = await ros("rostopic", "echo", "-n", "1", "/lab/odom")
+            assert 'child_frame_id: "r7/base_link"' in odometry
+            on = ("/lab/cmd_motor_state", "p2os_msgs/MotorState", "state: 1")
+            await ros("rostopic", "pub", "-1", *on)
+            assert "state: 1" in await ros("rostopic", "echo", "-n", "1", "/lab/motor_state")
+            assert "ranges_count: 16" in await ros("rostopic", "echo", "-n", "1", "/lab/sonar")
+            assert "voltage: 1" in await ros("rostopic", "echo", "-n", "1", "/lab/battery_state")
+            assert "count: 8" in await ros("rostopic", "echo", "-n", "1", "/lab/dio")
+            assert "voltages_count: 1" in await ros("rostopic", "echo", "-n", "1", "/lab/aio")
 
 
 @pytest.mark.parametrize(

@@ -59,6 +59,8 @@ def test_without_any_it_is_as_rosaria() -> None:
         ("compatibility", {"publish_tf": False}, "base_footprint"),  # a filter's is not
         ("compatibility", {"footprint_frame_id": "floor"}, "floor"),
         ("standard", {}, "base_footprint"),
+        ("standard", {"base_frame_id": "/base_footprint"}, ""),
+        ("p2os", {}, ""),
         ("standard", {"publish_tf": False}, "base_footprint"),
         ("both", {}, "base_footprint"),
         ("standard", {"publish_description": False}, ""),  # nobody says where base_link is in it
@@ -70,7 +72,7 @@ def test_the_footprint_is_between_odometry_and_robot_where_it_is_told(
 ) -> None:
     frames = read_parameters({"profile": profile, **raw}).options.frames
     assert frames.footprint == footprint
-    assert frames.root == (footprint or "base_link")
+    assert frames.root == (footprint or frames.base)
 
 
 @pytest.mark.parametrize(
@@ -202,7 +204,6 @@ def test_what_changes_nothing_is_told_with_what_was_meant() -> None:
         ("tcp_remote_host", "~port"),
         ("tcp_remote_port", "~port"),
         ("baud_rate", "~baud"),
-        ("tf_prefix", "~frame_prefix"),
         ("publish_aria_lasers", "scan"),
         ("pulse", "awake"),
         ("bumpstall", "bumper"),
@@ -231,12 +232,12 @@ def test_a_parameter_file_of_p2os_tells_what_to_write_in_ros2(tmp_path: Path) ->
     for path in (own, CASES / "p2os-speed-limit" / "ros2params.yaml"):
         if path.exists():
             raw = parameters_in(path, NodeName("pioneer3"))
-            assert read_parameters(raw, Profile.ROS2).timeout == 0.2
+            read = read_parameters(raw, Profile.ROS2)
+            assert (read.timeout, read.options.prefix) == (0.2, "r1/")
             assert unused_parameters(raw, Profile.ROS2) == [
                 "parameter base_link_frame_id of p2os has no effect here: write base_frame_id",
                 "parameter max_xspeed of p2os has no effect here: write max_linear_velocity",
                 "parameter max_yawspeed of p2os has no effect here: write max_angular_velocity",
-                "parameter tf_prefix of p2os and tf has no effect here: write frame_prefix",
             ]
 
 
@@ -259,6 +260,24 @@ def test_in_the_profile_of_p2os_its_own_names_act() -> None:
     assert unused_parameters(raw, Profile.P2OS) == []
     assert read_parameters({"profile": "p2os", "max_linear_velocity": 0.3}).timeout == 0.6
     assert read_parameters({"profile": "p2os", "port": "/dev/ttyS0"}).url == "/dev/ttyS0"
+
+
+@pytest.mark.parametrize("profile", ["compatibility", "p2os", "standard"])
+@pytest.mark.parametrize(
+    ("raw", "prefix"),
+    [
+        ({"tf_prefix": "/r1"}, "r1/"),
+        ({"tf_prefix": "r1/"}, "r1/"),
+        ({"tf_prefix": ""}, ""),
+        ({"tf_prefix": "r1", "frame_prefix": "r2_"}, "r2_"),
+    ],
+)
+def test_the_prefix_of_tf_is_before_all_frames(
+    profile: str, raw: dict[str, object], prefix: str
+) -> None:
+    given = {"profile": profile, **raw}
+    assert read_parameters(given).options.prefix == prefix
+    assert unused_parameters(given, Profile(profile)) == []
 
 
 def test_what_is_said_of_messages_is_taken_over() -> None:

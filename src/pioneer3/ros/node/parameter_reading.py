@@ -30,6 +30,8 @@ TIMEOUT: Final = {
 """Silence of cmd_vel after which the robot stops [s]."""
 SHORTEST: Final = 0.1
 """No publisher keeps pace with a shorter timeout [s]."""
+TF_PREFIX: Final = "tf_prefix"
+"""Parameter of tf, of RosAria and p2os, too: the prefix of frames without the slash after it."""
 BY_PORT: Final = Foreign("p2os", "write ~port, such as tcp://192.168.0.160:8101")
 GAINS: Final = Foreign("p2os", "the robot's own gains count")
 FOREIGN: Final = {
@@ -38,7 +40,6 @@ FOREIGN: Final = {
     **dict.fromkeys(("use_tcp", "tcp_remote_host", "tcp_remote_port"), BY_PORT),
     "radio": Foreign("p2os", "write the port of the modem as ~port"),
     "baud_rate": Foreign("p2os", "write ~baud"),
-    "tf_prefix": Foreign("p2os and tf", "write ~frame_prefix"),
     "pulse": Foreign("p2os", "the node keeps the robot awake by itself"),
     "bumpstall": Foreign("p2os", "a bumper always stops the robot"),
     "joystick": Foreign("p2os", "a joystick at the robot is the robot's own setting"),
@@ -57,6 +58,8 @@ def read_parameters(raw: RawParameters, profile: Profile | None = None) -> NodeP
     if profile is None:
         named = {name: value for name, value in raw.items() if name == "profile"}
         profile = Profile(read(NodeParameters, named, Profile.COMPATIBILITY).profile)
+    if isinstance(prefix := raw.get(TF_PREFIX), str):
+        raw = {"frame_prefix": f"{prefix.strip('/')}/"} | raw
     given = replace(
         read(NodeParameters, raw, profile),
         profile=profile,
@@ -126,12 +129,14 @@ def _navigation(raw: RawParameters, profile: Profile) -> NavigationSettings:
 def _completed(given: NodeParameters) -> NodeParameters:
     """Return the parameters with those defaults that depend on the profile and on others."""
     profile, default, footprint = given.profile, Frames(), given.footprint_frame_id
-    # RosAria's /tf has no footprint, and nobody else but /tf_static tells where the robot's frame
-    # is in it.
-    of_rosaria = profile is Profile.COMPATIBILITY and given.publish_tf
+    # /tf of RosAria and p2os has no footprint, and nobody else but /tf_static tells where the
+    # robot's frame is in it.
+    of_old = profile in {Profile.COMPATIBILITY, Profile.P2OS} and given.publish_tf
     if footprint is None:
-        hidden = of_rosaria or not given.publish_description
+        hidden = of_old or not given.publish_description
         footprint = "" if hidden else default.footprint
+    if footprint.lstrip("/") == given.base_frame_id.lstrip("/"):
+        footprint = ""
     at_base = profile in {Profile.STANDARD, Profile.P2OS, Profile.ROS2}
     of_scans = "laser_frame" if profile is Profile.COMPATIBILITY else default.laser
     timeout = TIMEOUT[profile] if given.cmd_vel_timeout is None else given.cmd_vel_timeout

@@ -132,7 +132,11 @@ class NodeParameters:
         otherwise="the robot's own",
         p2os="max_yawspeed",
     ).field(None)
-    frame_prefix: str = Parameter("before the name of every frame, such as `robot1/`").field("")
+    frame_prefix: str = Parameter(
+        "before the name of every frame, such as `robot1/`; tf's `~tf_prefix` is `robot1`, in ROS 1"
+        " also in a namespace above",
+        aliases=("tf_prefix",),
+    ).field("")
     odom_frame_id: str = frame("of odometry", rosaria="odom_frame").field(Frames().odom)
     base_frame_id: str = frame(
         "of the robot", rosaria="base_link_frame", p2os="base_link_frame_id"
@@ -141,7 +145,7 @@ class NodeParameters:
         "of the robot, too: `odom` to this one to `base_frame_id`; empty for none",
         pattern=f"({FRAME})?",
         otherwise="`base_footprint`; none without `publish_description`, and none in"
-        " `compatibility` with `publish_tf`, so that `/tf` is RosAria's",
+        " `compatibility` and `p2os` with `publish_tf`, so that `/tf` is theirs",
     ).field(None)
     bumpers_frame: str | None = frame(
         "of bumpers", otherwise="`bumpers`; the robot's frame in `standard` and ROS 2"

@@ -159,8 +159,8 @@ TOPICS: Final = (
         ),
         enabled=lambda options: options.odometry_tf or options.wheels_tf or options.map_tf,
         rate=SNAPSHOTS,
-        note="`odom` to `base_footprint`, in `compatibility` to `base_link`, same stamp as the"
-        " pose; in `standard` the turning wheels too; with a map `map` to `odom`",
+        note="`odom` to `base_footprint`, in `compatibility` and `p2os` to `base_link`, same stamp"
+        " as the pose; in `standard` the turning wheels too; with a map `map` to `odom`",
     ),
     Topic(
         compatibility="/tf_static",

@@ -21,6 +21,7 @@ from pioneer3.ros.node.laser_parameters import (
 )
 from pioneer3.ros.node.names import NODE, lab_node
 from pioneer3.ros.node.node import RobotNode
+from pioneer3.ros.node.parameter_reading import TF_PREFIX
 from pioneer3.ros.node.parameters import MODEL, SIMULATED
 from pioneer3.ros.node.start import StartOptions, checked_parameters, connected_robot
 from pioneer3.ros.ros1.environment import checked_master, environment_warnings
@@ -89,9 +90,10 @@ async def serve(options: StartOptions, tell: Callable[[str], None]) -> int:
     async with on_ros(node_name(options.arguments), options.arguments, tell) as watch:
         import rospy
 
-        parameters = checked_parameters(
-            rospy.get_param("~", {}), options.laser_ports, rospy.logwarn
-        )
+        raw = rospy.get_param("~", {})
+        if above := rospy.search_param(TF_PREFIX):
+            raw = {TF_PREFIX: rospy.get_param(above)} | raw
+        parameters = checked_parameters(raw, options.laser_ports, rospy.logwarn)
         watch.start()
         if options.line_map or parameters.map:
             find_move_base()
