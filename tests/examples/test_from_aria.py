@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from pioneer3 import BlockingRobot
+from pioneer3.robot.devices import Devices
 
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "docs/how-to/from-aria.md"
@@ -132,6 +133,8 @@ def test_the_new_names_of_the_page_exist() -> None:
     named = set(re.findall(r"`(?:await )?robot\.(\w+)", page))
     assert named
     assert [name for name in named if not hasattr(BlockingRobot, name)] == []
+    devices = set(re.findall(r"`robot\.devices\.(\w+)", page))
+    assert [name for name in devices if not hasattr(Devices, name)] == []
     imported = re.findall(r"^from (pioneer3[\w.]*) import (.+)$", page, re.MULTILINE)
     actions = re.findall(r"`behaviors\.actions\.(\w+)", page)
     assert imported

@@ -59,7 +59,7 @@ def read_parameters(raw: RawParameters, profile: Profile | None = None) -> NodeP
         named = {name: value for name, value in raw.items() if name == "profile"}
         profile = Profile(read(NodeParameters, named, Profile.COMPATIBILITY).profile)
     if isinstance(prefix := raw.get(TF_PREFIX), str):
-        raw = {"frame_prefix": f"{prefix.strip('/')}/"} | raw
+        raw = {"frame_prefix": f"{prefix.strip('/')}/", **raw}
     given = replace(
         read(NodeParameters, raw, profile),
         profile=profile,
