@@ -6,17 +6,22 @@ from types import MappingProxyType
 from typing import Final
 
 from pioneer3.errors import ConfigError
+from pioneer3.links.urls import HOST_AND_PORT, TCP_PORT
 
 SIMULATOR: Final = "sim"
 """The command that takes MobileSim's options; all others take ARIA's."""
 NAMING: Final = (["robot", "show"], ["robot", "edit"])
 """Commands that take a name alone, which may be that of an option."""
-LONG: Final = re.compile(r"-[A-Za-z][A-Za-z]+\d?")
-"""An option with one dash and several letters, which none of ours has."""
+LONG: Final = re.compile(r"--?[A-Za-z][A-Za-z]+\d?")
+"""An option of several letters, which ARIA takes with one dash or two, and any case."""
+FIRST: Final = "1"
+"""Number of the laser whose options end in no digit."""
 SIMULATOR_LONG: Final = frozenset(
     (
         *("map", "nomap", "robot", "port", "start", "cwd", "html", "resolution", "verbose"),
-        *("noninteractive", "stageworld", "daemonize"),
+        *("noninteractive", "stageworld", "daemonize", "bind-to-address", "log-file"),
+        *("no-gui", "no-graphics", "lite-graphics", "no-network-discovery", "odom-error-mode"),
+        *("update-interval", "update-sim-time", "ignore-command", "log-timing-stats"),
     )
 )
 """Options of MobileSim that are one word; others with one dash are short ones that are joined."""
@@ -54,6 +59,8 @@ VALUES: Final[Mapping[str, str]] = MappingProxyType(
     }
 )
 """Our options, or parts of them, that the values of ARIA's options become."""
+LASER_PARTS: Final = frozenset(("laser", "kind"))
+"""Values of which each laser has its own."""
 NO_EFFECT: Final[Mapping[str, str]] = MappingProxyType(
     {
         **dict.fromkeys(
@@ -66,29 +73,63 @@ NO_EFFECT: Final[Mapping[str, str]] = MappingProxyType(
                 *("robotlogpacketsreceived", "rlpr", "robotlogpacketssent", "rlps"),
                 *("robotlogmovementreceived", "rlmr", "robotlogmovementsent", "rlms"),
                 *("robotlogvelocitiesreceived", "rlvr", "robotlogactions", "rla"),
+                *("sonarlogpacketsreceived", "slpr", "sonarlogpacketssent", "slps"),
+                *("batterylogpacketsreceived", "blpr", "batterylogpacketssent", "blps"),
+                *("lcdlogpacketsreceived", "lcdlpr", "lcdlogpacketssent", "lcdlps"),
             ),
             "--record FILE writes every byte and every decision",
         ),
     }
 )
 """The reasons why options of ARIA without a value change nothing."""
+VALUE_WITHOUT_EFFECT: Final[Mapping[str, str]] = MappingProxyType(
+    {
+        **dict.fromkeys(
+            ("laserstartingbaud", "lsb", "laserautobaud", "lab"), "the laser's speed is found"
+        ),
+        **dict.fromkeys(
+            (
+                *("laserincrement", "li", "laserincrementbydegrees", "libd", "laserunits", "lu"),
+                *("lasermaxrange", "lmr", "laserreflectorbits", "lrb"),
+            ),
+            "the laser measures as its type does",
+        ),
+        **dict.fromkeys(
+            ("laserpowercontrolled", "lpc"), "a laser is waited for until it has power and answers"
+        ),
+    }
+)
+"""The reasons why options of ARIA with a value change nothing."""
 REFUSED: Final[Mapping[str, str]] = MappingProxyType(
     {
         **dict.fromkeys(
             ("laserflipped", "lf"), "give --laser-pose x,y,heading,upside-down, such as 16cm,0,0"
         ),
         **dict.fromkeys(
-            ("laserdegrees", "ld", "laserdegreesstart", "lds", "laserdegreesend", "lde"),
+            (
+                *("laserdegrees", "ld", "laserdegreesstart", "lds", "laserdegreesend", "lde"),
+                *("laseradditionalignorereadings", "lair"),
+            ),
             "give --laser-mask with the sectors to leave out, such as -180:-90,90:180",
         ),
         **dict.fromkeys(
             ("laserporttype", "lpt", "remotelasertcpport", "rltp"),
             "give --laser with a URL, such as tim551@tcp://192.168.0.1:2112",
         ),
-        **dict.fromkeys(("ptz", "ptz1", "gpsport", "gpstype"), "programs use robot.devices"),
+        **dict.fromkeys(
+            (
+                *("ptz", "ptztype", "gpsport", "gpstype", "gpsbaud", "remotegpstcphost"),
+                *("remotegpstcpport", "compassport", "compasstype", "ptzserialport", "ptzinverted"),
+                *("ptzrobotauxserialport", "ptzaddress", "ptztcpport", "ptzusername"),
+                "ptzpassword",
+            ),
+            "programs use robot.devices",
+        ),
     }
 )
 """The remedies for options of ARIA that cannot be left out."""
+KNOWN: Final = frozenset((*VALUES, *NO_EFFECT, *VALUE_WITHOUT_EFFECT, *REFUSED))
+"""Names of ARIA's options, in lower case."""
 
 
 def in_our_words(words: Sequence[str], warn: Callable[[str], None]) -> list[str]:
@@ -107,45 +148,75 @@ def in_our_words(words: Sequence[str], warn: Callable[[str], None]) -> list[str]
         return list(words)
     end = words.index(END) if END in words else len(words)
     kept: list[str] = []
-    parts: dict[str, str] = {}
+    told: dict[str, str] = {}
+    lasers: dict[str, dict[str, str]] = {}
     rest = iter(words[:end])
     for word in rest:
-        name = _name(word)
-        if name in VALUES:
-            parts[VALUES[name]] = _value(word, rest)
+        name, number = _name(word)
+        if part := VALUES.get(name):
+            of = lasers.setdefault(number, {}) if part in LASER_PARTS else told
+            of[part] = _value(word, rest)
         elif name in REFUSED:
             raise ConfigError(f"{word} is ARIA's: {REFUSED[name]}")
-        elif name in NO_EFFECT:
-            warn(f"{word} has no effect: {NO_EFFECT[name]}")
+        elif why := NO_EFFECT.get(name) or VALUE_WITHOUT_EFFECT.get(name):
+            if name in VALUE_WITHOUT_EFFECT:
+                _value(word, rest)
+            warn(f"{word} has no effect: {why}")
         else:
             kept.append(word)
-    return [*kept, *(word for option in _options(parts) for word in option), *words[end:]]
+    options = [
+        *_robot_options(told, kept, warn),
+        *(_laser_option(lasers[each]) for each in sorted(lasers)),
+    ]
+    return [*kept, *(word for option in options for word in option), *words[end:]]
 
 
-def _name(word: str) -> str:
-    """Return the name of an option of ARIA; empty for a word that can be none."""
-    return word[1:].lower() if LONG.fullmatch(word) else ""
+def _name(word: str) -> tuple[str, str]:
+    """Return the name of an option of ARIA, and of which laser; empty for other words."""
+    name = word.lstrip("-").lower() if LONG.fullmatch(word) else ""
+    bare = name.rstrip("0123456789")
+    return (bare, name.removeprefix(bare) or FIRST) if bare in KNOWN else ("", "")
 
 
 def _value(word: str, rest: Iterator[str]) -> str:
     value = next(rest, None)
-    if value is None or _name(value) in (*VALUES, *NO_EFFECT, *REFUSED):
+    if value is None or _name(value)[0]:
         raise ConfigError(f"{word}: its value is missing")
     return value
 
 
-def _options(parts: Mapping[str, str]) -> Iterator[tuple[str, str]]:
-    """Yield our options with their values."""
-    if "host" in parts or "tcp" in parts:
-        yield "--port", f"tcp://{parts.get('host', 'localhost')}:{parts.get('tcp', '8101')}"
-    for option in ("--port", "--baud"):
-        if option in parts:
-            yield option, parts[option]
-    if "kind" in parts or "laser" in parts:
-        kind = parts.get("kind", "")
-        known = LASER_KINDS.get(kind.lower())
-        if kind and known is None:
-            raise ConfigError(f"-laserType {kind}: known are {', '.join(LASER_KINDS)}")
-        if "laser" not in parts:
-            raise ConfigError("-laserType: give the laser's port, too: -laserPort /dev/ttyUSB1")
-        yield "--laser", f"{known}@{parts['laser']}" if known else parts["laser"]
+def _robot_options(
+    told: Mapping[str, str], kept: Sequence[str], warn: Callable[[str], None]
+) -> Iterator[tuple[str, str]]:
+    """Yield our options for the robot; a host comes before a serial port, as in ARIA."""
+    ours = next((each for each in kept if each.partition("=")[0] in {"--port", "-p"}), None)
+    if ours and told.keys() & {"host", "tcp", "--port"}:
+        raise ConfigError(f"{ours} and ARIA's option for the robot's port: give one of them")
+    if "host" in told or "tcp" in told:
+        if "--port" in told:
+            warn("-robotPort has no effect: the robot is asked for on the network")
+        yield "--port", _url(told.get("host", "localhost"), told.get("tcp"))
+    elif "--port" in told:
+        yield "--port", told["--port"]
+    if "--baud" in told:
+        yield "--baud", told["--baud"]
+
+
+def _url(host: str, tcp: str | None) -> str:
+    """Return the URL of a robot on the network, also for a host that says the port by itself."""
+    host = host.removeprefix("tcp://").rstrip("/")
+    if host.count(":") > 1 and not host.startswith("["):
+        host = f"[{host}]"
+    has_port = tcp is None and HOST_AND_PORT.fullmatch(host)
+    return f"tcp://{host}" if has_port else f"tcp://{host}:{tcp or TCP_PORT}"
+
+
+def _laser_option(parts: Mapping[str, str]) -> tuple[str, str]:
+    """Return our option for a laser."""
+    kind = parts.get("kind", "")
+    known = LASER_KINDS.get(kind.lower())
+    if kind and known is None:
+        raise ConfigError(f"-laserType {kind}: known are {', '.join(LASER_KINDS)}")
+    if "laser" not in parts:
+        raise ConfigError("-laserType: give the laser's port, too: -laserPort /dev/ttyUSB1")
+    return "--laser", f"{known}@{parts['laser']}" if known else parts["laser"]

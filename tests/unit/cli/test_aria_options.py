@@ -26,6 +26,20 @@ def ours(line: str) -> tuple[str, list[str]]:
         ("move -0.5 --speed -30cm -p COM3", "move -0.5 --speed -30cm -p COM3"),
         ("goto -1 -2", "goto -1 -2"),
         ("sim -mlab -vm lab", "sim -mlab -vm lab"),
+        ("drive --remoteHost lab --robotBaud 9600", "drive --port tcp://lab:8101 --baud 9600"),
+        ("drive -rh lab:8102", "drive --port tcp://lab:8102"),
+        ("drive -rh tcp://lab/ -rrtp 8103", "drive --port tcp://lab:8103"),
+        ("drive -rh ::1", "drive --port tcp://[::1]:8101"),
+        (
+            "demo -laserType2 urg -lp2 /dev/ttyACM0 -lt1 lms2xx -laserPort /dev/ttyUSB2",
+            "demo --laser lms-200@/dev/ttyUSB2 --laser urg-04lx@/dev/ttyACM0",
+        ),
+        (
+            "sim -log-file x -no-gui -bind-to-address ::",
+            "sim --log-file x --no-gui --bind-to-address ::",
+        ),
+        ("robot show -rb", "robot show -rb"),
+        ("robot edit -laserFlipped", "robot edit -laserFlipped"),
         ("drive -rh h -- -rp x", "drive --port tcp://h:8101 -- -rp x"),
     ],
 )
@@ -39,6 +53,13 @@ def test_an_option_without_effect_is_told_and_left_out() -> None:
     assert [each.partition(" has no effect: ")[0] for each in told] == ["-connectLaser", "-rlps"]
 
 
+def test_a_value_of_an_option_without_effect_is_left_out_with_it() -> None:
+    line, told = ours("wander -laserIncrement2 half -lsb 38400 -rp COM3 -rh lab")
+    assert line == "wander --port tcp://lab:8101"
+    options = [each.partition(" has no effect: ")[0] for each in told]
+    assert options == ["-laserIncrement2", "-lsb", "-robotPort"]
+
+
 @pytest.mark.parametrize(
     ("line", "complaint"),
     [
@@ -47,6 +68,11 @@ def test_an_option_without_effect_is_told_and_left_out() -> None:
         ("drive -laserFlipped true", "-laserFlipped is ARIA's: give --laser-pose"),
         ("drive -ld 180", "-ld is ARIA's: give --laser-mask"),
         ("drive -lt sonar9000 -lp COM4", "-laserType sonar9000: known are lms2xx"),
+        ("drive -rh lab --port COM3", "--port and ARIA's option for the robot's port: give one"),
+        ("drive -rp COM3 -p=COM4", "-p=COM4 and ARIA's option for the robot's port: give one"),
+        ("drive -lair 3,4", "-lair is ARIA's: give --laser-mask"),
+        ("drive -compassPort COM3", "-compassPort is ARIA's: programs use robot.devices"),
+        ("drive -lsb -rp COM3", "-lsb: its value is missing"),
         ("drive -lt urg", "-laserType: give the laser's port"),
     ],
 )
