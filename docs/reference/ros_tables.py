@@ -1,4 +1,4 @@
-"""Write the tables of docs/how-to/ros1.md, ros2.md, laser.md and navigate.md.
+"""Write the tables of ros1-node.md and ros2-node.md, and of how-to/laser.md and navigate.md.
 
     uv run python -m docs.reference.ros_tables
 
@@ -34,10 +34,10 @@ from pioneer3.ros.node.services import NAVIGATION_SERVICES, P2OS_ORDERS, SERVICE
 from pioneer3.ros.node.topic import Direction, Topic
 from pioneer3.ros.node.topics import TOPICS, aria_topics, laser_topic, transducer_topic
 
-PAGE = Path(__file__).parents[1] / "how-to" / "ros1.md"
-LASER_PAGE = PAGE.with_name("laser.md")
-ROS2_PAGE = PAGE.with_name("ros2.md")
-MAP_PAGE = PAGE.with_name("navigate.md")
+PAGE = Path(__file__).with_name("ros1-node.md")
+ROS2_PAGE = PAGE.with_name("ros2-node.md")
+LASER_PAGE = PAGE.parents[1] / "how-to" / "laser.md"
+MAP_PAGE = LASER_PAGE.with_name("navigate.md")
 PAGES = (PAGE, LASER_PAGE, ROS2_PAGE, MAP_PAGE)
 EVERY = {
     StateUpdate: "with every snapshot",

@@ -22,9 +22,9 @@ def check(
 ) -> int:
     """Check a robot's node, ours or anybody's: topics, services, transforms.
 
-    It listens to all topics of the robot and compares them with the table in
-    docs/how-to/ros2.md: types, quality of service, rates, stamps, frames, numbers.
-    Nothing moves, and no service is called. With --ros-args come the remapping
+    It listens to all topics of the robot and compares them with the tables of
+    pioneer3 docs ros2-node: types, quality of service, rates, stamps, frames,
+    numbers. Nothing moves, and no service is called. With --ros-args come the remapping
     rules of the robot's node. The exit code is 1 if something is
     wrong, and 3 if there is no robot.
 

@@ -21,10 +21,7 @@ from pioneer3.models import load_model
 from pioneer3.sim.map_convert import look
 
 ROOT = Path(__file__).parents[3]
-PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 OPENED = re.compile(r"\S+\.(?:map|toml|yaml|png|p)\b")
-PART = re.compile(r"(?:'[^']*'|[^|;)&'])+")
-"""A command of a line, with what is quoted."""
 OTHER_WORDS = {("sim", "--port"), ("sim", "--speed"), ("map check", "--robot")}
 """Options of MobileSim's that mean something else; a model in the place of a robot."""
 
@@ -64,19 +61,6 @@ def options(words: str) -> dict[str, str]:
 def examples(words: str) -> list[str]:
     """Return every example of a help."""
     return re.findall(r"^Example: pioneer3 (.*)$", shown(words, 200), re.MULTILINE)
-
-
-def in_pages() -> list[tuple[str, str]]:
-    """Return every command of the README and the docs that is a line of a shell block."""
-    found = []
-    for page in PAGES:
-        for block in re.findall(r"```sh\n(.*?)```", page.read_text("utf-8"), re.DOTALL):
-            for line in block.replace("\\\n", " ").splitlines():
-                for part in PART.findall(line.partition(" #")[0].partition("  ")[0]):
-                    match = re.fullmatch(r"\s*(?:\.venv/bin/)?(?:pioneer3|p3) (.+)", part)
-                    if match and "$" not in part:
-                        found.append((page.name, re.split(r" > (?!.*')", match[1])[0]))
-    return found
 
 
 @pytest.mark.parametrize("words", ["", *COMMANDS])
@@ -123,11 +107,6 @@ def test_a_help_shows_no_default_that_is_nothing(
 
 def test_there_are_examples_to_copy() -> None:
     assert len({each for words in ("", *COMMANDS) for each in examples(words)}) > 15
-
-
-@pytest.mark.parametrize(("page", "line"), in_pages())
-def test_a_command_in_the_docs_is_understood(page: str, line: str) -> None:
-    app.parse_args(gather_ros_arguments(shlex.split(line)), exit_on_error=False, print_error=False)
 
 
 @pytest.mark.parametrize("option", ["--port", "--speed", "--turn-rate", "--seconds", "--max-speed"])

@@ -73,7 +73,7 @@ def parameters_in(path: Path, node: NodeName) -> dict[str, object]:
         raise ConfigError(f"--params-file {path}: {error}") from error
     content = _loaded(text, f"--params-file {path}")
     if not isinstance(content, dict):
-        raise ConfigError(f"--params-file {path}: it has no nodes: see docs/how-to/ros2.md")
+        raise ConfigError(f"--params-file {path}: it has no nodes: see docs/reference/ros2-node.md")
     fitting = [(name, part) for name, part in _parts(content, path) if fits(name, node)]
     found: dict[str, object] = {}
     for _, part in sorted(fitting, key=lambda row: "*" not in row[0]):
