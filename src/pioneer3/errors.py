@@ -5,19 +5,7 @@ Corrupt bytes *received* are counted, not raised: noise on a serial cable is nor
 
 from dataclasses import dataclass
 from enum import StrEnum
-from pathlib import Path
 from typing import ClassVar, final
-
-SETUP = Path(__file__).parents[2] / "scripts/setup"
-"""Exists where the package runs from a clone."""
-
-
-def how_to_get(extra: str) -> str:
-    """Return the command that installs an optional part of this package, which no index has."""
-    if SETUP.is_file():
-        return f"the extra `{extra}` is missing; run: {SETUP}"
-    command = f"python -m pip install '.[{extra}]'"
-    return f"the extra `{extra}` is missing; in the folder of the package's clone run: {command}"
 
 
 class Symptom(StrEnum):

@@ -9,9 +9,12 @@ from pathlib import Path
 import pytest
 
 SOURCE = Path(__file__).parents[2] / "src"
+PROGRAMS = SOURCE / "pioneer3/classroom/lessons"
+"""Programs of students, which a class hands out."""
 MODULES = {
     ".".join(path.relative_to(SOURCE).with_suffix("").parts).removesuffix(".__init__"): path
     for path in (SOURCE / "pioneer3").rglob("*.py")
+    if path.parent != PROGRAMS
 }
 UNTYPED = ("sim.worldfile", "tables", "gym")
 """Readers of files, where anything may stand under any name; and Gymnasium's own interface."""

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-LESSONS = Path(__file__).parents[2] / "examples" / "lessons"
+LESSONS = Path(__file__).parents[2] / "src/pioneer3/classroom/lessons"
 WORLD = """
 [world]
 name = "wall"

@@ -13,7 +13,7 @@ from pioneer3.cli.process import (
     write_line,
     write_warning,
 )
-from pioneer3.errors import how_to_get
+from pioneer3.distribution import how_to_get
 
 if TYPE_CHECKING:
     from pioneer3.fleet.inventory import Fleet

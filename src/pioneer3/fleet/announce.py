@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 from urllib.parse import urlsplit
 
-from pioneer3.errors import how_to_get
+from pioneer3.distribution import how_to_get
 from pioneer3.links.hosts import ANY, is_address, is_loopback, machine_address
 from pioneer3.links.urls import split_host
 

@@ -20,15 +20,22 @@ from pathlib import Path
 from typing import Final
 
 import pioneer3
-from pioneer3.errors import SETUP, ConfigError
+from pioneer3.distribution import (
+    CLONE,
+    NAME,
+    NOT_SHIPPED,
+    added_by,
+    own_files,
+    own_metadata,
+    requirements,
+)
+from pioneer3.errors import ConfigError
 
 OLDEST_PYTHON: Final = (3, 11)
-NAME: Final = "pioneer3"
 MANYLINUX: Final = ((2, 17), (2, 28), (2, 31), (2, 34))
 """The levels of glibc for which wheels are made (PEP 600)."""
 MACHINES: Final = ("x86_64", "aarch64")
 """Processors for which the packages have wheels."""
-_NOT_SHIPPED: Final = {"__pycache__"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,7 +108,7 @@ class Bundler:
                 for name in installed(NAME, self._extras):
                     copy_distribution(name, tree)
             else:
-                _load(platform, _requirements(NAME, self._extras), tree)
+                _load(platform, _wanted(self._extras), tree)
             _copy_own(tree)
             name = f"{pioneer3.__version__}-{_digest(tree, platform)}"
             path = self._folder / f"{name}.tar.gz"
@@ -111,18 +118,15 @@ class Bundler:
         return Bundle(name, path, platform)
 
 
-def _requirements(name: str, extras: Sequence[str]) -> list[str]:
-    """Return the requirements of an installed package that count with these extras."""
+def _wanted(extras: Sequence[str]) -> list[str]:
+    """Return the requirements of this package on a robot, without the parts of other extras."""
     from packaging.requirements import Requirement
 
-    found = []
-    for line in metadata.requires(name) or ():
-        requirement = Requirement(line)
-        marker = requirement.marker
-        if marker is None or any(marker.evaluate({"extra": extra}) for extra in ("", *extras)):
-            requirement.marker = None
-            found.append(str(requirement))
-    return found
+    others = metadata.metadata(NAME).get_all("Provides-Extra") or ()
+    optional = {Requirement(line).name for extra in others for line in added_by(extra)}
+    chosen = {Requirement(line).name for extra in extras for line in added_by(extra)}
+    lines = requirements(NAME, extras)
+    return [line for line in lines if Requirement(line).name not in optional - chosen]
 
 
 def installed(name: str, extras: Sequence[str]) -> list[str]:
@@ -134,14 +138,16 @@ def installed(name: str, extras: Sequence[str]) -> list[str]:
     from packaging.requirements import Requirement
 
     found: set[str] = set()
-    waiting = [(line, name) for line in _requirements(name, extras)]
+    waiting = [
+        (line, name) for line in (_wanted(extras) if name == NAME else requirements(name, extras))
+    ]
     while waiting:
         line, by = waiting.pop()
         requirement = Requirement(line)
         if requirement.name.lower() in found:
             continue
         try:
-            more = _requirements(requirement.name, tuple(requirement.extras))
+            more = requirements(requirement.name, tuple(requirement.extras))
         except metadata.PackageNotFoundError:
             raise ConfigError(
                 f"{requirement.name}, which {by} needs, is not installed here"
@@ -157,7 +163,7 @@ def copy_distribution(name: str, tree: Path) -> None:
     for file in distribution.files or ():
         source = Path(str(file.locate()))
         inside = ".." not in file.parts and not file.is_absolute()
-        if inside and not _NOT_SHIPPED & set(file.parts) and source.is_file():
+        if inside and not NOT_SHIPPED & set(file.parts) and source.is_file():
             target = tree / file
             target.parent.mkdir(parents=True, exist_ok=True)
             shutil.copy2(source, target)
@@ -165,14 +171,14 @@ def copy_distribution(name: str, tree: Path) -> None:
 
 def _copy_own(tree: Path) -> None:
     """Copy this package as it runs here, and what `importlib.metadata` knows of it."""
-    source = Path(pioneer3.__file__).parent
-    ignored = shutil.ignore_patterns(*_NOT_SHIPPED, "*.nbi", "*.nbc")
-    shutil.copytree(source, tree / NAME, ignore=ignored)
-    distribution = metadata.distribution(NAME)
+    for name, source in own_files():
+        target = tree / name
+        target.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy2(source, target)
     about = tree / f"{NAME}-{pioneer3.__version__}.dist-info"
-    about.mkdir()
-    for file in ("METADATA", "entry_points.txt"):
-        (about / file).write_text(distribution.read_text(file) or "", encoding="utf-8")
+    for name, text in own_metadata():
+        (about / name).parent.mkdir(parents=True, exist_ok=True)
+        (about / name).write_text(text, encoding="utf-8")
 
 
 def _load(platform: Platform, requirements: Sequence[str], tree: Path) -> None:
@@ -205,7 +211,7 @@ def _uv() -> str | None:
     candidates = (
         shutil.which("uv"),
         Path.home() / ".local/bin/uv",
-        SETUP.parents[1] / ".tools/bin/uv",
+        CLONE / ".tools/bin/uv",
     )
     return next((str(path) for path in candidates if path and Path(path).is_file()), None)
 

@@ -13,7 +13,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from pioneer3.errors import HostError, LoginError, how_to_get
+from pioneer3.distribution import how_to_get
+from pioneer3.errors import HostError, LoginError
 from pioneer3.fleet.spec import FleetRobot
 from pioneer3.fleet.ssh_settings import SSH_PORT, SshSettings, settings_for
 

@@ -14,7 +14,7 @@ Importing this package registers `pioneer3/Goal-v0`, for `gymnasium.make` and
 `gymnasium.make_vec`. It needs the extra `gym`.
 """
 
-from pioneer3.errors import how_to_get
+from pioneer3.distribution import how_to_get
 
 try:
     import gymnasium

@@ -11,7 +11,8 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 
 from pioneer3.arrays import Bool, Float, Float32, Int
-from pioneer3.errors import CommandError, ConfigError, how_to_get
+from pioneer3.distribution import how_to_get
+from pioneer3.errors import CommandError, ConfigError
 from pioneer3.gym.maps import Distance, FreeSpace, Point, TiledMap
 from pioneer3.gym.task import Task
 from pioneer3.maps import LineMap

@@ -10,7 +10,8 @@ from typing import Any, Protocol, Self
 
 import numpy as np
 
-from pioneer3.errors import ConfigError, how_to_get
+from pioneer3.distribution import how_to_get
+from pioneer3.errors import ConfigError
 from pioneer3.geometry import ORIGIN, TURN
 from pioneer3.names import printable
 from pioneer3.nav.logged import Entry, LoggedOdometry, Pairing, Sources

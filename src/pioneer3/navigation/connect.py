@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pioneer3.arcos.host_events import Timing
-from pioneer3.errors import ConfigError, how_to_get
+from pioneer3.distribution import how_to_get
+from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
 from pioneer3.jit import numba_version
 from pioneer3.links import Opener

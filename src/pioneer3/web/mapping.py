@@ -75,7 +75,7 @@ class RobotMapping:
         self._asked_by, builder = operator, self._builder
         match request.step:
             case "begin" | "explore" if not self.possible:
-                return Refusal("a map needs a robot with a laser, and the extra nav")
+                return Refusal("a map needs a robot with a laser, and numba and scipy")
             case "begin":
                 self._begin.set()
             case "explore" if builder is None:

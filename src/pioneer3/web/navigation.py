@@ -13,7 +13,8 @@ from importlib.util import find_spec
 from math import inf
 from typing import TYPE_CHECKING, Any
 
-from pioneer3.errors import MotionError, PioneerError, Refusal, how_to_get
+from pioneer3.distribution import how_to_get
+from pioneer3.errors import MotionError, PioneerError, Refusal
 from pioneer3.geometry import Pose2
 from pioneer3.maps import LineMap
 from pioneer3.nav.places import Destination, home

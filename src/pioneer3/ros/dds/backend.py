@@ -12,7 +12,8 @@ from importlib.metadata import version
 from time import monotonic, sleep
 from typing import Any, Final
 
-from pioneer3.errors import ConfigError, how_to_get
+from pioneer3.distribution import how_to_get
+from pioneer3.errors import ConfigError
 from pioneer3.ros.dds.discovery import INFO, TOPIC, Discovery
 from pioneer3.ros.dds.endpoints import SAMPLES, DdsReader, DdsWriter
 from pioneer3.ros.dds.entities import Entities

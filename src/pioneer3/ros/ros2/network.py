@@ -8,7 +8,8 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from pioneer3.errors import ConfigError, how_to_get
+from pioneer3.distribution import how_to_get
+from pioneer3.errors import ConfigError
 from pioneer3.ros.ros2.backend import Backend, NodeName
 from pioneer3.ros.ros2.distros import DEFAULT, Distro, distro_of, distros
 from pioneer3.ros.ros2.types import MessageTypes

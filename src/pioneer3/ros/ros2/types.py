@@ -12,7 +12,8 @@ from importlib.resources import files
 from math import inf
 from typing import Any, Final
 
-from pioneer3.errors import ConfigError, how_to_get
+from pioneer3.distribution import how_to_get
+from pioneer3.errors import ConfigError
 from pioneer3.ros.ros2.backend import MessageType, ServiceType
 from pioneer3.ros.ros2.cdr import LARGEST as LARGEST_NUMBER
 from pioneer3.ros.ros2.cdr import encoder

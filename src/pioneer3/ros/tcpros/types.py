@@ -4,7 +4,8 @@ from dataclasses import dataclass
 from hashlib import md5
 from typing import Any, Final
 
-from pioneer3.errors import ConfigError, how_to_get
+from pioneer3.distribution import how_to_get
+from pioneer3.errors import ConfigError
 from pioneer3.ros.typestore import MessageStore, full_name
 
 FURTHER: Final = {

@@ -9,7 +9,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from pioneer3.errors import ConfigError, how_to_get
+from pioneer3.distribution import how_to_get
+from pioneer3.errors import ConfigError
 from pioneer3.ros.zenoh.config_file import ConfigFile, read_config
 
 if TYPE_CHECKING:

@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 
 from pioneer3.arrays import Bool, Float
-from pioneer3.errors import ConfigError, how_to_get
+from pioneer3.distribution import how_to_get
+from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
 from pioneer3.maps import LineMap, empty_map
 from pioneer3.models.description.mjcf import CAMERA

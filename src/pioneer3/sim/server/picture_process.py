@@ -10,7 +10,8 @@ from typing import Final, NamedTuple
 import msgspec
 import numpy as np
 
-from pioneer3.errors import DeviceError, how_to_get
+from pioneer3.distribution import how_to_get
+from pioneer3.errors import DeviceError
 from pioneer3.names import printable
 from pioneer3.sim.physics.dynamics import GL, Instant
 from pioneer3.sim.physics.renderer import (

@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING
 
 from numpy.random import default_rng
 
-from pioneer3.errors import ConfigError, DeviceError, PioneerError, how_to_get
+from pioneer3.distribution import how_to_get
+from pioneer3.errors import ConfigError, DeviceError, PioneerError
 from pioneer3.jit import numba_version
 from pioneer3.links.stream import accepted
 from pioneer3.maps import LineMap

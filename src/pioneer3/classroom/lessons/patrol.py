@@ -2,7 +2,7 @@
 
 START is where the robot is now: a place of the map, or X,Y,HEADING in metres and degrees.
 
-Run: python patrol.py tcp://localhost:8101 office START PLACE...
+Run: python patrol.py [ADDRESS] office START PLACE...
 """
 
 import sys
@@ -12,7 +12,11 @@ from math import radians
 from pioneer3 import MotionError, connect
 from pioneer3.geometry import Pose2
 
-url, line_map, begin, *places = sys.argv[1:]
+words = sys.argv[1:]
+url = words.pop(0) if words and "://" in words[0] else "tcp://localhost:8101"
+if len(words) < 3:
+    sys.exit(__doc__)
+line_map, begin, *places = words
 x, *rest = begin.split(",")
 start = Pose2(float(x), float(rest[0]), radians(float(rest[1]))) if rest else begin
 

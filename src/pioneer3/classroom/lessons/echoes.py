@@ -2,7 +2,7 @@
 
 Put the robot 1 m from a plain wall, with its front towards it.
 
-Run: python echoes.py tcp://localhost:8101
+Run: python echoes.py [ADDRESS]
 """
 
 import sys
@@ -14,7 +14,8 @@ TRANSDUCER = 3  # in front, looks 10 degrees to the left
 STEP, STEPS = radians(5), 14
 LISTEN = 1.0  # s at each angle: all transducers have fired several times
 
-url = sys.argv[1] if len(sys.argv) > 1 else "tcp://localhost:8101"
+words = sys.argv[1:]
+url = words.pop(0) if words and "://" in words[0] else "tcp://localhost:8101"
 
 with connect(url) as robot:
     looks = robot.info.model.sonars[TRANSDUCER].theta  # rad, to the left of the front

@@ -1,6 +1,6 @@
 """Lesson 1: drive a square, and print where the wheels say that the robot is at each corner.
 
-Run: python square.py tcp://localhost:8101 [SIDE [LAPS]]
+Run: python square.py [ADDRESS] [SIDE [LAPS]]
 """
 
 import sys
@@ -8,9 +8,10 @@ from math import degrees, hypot, pi
 
 from pioneer3 import connect
 
-url = sys.argv[1] if len(sys.argv) > 1 else "tcp://localhost:8101"
-side = float(sys.argv[2]) if len(sys.argv) > 2 else 0.5  # m
-laps = int(sys.argv[3]) if len(sys.argv) > 3 else 1
+words = sys.argv[1:]
+url = words.pop(0) if words and "://" in words[0] else "tcp://localhost:8101"
+side = float(words[0]) if words else 0.5  # m
+laps = int(words[1]) if len(words) > 1 else 1
 
 with connect(url) as robot:
     assert robot.snapshot is not None

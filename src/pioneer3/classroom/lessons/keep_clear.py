@@ -1,6 +1,6 @@
 """Lesson 2: a wander program of one's own: ahead while there is room, else turn away.
 
-Run: python keep_clear.py tcp://localhost:8101 [SECONDS]
+Run: python keep_clear.py [ADDRESS] [SECONDS]
 """
 
 import sys
@@ -10,8 +10,9 @@ from pioneer3 import MotionError, connect
 SPEED, TURN_RATE = 0.25, 0.6  # m/s, rad/s
 NEAR, FAR = 0.6, 0.9  # m: turn from nearer than this, until nothing is nearer than that
 
-url = sys.argv[1] if len(sys.argv) > 1 else "tcp://localhost:8101"
-seconds = float(sys.argv[2]) if len(sys.argv) > 2 else 20.0
+words = sys.argv[1:]
+url = words.pop(0) if words and "://" in words[0] else "tcp://localhost:8101"
+seconds = float(words[0]) if words else 20.0
 turning = 0.0  # rad/s
 
 with connect(url) as robot:
