@@ -120,13 +120,15 @@ class Placer:
             case "outside":
                 pose = self._beside(model)
             case "home":
-                homes = self._map.starts or (ORIGIN,)
+                homes = self._map.starts or (self._middle(),)
                 home = homes[self._homes_used % len(homes)]
                 self._homes_used += 1
                 at = np.array([[home.x, home.y]])
                 clear = self._clear_of_others(model, at, home.theta, 0.0).all()
                 free = clear and self._fits(model, home)
                 pose = home if free else self._near(model, home)
+                if pose is None and self._is_open(model, home):
+                    pose = self._beside(model)
             case Pose2():
                 pose = start if self._misses_robots(model, start) else self._near(model, start)
         if pose is None:
@@ -136,6 +138,17 @@ class Placer:
             )
         self.occupy(model, pose)
         return pose
+
+    def _middle(self) -> Pose2:
+        """Return the start on a map without any: the origin, or the middle if it is beside it."""
+        if self._within_map(np.zeros((1, 2))).all():
+            return ORIGIN
+        x, y = np.reshape(self._map.bounds, (2, 2)).mean(axis=0).tolist()
+        return Pose2(x, y)
+
+    def _is_open(self, model: RobotModel, start: Pose2) -> bool:
+        """Whether a robot can leave the map from a start, as no walls are around it."""
+        return not self._within_map(self._free_places(model, start).centres).all()
 
     def _near(self, model: RobotModel, wanted: Pose2) -> Pose2 | None:
         """Return the nearest place in reach of `wanted` where `model` can turn, else in the map.

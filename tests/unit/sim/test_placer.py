@@ -209,6 +209,20 @@ def test_a_full_room_is_said_to_be_full() -> None:
         placed(room(3, 3, Pose2(1.5, 1.5)), crowd(20, "home"))
 
 
+def test_robots_on_a_map_beside_the_origin_start_within_its_walls() -> None:
+    walls = room(6, 6).walls + np.array([20, -40, 20, -40])
+    for pose in placed(LineMap(name="far", walls=walls), crowd(4, "home")):
+        assert 20 < pose.x < 26
+        assert -40 < pose.y < -34
+
+
+def test_robots_that_find_no_room_among_lonely_boxes_stand_beside_them() -> None:
+    requests = crowd(10, "home")
+    poses = placed(LineMap(name="box", walls=room(0.4, 0.4).walls), requests)
+    assert_apart(requests, poses)
+    assert all(hypot(pose.x - 0.2, pose.y - 0.2) > 0.4 for pose in poses)
+
+
 def test_robots_that_are_spread_can_all_turn() -> None:
     poses = placed(empty_map(), crowd(9, "home"))
     models = [n.model for n in crowd(9, "home")]

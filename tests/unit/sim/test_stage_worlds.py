@@ -56,6 +56,10 @@ def test_a_position_model_is_a_robot_with_its_type_laser_and_pose(tmp_path: Path
     assert robot.start == Pose2(1.0, 0.5, radians(-45))
 
 
+def test_robots_of_a_command_line_start_where_those_of_the_world_do(tmp_path: Path) -> None:
+    assert load_map(write_lab(tmp_path)).homes == (Pose2(1.0, 0.5, radians(-45)),)
+
+
 def test_what_has_no_counterpart_is_named_once(
     tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:

@@ -26,7 +26,7 @@ from pioneer3.sim.worldfile.collada import read_collada
 from pioneer3.sim.worldfile.gazebo_frames import ANYWHERE, NONE, SdfFrames, flat, named, pose_of
 from pioneer3.sim.worldfile.gazebo_text import SdfElement, SdfFiles, descendants
 from pioneer3.sim.worldfile.spec import Box, RobotSpec, Wall, WorldFile
-from pioneer3.sim.worldfile.stand_ins import laser_of, pioneer_of
+from pioneer3.sim.worldfile.stand_ins import homes_of, laser_of, pioneer_of
 
 log = logging.getLogger(__name__)
 
@@ -116,6 +116,7 @@ class _GazeboReader:
             boxes=tuple(self._boxes),
             walls=tuple(self._walls),
             solids=tuple(self._solids),
+            places=homes_of(self._robots),
             source=str(self._path),
         )
 

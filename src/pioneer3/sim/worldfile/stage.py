@@ -25,7 +25,7 @@ from pioneer3.sim.relief.shapes import rectangle
 from pioneer3.sim.relief.solids import SENSOR_HEIGHT
 from pioneer3.sim.worldfile.spec import Box, RobotSpec, Wall, WorldFile
 from pioneer3.sim.worldfile.stage_text import StageEntity, StageText
-from pioneer3.sim.worldfile.stand_ins import laser_of, pioneer_of, robot_of_size
+from pioneer3.sim.worldfile.stand_ins import homes_of, laser_of, pioneer_of, robot_of_size
 from pioneer3.text import shown, wrong
 
 log = logging.getLogger(__name__)
@@ -102,6 +102,7 @@ class _StageReader:
             robots=tuple(self._robots),
             boxes=tuple(self._boxes),
             walls=tuple(self._walls),
+            places=homes_of(self._robots),
             source=str(path),
         )
 

@@ -3,7 +3,9 @@
 import re
 from collections.abc import Sequence
 
+from pioneer3.geometry import Pose2
 from pioneer3.models import load_model
+from pioneer3.sim.worldfile.spec import Place, RobotSpec
 
 _PIONEERS = (
     (re.compile(r"amigo"), "amigo-sh"),
@@ -52,6 +54,15 @@ def robot_of_size(length: float, width: float) -> str:
         return abs(model.length_front + model.length_rear - length) + abs(model.width - width)
 
     return min(_BY_SIZE, key=distance)
+
+
+def homes_of(robots: Sequence[RobotSpec]) -> tuple[Place, ...]:
+    """Return the places of robots as homes, for those that are put in their stead."""
+    return tuple(
+        Place(kind="RobotHome", pose=robot.start, name=robot.name)
+        for robot in robots
+        if isinstance(robot.start, Pose2)
+    )
 
 
 def laser_of(names: Sequence[str], farthest: float) -> str:
