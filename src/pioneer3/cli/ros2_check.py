@@ -22,11 +22,11 @@ def check(
 ) -> int:
     """Check a robot's node, ours or anybody's: topics, services, transforms.
 
-    It listens to all topics of the robot and compares them with the tables of
-    pioneer3 docs ros2-node: types, quality of service, rates, stamps, frames,
-    numbers. Nothing moves, and no service is called. With --ros-args come the remapping
-    rules of the robot's node. The exit code is 1 if something is
-    wrong, and 3 if there is no robot.
+    It listens to all topics of the robot and compares them with the tables that
+    pioneer3 docs ros2-node shows: types, quality of service, rates, stamps, frames,
+    numbers. Nothing moves, and no service is called. With --ros-args come the
+    remapping rules of the robot's node. The exit code is 1 if something is wrong,
+    and 3 if there is no robot.
 
     Example: pioneer3 ros2 check
     Example: pioneer3 ros2 check --robot robot1 --seconds 10 --json
