@@ -7,10 +7,11 @@ import sys
 from collections import defaultdict
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import partial
 from html.parser import HTMLParser
 from pathlib import Path
 from threading import Thread
-from urllib.parse import unquote, urldefrag, urlsplit
+from urllib.parse import quote_plus, unquote, urldefrag, urlsplit
 
 import pytest
 import uvicorn
@@ -155,6 +156,41 @@ def test_the_search_finds_a_page(book: Path, tabs: Tabs) -> None:
     with served(book) as address, tabs.open(address) as page, no_complaints(page):
         search(page, "bumper")
         expect(page.get_by_text(re.compile(r"\d+ results"))).to_be_visible()
+
+
+QUESTIONS = {
+    "serial TCP": "how-to/onboard-computer/",
+    "does not move": "troubleshooting/does-not-move/",
+    "max speed": "how-to/speed-limits/",
+    "save data csv": "how-to/csv/",
+    "start at boot": "how-to/onboard-computer/",
+    "calibrate odometry": "how-to/calibrate/",
+    "own laser": "how-to/laser/",
+    "ten robots obstacles": "how-to/obstacles/",
+    "nav2": "how-to/nav2/",
+    "rostopic echo shows nothing": "troubleshooting/ros-topic-silent/",
+    "permission denied": "troubleshooting/no-port/",
+    "drives in circles": "troubleshooting/drives-in-circles/",
+    "not sure where it is": "troubleshooting/not-sure-where-it-is/",
+}
+"""Questions of people, and the page with the answer."""
+FIRST = 3
+"""Results that a reader looks at."""
+
+
+def test_the_search_answers_what_people_ask(book: Path, tabs: Tabs) -> None:
+    with served(book) as address, tabs.open(address) as page, no_complaints(page):
+        search(page, "")
+        for words, answer in QUESTIONS.items():
+            page.keyboard.press("Control+A")
+            page.keyboard.type(words)
+            until(partial(leads, page, words, answer))
+
+
+def leads(page: Page, words: str, answer: str) -> bool:
+    """Return whether one of the first results for `words` is the page `answer`."""
+    results = page.locator(f"a[href*='?h={quote_plus(words)}']").all()[:FIRST]
+    return any(f"/{answer}?" in (each.get_attribute("href") or "") for each in results)
 
 
 def search(page: Page, words: str) -> None:
