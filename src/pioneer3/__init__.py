@@ -1,10 +1,4 @@
-"""Drive, simulate and program Pioneer 3 robots.
-
-from pioneer3 import connect
-
-with connect("tcp://localhost:8101") as robot:
-robot.move(1.0)
-"""
+"""Drive, simulate and program Pioneer 3 robots; a program begins with :func:`connect`."""
 
 TYPE_CHECKING = False  # the module typing takes a while, in which Ctrl-C is not quiet yet
 

@@ -4,21 +4,39 @@ import re
 import shutil
 import subprocess
 import sys
+import zlib
 from collections import defaultdict
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import partial
 from html.parser import HTMLParser
+from importlib import import_module
 from pathlib import Path
 from threading import Thread
 from urllib.parse import quote_plus, unquote, urldefrag, urlsplit
 
 import pytest
 import uvicorn
+from cyclopts import App
 from playwright.sync_api import Page, Request, expect
 from starlette.applications import Starlette
 
+import pioneer3
+from docs.reference.made import commands, exceptions, exit_codes, make, operations
+from pioneer3.behaviors.modes import MODES
+from pioneer3.behaviors.modes.group import GROUP_MODES
+from pioneer3.cli.main import Exit, app
 from pioneer3.errors import ConfigError
+from pioneer3.nav.settings import SETTINGS
+from pioneer3.ros.node.driving_parameters import PARAMETERS as DRIVING
+from pioneer3.ros.node.laser_parameters import LaserParameters
+from pioneer3.ros.node.names import Profile
+from pioneer3.ros.node.navigation_topics import NAVIGATION_TOPICS
+from pioneer3.ros.node.parameter import rows_of
+from pioneer3.ros.node.parameters import parameters_in
+from pioneer3.ros.node.services import NAVIGATION_SERVICES, SERVICES
+from pioneer3.ros.node.topics import TOPICS
+from pioneer3.web.api.routes import OPERATIONS
 from pioneer3.web.book import book_routes, find_page
 from tests.browser.support import until
 from tests.browser.tabs import Tabs, no_complaints
@@ -26,6 +44,14 @@ from tests.browser.tabs import Tabs, no_complaints
 ROOT = Path(__file__).parents[2]
 LARGEST = 15e6
 """Size of the book with all its pictures [bytes]."""
+PACKAGES = (
+    *("pioneer3.behaviors", "pioneer3.behaviors.actions", "pioneer3.behaviors.modes"),
+    *("pioneer3.gym", "pioneer3.maps", "pioneer3.models", "pioneer3.robot.devices"),
+    "pioneer3.sim.worldfile",
+)
+"""Packages that programs import from; the protocol's commands and reports have tables."""
+ERRORS = {f"pioneer3.{name}" for name in pioneer3.__all__ if name.endswith("Error")}
+"""Exceptions; they have a table."""
 SAMPLE = ("", "reference/python-api/", "how-to/laser/", "tutorial/drive/", "reference/protocol/")
 """Pages with all that any page has: pictures, tables, code, names of the API."""
 
@@ -37,6 +63,7 @@ def book(tmp_path_factory: pytest.TempPathFactory) -> Path:
     for name in ("src", "examples"):
         (folder / name).symlink_to(ROOT / name)
     shutil.copytree(ROOT / "docs", folder / "docs")
+    make(folder / "docs/made")
     config = (ROOT / "zensical.toml").read_text()
     (folder / "zensical.toml").write_text(config.replace("src/pioneer3/book", "site"))
     zensical = Path(sys.executable).with_name("zensical")
@@ -108,13 +135,73 @@ def test_every_link_and_anchor_of_the_book_leads_somewhere(book: Path) -> None:
 def test_every_page_has_its_line_in_the_order() -> None:
     config = (ROOT / "zensical.toml").read_text()
     pages = {path.relative_to(ROOT / "docs").as_posix() for path in (ROOT / "docs").rglob("*.md")}
-    assert pages - set(re.findall(r'"([\w/-]+\.md)"', config)) == {"package.md"}
+    left_out = {page for page in pages if page.startswith("made/")} | {"package.md"}
+    assert pages - set(re.findall(r'"([\w/-]+\.md)"', config)) == left_out
 
 
 def test_every_example_is_on_its_page() -> None:
     page = (ROOT / "docs/how-to/examples.md").read_text()
     examples = (path.relative_to(ROOT).as_posix() for path in (ROOT / "examples").rglob("*.py"))
     assert [path for path in examples if f'--8<-- "{path}"' not in page] == []
+
+
+def test_every_public_name_has_its_place_in_the_reference(book: Path) -> None:
+    inventory = (book / "objects.inv").read_bytes().split(b"zlib.\n", 1)[1]
+    listed = {line.split()[0] for line in zlib.decompress(inventory).decode().splitlines()}
+    missing = [
+        f"{package}.{name}"
+        for package in ("pioneer3", *PACKAGES)
+        for name in import_module(package).__all__
+        if not {f"{package}.{name}", f"{package}.{name}.{name}"} & (listed | ERRORS)
+    ]
+    assert missing == []
+
+
+def test_every_command_and_option_is_in_the_reference() -> None:
+    text = commands()
+    missing: list[tuple[str, str]] = []
+    for path, command in commands_of(app):
+        section = text.partition(f"## pioneer3 {path}\n")[2].partition("\n## pioneer3 ")[0]
+        arguments = command.assemble_argument_collection()
+        for one in arguments:
+            option = one.names[0]
+            if one.show and option not in section and option[2:].upper() not in section:
+                missing.append((path, option))
+    assert missing == []
+    assert " -m tests" not in text
+    assert " -m pytest" not in text
+
+
+def commands_of(parent: App, path: str = "") -> Iterator[tuple[str, App]]:
+    """Return the commands below `parent` by their words."""
+    for name in parent:
+        if not name.startswith("-"):
+            command, words = parent[name], f"{path} {name}".strip()
+            if command.default_command is not None:
+                yield words, command
+            yield from commands_of(command, words)
+
+
+def test_every_topic_parameter_setting_and_operation_is_in_the_book() -> None:
+    text = "".join(page.read_text() for page in (ROOT / "docs").rglob("*.md")) + operations()
+    topics = {name for each in (*TOPICS, *NAVIGATION_TOPICS) for name in each.names(Profile.ROS2)}
+    services = {
+        name for each in (*SERVICES, *NAVIGATION_SERVICES) for name in each.names(Profile.ROS2)
+    }
+    parameters = {row.name for each in Profile for row in parameters_in(each)}
+    parameters |= {row.name for row in (*DRIVING, *rows_of(LaserParameters))}
+    modes = {one.name for mode in (*MODES, *GROUP_MODES) for one in mode.parameters()}
+    names = topics | services | parameters | modes | set(SETTINGS)
+    assert [
+        name for name in sorted(names) if f"`{name}`" not in text and f"`~{name}`" not in text
+    ] == []
+    assert [one for one in OPERATIONS if f"`{one.method} {one.path}`" not in text] == []
+
+
+def test_every_error_and_exit_code_is_in_the_reference() -> None:
+    text = exceptions()
+    assert [name for name in ERRORS if f"`{name.rpartition('.')[2]}`" not in text] == []
+    assert len(exit_codes().splitlines()) == 2 + len(Exit)
 
 
 def test_the_book_is_light(book: Path) -> None:

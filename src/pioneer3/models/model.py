@@ -19,6 +19,7 @@ from pioneer3.tables import FieldForm, degrees_of, in_degrees
 from pioneer3.units import DEGREE, HEADING_UNIT, MM
 
 Drive = Literal["skid", "differential"]
+"""Wheels of a side turn together, or there is one driven wheel on each."""
 Controller = Literal["ARCOS", "P2OS", "AmigoOS", "PSOS"]
 """Program in a robot: the older three send shorter reports and no CONFIG (protocol.md 4.2)."""
 

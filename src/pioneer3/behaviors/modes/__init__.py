@@ -32,9 +32,9 @@ MODES: tuple[type[Mode], ...] = (
 
 if TYPE_CHECKING:
     AnyMode = Mode
+    """The type to decode a mode as: a tagged union."""
 else:
     AnyMode = Union[MODES]  # noqa: UP007  a tuple of types
-"""The type to decode a mode as: a tagged union."""
 
 __all__ = [
     "MODES",

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from pioneer3.limits import Limits
 
 Preset = Literal["lab", "aria", "explore"]
+"""A way to wander: choices of the mode, described there."""
 PRESETS = Choices(
     (
         Choice("lab", "Lab", "slow, as its robotWander"),

@@ -13,6 +13,7 @@ from pioneer3.robot.devices.presence import Presence
 from pioneer3.robot.supervisor import Supervisor
 
 CameraName = Literal["sony", "vcc4", "vcc4-inverted"]
+"""Kinds of cameras that pan, tilt and zoom."""
 UNDOCUMENTED = ("dpptu", "amptu")
 PAUSE = 0.1
 """Pause between the first packets [s]: a camera answers one before it takes the next."""
