@@ -306,6 +306,10 @@ def test_a_converted_world_keeps_its_walls_and_columns(tmp_path: Path) -> None:
             "<model name='m'><pose relative_to='x'>0 0 0 0 0 0</pose></model>",
             WRONG + "pose: relative to 'x', and there is no such frame here",
         ),
+        (
+            solid("<cylinder><radius>999</radius><length>1</length></cylinder>") * 100,
+            "w.world:1: cylinder: round and tilted solids of more than 50000 corners",
+        ),
         ("<include><uri>w.world</uri></include>", None),
         ("<a>" * 200, WRONG + "'a': a world of more than"),
     ],

@@ -50,6 +50,8 @@ MOST_TRIANGLES = 3_000_000
 """Triangles of all meshes of a world."""
 MOST_CUT = 30_000_000
 """Triangles of all meshes of a world, each use counted."""
+MOST_CORNERS = 50_000
+"""Corners of all walls that are made of round, tilted and angular solids."""
 MOST_MODELS = 20_000
 """Models of a world, with those in other models."""
 DEEPEST = 16
@@ -92,7 +94,7 @@ class _GazeboReader:
         self._left: dict[str, None] = {}
         self._others: dict[str, str] = {}
         self._meshes: dict[Path, Float32] = {}
-        self._models = self._triangles = self._cut = self._count = 0
+        self._models = self._triangles = self._cut = self._count = self._corners = 0
 
     def world(self) -> WorldFile:
         """Return the world, and warn of all that is not in it."""
@@ -202,6 +204,8 @@ class _GazeboReader:
 
     def _shape(self, shape: SdfElement, place: Float) -> None:
         """Take one collision shape at a pose, a matrix (4, 4)."""
+        if self._corners > MOST_CORNERS:
+            raise shape.wrong(f"round and tilted solids of more than {MOST_CORNERS} corners")
         if abs(place[:3, 3]).max() > FARTHEST:
             self._left[f"solids farther than {FARTHEST / 1000:g} km"] = None
             return
@@ -316,6 +320,7 @@ class _GazeboReader:
             return
         spots = tuple((x, y) for x, y in corners.tolist())
         if len(spots) > 1:
+            self._corners += len(spots)
             self._walls.append(Wall(points=spots, closed=len(spots) > 2, height=foot + height))
 
     def _mesh(self, shape: SdfElement, place: Float) -> None:
