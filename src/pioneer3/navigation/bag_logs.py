@@ -23,6 +23,7 @@ from pioneer3.navigation.bag_frames import (
     mounted,
     pose_of,
 )
+from pioneer3.navigation.cut_mcap import CutMcapPath, is_cut
 from pioneer3.robot.lasers.mounting import Mounting
 from pioneer3.state import Scan
 from pioneer3.text import one_line, wrong
@@ -116,11 +117,12 @@ class Bag:
 
     def __init__(self, path: Path, bag_format: BagFormat, given: Mounting | None = None) -> None:
         self.name, self._mended_by = bag_format.name, bag_format.mended_by
-        self.notes: list[str] = []
+        cut = bag_format is MCAP and is_cut(path)
+        self.notes = ["the end of the file is missing: read up to there"] if cut else []
         self.share = 0.0
         self._path, self._given = path, given
         self._rosbags = _Rosbags(path)
-        self._storage = self._rosbags.storage(bag_format)
+        self._storage = self._rosbags.storage(bag_format, cut=cut)
         self._read_as = self._rosbags.types(ros_1=bag_format is ROS_1)
         self._frames = BagFrames()
         self._carriers: dict[str, str] = {}
@@ -182,6 +184,8 @@ class Bag:
                         yield from pairing.move(moved)
                 elif (scan := _scan(message, time, number, mounting)) is not None:
                     yield from pairing.scan(scan)
+                else:
+                    self._damaged += 1
             yield from pairing.rest()
         if self._damaged:
             self.notes.append(f"messages that are damaged and left out: {self._damaged}")
@@ -199,7 +203,8 @@ class Bag:
         """Read the frames, and which of them each laser is in."""
         connections, lasers = self._storage.connections, self._topics(SCAN, ECHOES)
         if not lasers:
-            raise wrong(self._path, f" is {self.name} without LaserScan; {_listed(connections)}")
+            found = "; ".join([*self.notes, _listed(connections)])
+            raise wrong(self._path, f" is {self.name} without LaserScan; {found}")
         used = [each for each in connections if each.msgtype in USED]
         for _, _, message in self._read([each for each in used if each.topic == STATIC]):
             self._note_frames(message)
@@ -310,7 +315,7 @@ class _Rosbags:
             *(OSError, RuntimeError, TypeError, ValueError, struct.error, Error),
         )
 
-    def storage(self, bag_format: BagFormat) -> _Storage:
+    def storage(self, bag_format: BagFormat, *, cut: bool) -> _Storage:
         """Return the reader of a format, whatever the name of the file is."""
         import rosbags.rosbag1
         import rosbags.rosbag2
@@ -318,7 +323,11 @@ class _Rosbags:
         if bag_format is ROS_1:
             storage: _Storage = rosbags.rosbag1.Reader(self._path)
         else:
-            storage = rosbags.rosbag2.Reader.STORAGE_PLUGINS[bag_format.storage](self._path)
+            path: Any = CutMcapPath(self._path) if cut else self._path
+            reader: Any = rosbags.rosbag2.Reader.STORAGE_PLUGINS[bag_format.storage](path)
+            if cut:
+                reader.messages = reader.messages_scan  # the other one refuses a wrong order
+            storage = reader
         return storage
 
     def types(self, *, ros_1: bool) -> Callable[[bytes, str], Any]:

@@ -1,5 +1,6 @@
 """Rosbags as logs."""
 
+from collections.abc import Iterator
 from contextlib import suppress
 from math import inf, pi, sqrt
 from pathlib import Path
@@ -217,15 +218,45 @@ def test_a_file_that_was_renamed_in_its_folder_is_read_by_itself(
     assert len(scans(tmp_path / "bag" / named)) == 1
 
 
+def records(mcap: bytes) -> Iterator[bytes]:
+    """Yield the records of an MCAP file, whose first byte is their kind."""
+    at = 8
+    while at < len(mcap) - 8:
+        after = at + 9 + int.from_bytes(mcap[at + 1 : at + 9], "little")
+        yield mcap[at:after]
+        at = after
+
+
+@pytest.mark.parametrize("lost", [1, 30_000])
+def test_a_recording_that_was_cut_off_is_read_up_to_there(tmp_path: Path, lost: int) -> None:
+    with BagWriter(tmp_path / "bag", "mcap") as writer:
+        for number in range(300):
+            writer.odometry(1.0 + number, Pose2(0.1 * number))
+            writer.scan(1.5 + number, [1.0] * 1000, step=0.001, at=2.5 - number % 2 + number)
+    file = tmp_path / "bag" / "bag.mcap"
+    (tmp_path / "bag" / "metadata.yaml").unlink()
+    whole = list(records(file.read_bytes()))
+    # recorders write schemas and channels in front of messages, too
+    described, chunks = ([each for each in whole if each[0] in kinds] for kinds in ((3, 4), (6,)))
+    cut = b"".join([b"\x89MCAP0\r\n", whole[0], *described, *chunks])
+    file.write_bytes(cut[:-lost] if lost > 1 else cut)
+    assert len(scans(tmp_path / "bag")) == pytest.approx(300 if lost == 1 else 215, abs=10)
+    assert notes(file)[0] == "the end of the file is missing: read up to there"
+    file.write_bytes(cut[:60])
+    with pytest.raises(ConfigError, match=r"bag\.mcap: is an MCAP file without LaserScan; the end"):
+        scans(file)
+
+
 def test_damaged_messages_are_told(tmp_path: Path) -> None:
     with BagWriter(tmp_path / "a.bag", ROS_1) as writer:
         writer.odometry(1.0, ORIGIN)
         writer.scan(1.0, [1.0, 1.0], frame="of a good scan")
         writer.scan(2.0, [1.0, 1.0], frame="of a bad one")
+        writer.scan(3.0, [1.0, 1.0], step=100.0)
     whole = (tmp_path / "a.bag").read_bytes()
     frame = b"\x0c\0\0\0of a bad one"
     (tmp_path / "a.bag").write_bytes(whole.replace(frame, b"\xff" * len(frame)))
-    assert notes(tmp_path / "a.bag")[-1] == "messages that are damaged and left out: 1"
+    assert notes(tmp_path / "a.bag")[-1] == "messages that are damaged and left out: 2"
 
 
 @pytest.mark.parametrize("storage", [ROS_1, "sqlite3", "mcap"])

@@ -1,0 +1,88 @@
+"""Opens MCAP files without an end, which recorders leave that lost their power.
+
+A record is a byte for its kind, its length in 8 bytes, and its content. Behind the data an index
+may come, then the footer with its place, 0 for none, and the magic bytes of the beginning.
+"""
+
+from io import SEEK_SET, BufferedReader, RawIOBase
+from pathlib import Path
+from typing import BinaryIO, Final
+
+MAGIC: Final = b"\x89MCAP0\r\n"
+"""First and last bytes."""
+DATA_END: Final = 0x0F
+"""Kind of the record behind the data."""
+HEADER: Final = 9
+"""Bytes before the content of a record."""
+END: Final = b"\x02" + (20).to_bytes(8, "little") + bytes(20) + MAGIC
+"""Footer of a file without an index, and the magic bytes."""
+
+
+class CutMcap(RawIOBase):
+    """A file up to its last whole record, with an end behind it."""
+
+    def __init__(self, path: Path) -> None:
+        super().__init__()
+        self._file = path.open("rb")
+        self._data = _end_of_data(self._file)
+        self._at = 0
+
+    def readable(self) -> bool:
+        """Whether it can be read."""
+        return True
+
+    def seekable(self) -> bool:
+        """Whether it can be read from any place."""
+        return True
+
+    def seek(self, offset: int, whence: int = SEEK_SET) -> int:
+        """Go to a place; return it."""
+        self._at = offset + (0, self._at, self._data + len(END))[whence]
+        return self._at
+
+    def readinto(self, buffer: memoryview) -> int:  # type: ignore[override]
+        """Read bytes into a buffer; return how many."""
+        if self._at < self._data:
+            self._file.seek(self._at)
+            read = self._file.read(min(len(buffer), self._data - self._at))
+        else:
+            behind = self._at - self._data
+            read = END[behind : behind + len(buffer)]
+        buffer[: len(read)] = read
+        self._at += len(read)
+        return len(read)
+
+    def close(self) -> None:
+        """Close the file."""
+        self._file.close()
+        super().close()
+
+
+class CutMcapPath:
+    """The path of such a file, as far as a reader needs one."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+
+    def open(self, _mode: str) -> BinaryIO:
+        """Open the file with an end."""
+        return BufferedReader(CutMcap(self._path))
+
+
+def is_cut(path: Path) -> bool:
+    """Whether a file lacks its end."""
+    with path.open("rb") as file:
+        file.seek(max(0, path.stat().st_size - len(MAGIC)))
+        return file.read() != MAGIC
+
+
+def _end_of_data(file: BinaryIO) -> int:
+    """Return where the last whole record of the data ends."""
+    size, at = file.seek(0, 2), len(MAGIC)
+    while True:
+        file.seek(at)
+        header = file.read(HEADER)
+        after = at + HEADER + int.from_bytes(header[1:], "little")
+        if len(header) < HEADER or header[0] == DATA_END or after > size:
+            return at
+        at = after
