@@ -3,9 +3,12 @@
 import pytest
 
 from pioneer3 import connect_async
+from pioneer3.cli.options import LinkOptions
+from pioneer3.cli.robot import _init
 from pioneer3.errors import ConfigError
 from pioneer3.models.own import own_folder
 from pioneer3.robot.lasers.driver import LaserDriver
+from pioneer3.sim.server.start import simulator
 from tests.support import SimulatedRobot
 
 OWN = """
@@ -119,3 +122,11 @@ async def test_a_file_that_was_spoilt_meanwhile_stops_the_robot_until_it_is_mend
             if status.connection == "connected":
                 break
         assert driver.info.limits.max_speed == pytest.approx(0.3)
+
+
+@pytest.mark.realtime
+async def test_a_file_made_anew_is_like_the_type_that_the_robot_says() -> None:
+    save('name = "rosies"')
+    async with simulator(port=0, robot="p3dx") as here:
+        assert await _init(None, LinkOptions(port=here.url), force=True) == 0
+    assert 'like = "p3dx"\n' in (own_folder() / "MobileSim.toml").read_text()

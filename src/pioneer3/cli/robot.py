@@ -95,7 +95,7 @@ async def _init(name: str | None, link: LinkOptions, *, force: bool) -> int:
     if name is None or model is None:
         async with link.connect(auto_enable=False) as robot:
             name = name or robot.info.identity.name
-            model = model or robot.info.model.name
+            model = model or robot.info.identity.model
     path = own_path(name)
     if path is None:
         raise ConfigError(f"{shown(name)}: no name of a file; give one: pioneer3 robot init NAME")
