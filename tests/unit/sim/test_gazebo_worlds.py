@@ -310,6 +310,10 @@ def test_a_converted_world_keeps_its_walls_and_columns(tmp_path: Path) -> None:
             solid("<cylinder><radius>999</radius><length>1</length></cylinder>") * 100,
             "w.world:1: cylinder: round and tilted solids of more than 50000 corners",
         ),
+        (
+            "".join(f"<include><uri>model://gone{n}</uri></include>" for n in range(1100)),
+            WRONG + "include: more than 1000 files that are not on this computer",
+        ),
         ("<include><uri>w.world</uri></include>", None),
         ("<a>" * 200, WRONG + "'a': a world of more than"),
     ],

@@ -21,6 +21,8 @@ LARGEST_SDF = 8 << 20
 """Larger files are not read [bytes]."""
 MOST_FILES = 200
 """Most files of one world."""
+MOST_MISSING = 1000
+"""Most files of one world that are nowhere."""
 MOST_ELEMENTS = 200_000
 """Most elements of all files of one world."""
 DEEPEST = 100
@@ -110,6 +112,7 @@ class SdfFiles:
 
     def __init__(self) -> None:
         self.missing: dict[str, str] = {}
+        self._found: dict[tuple[str, Path], Path | None] = {}
         self._roots: dict[Path, SdfElement] = {}
         self._elements = 0
 
@@ -128,6 +131,14 @@ class SdfFiles:
 
     def find(self, uri: str, said: SdfElement) -> Path | None:
         """Return the file or folder that a URI of a file names, or `None` and note it."""
+        key = uri, said.line.path
+        if key not in self._found:
+            self._found[key] = self._searched(uri, said)
+        if self._found[key] is None:
+            self.missing.setdefault(uri, f"{said.line.path.name}:{said.line.number}")
+        return self._found[key]
+
+    def _searched(self, uri: str, said: SdfElement) -> Path | None:
         name = uri
         for scheme in _SCHEMES:
             name = name.removeprefix(scheme)
@@ -136,7 +147,8 @@ class SdfFiles:
                 with suppress(OSError, ValueError):
                     if path.is_dir() or (path.exists() and not _is_pointer(path)):
                         return path
-        self.missing.setdefault(uri, f"{said.line.path.name}:{said.line.number}")
+        if len(self.missing) > MOST_MISSING:
+            raise said.wrong(f"more than {MOST_MISSING} files that are not on this computer")
         return None
 
     def model(self, uri: str, said: SdfElement) -> SdfElement | None:
