@@ -4,6 +4,7 @@ Pages name their parts under a version, which is made of the contents of all of 
 what has a version, and load nothing anew; after an upgrade, pages name another version.
 """
 
+import gzip
 import re
 from collections.abc import Awaitable, Callable
 from functools import cache
@@ -11,6 +12,7 @@ from hashlib import sha256
 from pathlib import Path
 
 from starlette.applications import Starlette
+from starlette.datastructures import Headers
 from starlette.exceptions import HTTPException
 from starlette.requests import Request
 from starlette.responses import FileResponse, HTMLResponse, Response
@@ -35,6 +37,7 @@ from pioneer3.web.page import Page
 STATIC = Path(__file__).with_name("static")
 IMPORT = re.compile(r'^(?:import|\}) (?:.* )?from "(\..+)";$', re.MULTILINE)
 HELP = '  <link rel="help" href="/book/">\n'
+TEXTS = {"text/css", "text/javascript", "application/javascript"}
 KEPT = "max-age=31536000, immutable"
 PAGES = {
     "/pair": "pages/pair.html",
@@ -127,6 +130,12 @@ def modules(main: str) -> list[str]:
     return found
 
 
+@cache
+def _compressed(path: Path) -> bytes:
+    """Return a file of STATIC, compressed once: it would take long in the robot's loop."""
+    return gzip.compress(path.read_bytes(), mtime=0)
+
+
 class _Parts(StaticFiles):
     """Serves the files of STATIC: to be kept under their version, to be asked for without one."""
 
@@ -134,8 +143,16 @@ class _Parts(StaticFiles):
         """Return the response; under any other version there is nothing."""
         name = path.removeprefix(f"{version()}/")
         response = await super().get_response(name, scope)
-        if name != path:
-            response.headers["Cache-Control"] = KEPT
+        if name == path:
+            return response
+        if isinstance(response, FileResponse) and response.media_type in TEXTS:
+            accepted = Headers(scope=scope).get("accept-encoding", "")
+            if "gzip" in accepted and scope["method"] == "GET":
+                packed = _compressed(Path(response.path))
+                headers = {"Content-Encoding": "gzip"}
+                response = Response(packed, media_type=response.media_type, headers=headers)
+            response.headers["Vary"] = "Accept-Encoding"
+        response.headers["Cache-Control"] = KEPT
         return response
 
 

@@ -1,13 +1,16 @@
 """The page over real sockets."""
 
 import asyncio
+import gzip
 import json
 import re
 import socket
 from collections.abc import AsyncIterator
 from contextlib import AsyncExitStack, asynccontextmanager
+from email.message import Message
 from pathlib import Path
 from urllib.parse import urlsplit
+from urllib.request import Request, urlopen
 
 import pytest
 from websockets.asyncio.client import ClientConnection, connect
@@ -213,6 +216,23 @@ async def test_browsers_keep_the_parts_of_the_page_under_their_version_only() ->
             status, headers, _ = await get(where, path)
             assert status == 404  # a page of before an upgrade gets no module of after it
             assert headers["cache-control"] == "no-cache"
+
+
+async def test_parts_of_the_page_travel_compressed_to_browsers_that_take_that() -> None:
+    def ask(url: str) -> tuple[Message, bytes]:
+        asked = Request(url, headers={"Accept-Encoding": "gzip, deflate, br"})
+        with urlopen(asked, timeout=PATIENCE) as answer:
+            return answer.headers, answer.read()
+
+    async with served() as (_, where):
+        url = f"http://{where}/static/{version()}/main.js"
+        headers, body = await asyncio.to_thread(ask, url)
+        assert headers["content-encoding"] == "gzip"
+        assert headers["vary"] == "Accept-Encoding"
+        assert headers["cache-control"] == "max-age=31536000, immutable"
+        assert gzip.decompress(body) == (STATIC / "main.js").read_bytes()
+        headers, _ = await asyncio.to_thread(ask, f"http://{where}/static/{version()}/favicon.svg")
+        assert headers["content-encoding"] is None
 
 
 def test_any_change_of_a_file_makes_another_version(
