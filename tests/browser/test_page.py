@@ -129,7 +129,15 @@ def test_the_first_screen_says_how_to_drive_and_warns_of_nothing(
     with tabs.open(product.address, touch=touch, mobile=touch) as page:
         wait_for_the_robot(page)
         expect(page.locator("#why")).to_have_text(hint)
+        page.evaluate(BOOK)
         assert_only_faults_are_warned_of(page, product, touch)
+        link = page.locator("#why a")
+        link.click(trial=True)
+        assert (link.get_attribute("href") or "").endswith("/book/troubleshooting/emergency-stop/")
+
+
+BOOK = "document.head.insertAdjacentHTML('beforeend', '<link rel=\"help\" href=\"/book/\">')"
+"""Names the book, as the server does where it is built."""
 
 
 def assert_only_faults_are_warned_of(page: Page, product: Product, touch: bool) -> None:
