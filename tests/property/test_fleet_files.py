@@ -71,7 +71,7 @@ def test_every_wrong_value_is_told_with_its_line(
     assert complaint.startswith(f"{PATH}:{at + 1}: robot[{index}].{key}: "), complaint
 
 
-@given(st.data(), fleets(at_least=1), st.sampled_from(["nmae", "adress", "x", "a.b", "Name"]))
+@given(st.data(), fleets(at_least=1), st.sampled_from(["nme", "addr", "x", "a.b", "Name"]))
 def test_every_unknown_key_is_told_with_its_line(
     data: st.DataObject, fleet: Fleet, key: str
 ) -> None:

@@ -196,7 +196,7 @@ def test_every_port_there_is_may_be_given(port: int, simulated: Seen) -> None:
         "--start here",
         "--start 1,2",
         "--fit griper",
-        "--fault dorp=1",
+        "--fault drap=1",
         "--seed -1",
         "--seed x",
         "--odom-error-mode some",

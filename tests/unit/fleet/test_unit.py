@@ -100,9 +100,9 @@ def test_systemd_takes_it(ros: str, with_root: bool, tmp_path: Path) -> None:
     assert str(path) not in done.stderr, done.stderr
     assert "pioneer3.service" not in done.stderr, done.stderr
     assert done.returncode == 0, done.stderr
-    path.write_text(path.read_text().replace("Restart=always", "Restart=allways"))
+    path.write_text(path.read_text().replace("Restart=always", "Restart=sometimes"))
     wrong = subprocess.run(words, capture_output=True, text=True, timeout=60, check=False)
-    assert "allways" in wrong.stderr
+    assert "sometimes" in wrong.stderr
 
 
 def test_packages_of_here_go_to_computers_like_this_one_only() -> None:

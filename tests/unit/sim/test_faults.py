@@ -39,7 +39,7 @@ def test_the_seed_is_in_the_text_or_beside_it() -> None:
 @pytest.mark.parametrize(
     ("text", "says"),
     [
-        ("dorp=0.1", "link faults: 'dorp' is none; did you mean 'drop'?"),
+        ("drap=0.1", "link faults: 'drap' is none; did you mean 'drop'?"),
         ("weather=bad", "link faults: 'weather' is none; write them such as drop="),
         ("drop", "drop needs a value"),
         ("drop=", "drop: '' is not a number"),
