@@ -8,6 +8,7 @@ Fences name the terminal or the file in their title: ```` ```sh title="Second te
 | `<!-- beside: COMMAND -->` | runs from here to the end of the page, such as `pioneer3 sim` |
 | `<!-- serial -->` | a simulated robot is at /dev/ttyUSB0, from here on |
 | `<!-- goes on -->` | this block's last line runs until its terminal is needed, or to the end |
+| `<!-- each goes on -->` | the lines of this block are examples: each runs until it has said something |
 | `<!-- fails -->` | the last line of this block ends with an error |
 | `<!-- press: KEYS -->` | keys, in the terminal of the block before, such as `up space q` |
 | `<!-- not run: REASON -->` | this block cannot run here |
@@ -21,9 +22,9 @@ from typing import Final
 
 from markdown_it import MarkdownIt
 
-COMMENTS: Final = ("beside", "serial", "goes on", "fails", "press", "not run")
+COMMENTS: Final = ("beside", "serial", "goes on", "each goes on", "fails", "press", "not run")
 """Comments that mean something to the reader; others are for writers."""
-BEFORE_A_BLOCK: Final = ("goes on", "fails", "not run")
+BEFORE_A_BLOCK: Final = ("goes on", "each goes on", "fails", "not run")
 """Comments about the block that follows."""
 _COMMENT: Final = re.compile(r"<!-- ([a-z ]+?)(?:: (.*?))? -->", re.DOTALL)
 _TITLE: Final = re.compile(r'title="([^"]*)"')

@@ -187,6 +187,10 @@ class Reader:
     def _type(self, block: Block) -> None:
         self._last = block.title or FIRST
         *others, last = commands(block)
+        if "each goes on" in block.notes:
+            for command in (*others, last):
+                self._try(command)
+            return
         for command in others:
             self._run(command)
         self._run(last, block)
@@ -202,6 +206,15 @@ class Reader:
         status = shell.status()
         if (status != 0) != ("fails" in notes):
             raise PageError(f"exit status {status} of: {command}{shell.said[-3000:]}")
+
+    def _try(self, command: str) -> None:
+        """Type a command, and wait until it has said something."""
+        shell = self._shell
+        shell.interrupt()
+        shell.type(command)
+        shell.terminal.until(lambda: bool(shell.said.strip()), PATIENCE)
+        if not shell.is_busy and shell.status() != 0:
+            raise PageError(f"it has failed: {command}{shell.said[-3000:]}")
 
     def _compare(self, text: str) -> None:
         """Wait until the terminal has said all lines of a text, in their order."""

@@ -19,7 +19,15 @@ READ: Final = (
     "how-to/calibrate.md",
     "how-to/csv.md",
     "how-to/obstacles.md",
+    "how-to/models.md",
+    "how-to/robots.md",
+    "how-to/share.md",
+    "how-to/simulate.md",
     "how-to/speed-limits.md",
+    "troubleshooting/does-not-move.md",
+    "troubleshooting/index.md",
+    "troubleshooting/no-port.md",
+    "troubleshooting/unknown-robot.md",
 )
 """Pages that are read here, below docs."""
 
