@@ -17,15 +17,16 @@ if TYPE_CHECKING:
     )
     from pioneer3.geometry import Pose2, Twist2
     from pioneer3.models import RobotModel, load_model
+    from pioneer3.navigation.blocking import BlockingRobot
     from pioneer3.navigation.connect import connect, connect_async
-    from pioneer3.runtime.blocking import BlockingLaser, BlockingRobot, connect_laser
+    from pioneer3.runtime.blocking import BlockingLaser, connect_laser
     from pioneer3.runtime.connect import connect_laser_async
     from pioneer3.runtime.robot import Robot
     from pioneer3.state import Scan, Snapshot
 
 _HOME = {
     "BlockingLaser": "runtime.blocking",
-    "BlockingRobot": "runtime.blocking",
+    "BlockingRobot": "navigation.blocking",
     "Pose2": "geometry",
     "Robot": "runtime.robot",
     "RobotModel": "models",

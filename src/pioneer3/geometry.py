@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from math import cos, isfinite, pi, remainder, sin
+from typing import NamedTuple
 
 TURN = 2 * pi
 
@@ -10,6 +11,15 @@ def wrap(angle: float) -> float:
     """Return `angle` [rad] wrapped to (-pi, pi]."""
     wrapped = remainder(angle, TURN)
     return pi if wrapped == -pi else wrapped
+
+
+class Extent(NamedTuple):
+    """An axis-aligned box [m]."""
+
+    x_min: float
+    y_min: float
+    x_max: float
+    y_max: float
 
 
 @dataclass(frozen=True, slots=True)

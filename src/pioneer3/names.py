@@ -1,5 +1,7 @@
 """Names that people type, names that no two have, and texts that others send."""
 
+from collections.abc import Mapping
+from html import escape
 from itertools import count
 
 NAME = 40
@@ -29,6 +31,15 @@ def printable_lines(text: str) -> str:
     if text.isprintable():
         return text
     return "".join(each if each in "\n\t" else printable(each) for each in text)
+
+
+def html_table(rows: Mapping[str, str]) -> str:
+    """Return rows of a name and a text as a table of HTML."""
+    cells = (
+        f"<tr><th>{escape(name)}</th><td>{escape(printable(text))}</td></tr>"
+        for name, text in rows.items()
+    )
+    return f"<table>{''.join(cells)}</table>"
 
 
 def free_name(wanted: str, taken: set[str]) -> str:

@@ -2,9 +2,10 @@
 
 from dataclasses import dataclass, field
 from enum import StrEnum
-from math import cos, inf, isfinite, sin
+from math import cos, degrees, inf, isfinite, sin
 
 from pioneer3.geometry import ORIGIN, Pose2, Twist2, wrap
+from pioneer3.names import html_table
 
 
 class Charging(StrEnum):
@@ -85,6 +86,18 @@ class Battery:
     charge: float | None = None
     charging: Charging = Charging.UNKNOWN
     low: bool = False
+
+    @property
+    def words(self) -> str:
+        """Voltage, charge and charger for people."""
+        parts = [f"{self.voltage:.1f} V"]
+        if self.charge is not None:
+            parts.append(f"{self.charge:.0%}")
+        if self.low:
+            parts.append("LOW")
+        if self.charging not in {Charging.UNKNOWN, Charging.NONE}:
+            parts.append(f"charging ({self.charging})")
+        return ", ".join(parts)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -183,6 +196,38 @@ class Snapshot:
     link: LinkQuality = field(default_factory=LinkQuality)
     faults: tuple[str, ...] = ()
     words: Words = field(default_factory=Words)
+
+    @property
+    def alarms(self) -> tuple[str, ...]:
+        """Names of all that needs somebody, in capitals."""
+        up = {
+            "STOP BUTTON": self.motors.stop_button,
+            "STALLED": self.motors.stalled,
+            "BUMPED": any((*self.bumpers.front, *self.bumpers.rear)),
+        }
+        return (*(name for name in up if up[name]), *(fault.upper() for fault in self.faults))
+
+    @property
+    def readings(self) -> dict[str, str]:
+        """The main readings for people, with their units, by their names."""
+        pose, twist = self.odometry.robot_in_odom, self.odometry.twist
+        nearest = self.sonar.nearest
+        return {
+            "x": f"{pose.x:+z.3f} m",
+            "y": f"{pose.y:+z.3f} m",
+            "heading": f"{degrees(pose.theta):+z.1f} deg",
+            "speed": f"{twist.v:+z.3f} m/s",
+            "turn": f"{degrees(twist.w):+z.1f} deg/s",
+            "battery": self.battery.words,
+            "motors": "on" if self.motors.enabled else "off",
+            "nearest": f"{nearest:.2f} m" if isfinite(nearest) else "- m",
+        }
+
+    def _repr_html_(self) -> str:
+        """Return the readings as a notebook shows them."""
+        ranges = " ".join(f"{each:.2f}" if isfinite(each) else "-" for each in self.sonar.ranges)
+        rows = self.readings | {"sonar [m]": ranges or "-"}
+        return html_table(rows | ({"alarms": ", ".join(self.alarms)} if self.alarms else {}))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

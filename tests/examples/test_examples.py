@@ -71,6 +71,13 @@ def test_the_code_in_the_readme_runs(url: str) -> None:
     assert run(blocks[0]).count("Pose2") >= 40
 
 
+def test_the_code_about_notebooks_runs_but_for_its_views(url: str) -> None:
+    blocks = blocks_of("docs/how-to/notebook.md", url)
+    assert len(blocks) == 4
+    kept = [block for block in blocks if "view()" not in block]
+    run("\n".join([*kept, "assert len(speeds) > 20", "robot.close()"]))
+
+
 def test_the_code_about_the_python_api_runs(url: str) -> None:
     for block in blocks_of("docs/reference/python-api.md", url):
         run(block)

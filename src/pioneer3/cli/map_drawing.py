@@ -10,9 +10,9 @@ from rich.cells import cell_len
 from rich.text import Text
 
 from pioneer3.demo.drawing import Braille
+from pioneer3.geometry import Extent
+from pioneer3.maps.drawing import Layer, MapDrawing, Marker
 from pioneer3.maps.grid import samples
-from pioneer3.maps.line_map import Extent
-from pioneer3.sim.worldfile.drawing import Layer, Marker, WorldDrawing
 
 ARROWS: Final = "→↗↑↖←↙↓↘"
 SIGNS: Final[Mapping[Layer, str]] = {Layer.GOAL: "●", Layer.DOCK: "■", Layer.HOME: "▲"}
@@ -39,7 +39,7 @@ ROUND: Final = (1, 2, 5)
 class CharacterCanvas(Braille):
     """Characters that a drawing of a map fits on, at most so many columns and rows."""
 
-    def __init__(self, drawing: WorldDrawing, columns: int, rows: int) -> None:
+    def __init__(self, drawing: MapDrawing, columns: int, rows: int) -> None:
         bounds = drawing.bounds
         width, height = bounds.x_max - bounds.x_min, bounds.y_max - bounds.y_min
         # a character is two dots wide and four high, and dots are about square
@@ -98,7 +98,7 @@ def _sign(marker: Marker) -> str:
     return SIGNS[marker.layer]
 
 
-def legend(bounds: Extent, drawing: WorldDrawing) -> Text:
+def legend(bounds: Extent, drawing: MapDrawing) -> Text:
     """Return the meaning of colours and signs on the drawing, and its corners."""
     text = Text()
     used = {marker.layer for marker in drawing.markers}

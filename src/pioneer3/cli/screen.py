@@ -9,9 +9,8 @@ from rich.panel import Panel
 from rich.table import Table
 from rich.text import Text
 
-from pioneer3.cli.tables import battery_text
-from pioneer3.demo.drawing import CLOSE, NEAR
 from pioneer3.models import SonarMount
+from pioneer3.navigation.picture import CLOSE, NEAR
 from pioneer3.robot.explain import Reason, ReasonKind, advised
 from pioneer3.robot.supervisor import Connection, ConnectionStatus, RobotInfo, is_simulator, kind
 from pioneer3.state import LinkQuality, Snapshot, Sonar
@@ -60,30 +59,9 @@ def screen(
 
 def line(snapshot: Snapshot) -> str:
     """Return the snapshot as one line of text."""
-    odometry, pose = snapshot.odometry, snapshot.odometry.robot_in_odom
-    words = [
-        f"#{snapshot.sequence}",
-        f"x {pose.x:+z.3f} m  y {pose.y:+z.3f} m  heading {degrees(pose.theta):+z.1f} deg",
-        f"speed {odometry.twist.v:+z.3f} m/s  turn {degrees(odometry.twist.w):+z.1f} deg/s",
-        f"battery {battery_text(snapshot)}",
-        f"motors {'on' if snapshot.motors.enabled else 'off'}",
-        f"nearest {_metres(snapshot.sonar.nearest)} m",
-        f"{snapshot.link.rate:.0f} reports/s",
-        *_alarms(snapshot),
-    ]
-    return "  ".join(words)
-
-
-def _alarms(snapshot: Snapshot) -> list[str]:
-    motors, bumpers = snapshot.motors, snapshot.bumpers
-    alarms = {
-        "STOP BUTTON": motors.stop_button,
-        "STALLED": motors.stalled,
-        "BUMPED": any((*bumpers.front, *bumpers.rear)),
-    }
-    return [name for name, up in alarms.items() if up] + [
-        fault.upper() for fault in snapshot.faults
-    ]
+    readings = (f"{name} {text}" for name, text in snapshot.readings.items())
+    words = [f"#{snapshot.sequence}", *readings, f"{snapshot.link.rate:.0f} reports/s"]
+    return "  ".join([*words, *snapshot.alarms])
 
 
 def _headline(info: RobotInfo, status: ConnectionStatus | None) -> Text:
@@ -110,7 +88,7 @@ def _readings(snapshot: Snapshot) -> Table:
     grid.add_row("turn", f"{degrees(twist.w):+z8.1f} deg/s")
     grid.add_row("wheels", f"{odometry.left_speed:+z.3f} {odometry.right_speed:+z.3f} m/s")
     low = "bold yellow" if snapshot.battery.low else ""
-    grid.add_row("battery", Text(battery_text(snapshot), low))
+    grid.add_row("battery", Text(snapshot.battery.words, low))
     moving = ", moving" if motors.moving else ""
     grid.add_row("motors", Text(f"on{moving}", "bold green") if motors.enabled else "off")
     grid.add_row("stop button", _alarm("PRESSED", "not pressed", up=motors.stop_button))

@@ -101,7 +101,8 @@ async def _show(robot: "Driven", seconds: float) -> int:
     from rich.live import Live
 
     from pioneer3.cli.terminal import Terminal
-    from pioneer3.demo.drawing import reach_for, ring
+    from pioneer3.demo.drawing import ring
+    from pioneer3.navigation.picture import reach_for
 
     console = Terminal()
     reach, code = 3.0, 0

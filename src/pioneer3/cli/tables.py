@@ -15,7 +15,7 @@ from pioneer3.doctor.facts import Finding, Level
 from pioneer3.doctor.probe import Probed, ProbeVerdict, choose
 from pioneer3.robot.config_table import NOT_SENT, explained
 from pioneer3.robot.supervisor import RobotInfo, is_simulator, kind
-from pioneer3.state import Charging, Snapshot
+from pioneer3.state import Snapshot
 
 SIGNS: Final = {
     Level.OK: Text("ok", "green"),
@@ -69,25 +69,12 @@ def _summary(robot: RobotInfo, snapshot: Snapshot | None) -> Table:
         f"{limits.acceleration:g} m/s², {degrees(limits.turn_acceleration):.0f} deg/s²; "
         f"commands expire after {limits.expiry:g} s",
         "sensors": f"{len(model.sonars)} sonar, usual laser {laser}",
-        "battery": battery_text(snapshot) if snapshot else "unknown",
+        "battery": snapshot.battery.words if snapshot else "unknown",
         "own file": str(robot.own.path) if robot.own else "none, as pioneer3 robot init makes one",
     }
     for name, value in rows.items():
         grid.add_row(name, escape(value))
     return grid
-
-
-def battery_text(snapshot: Snapshot) -> str:
-    """Return voltage, charge and charger in a few words."""
-    battery = snapshot.battery
-    parts = [f"{battery.voltage:.1f} V"]
-    if battery.charge is not None:
-        parts.append(f"{battery.charge:.0%}")
-    if battery.low:
-        parts.append("LOW")
-    if battery.charging not in {Charging.UNKNOWN, Charging.NONE}:
-        parts.append(f"charging ({battery.charging})")
-    return ", ".join(parts)
 
 
 def findings_table(findings: Iterable[Finding]) -> Table:

@@ -13,9 +13,10 @@ from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, VerticalScroll
 
 from pioneer3.demo import view
-from pioneer3.demo.drawing import Trail, reach_for, ring
+from pioneer3.demo.drawing import ring
 from pioneer3.demo.program import Program
 from pioneer3.demo.view import panel
+from pioneer3.navigation.picture import Trail, reach_for
 from pioneer3.teleop.screen import PatientDriver, ScreenPart
 
 REFRESH = 0.1

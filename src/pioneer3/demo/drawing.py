@@ -1,17 +1,16 @@
 """Pictures to scale, made of characters: the robot, its echoes, its trail."""
 
-from collections import deque
 from collections.abc import Iterable, Sequence
 from enum import StrEnum
 from itertools import groupby
-from math import ceil, cos, hypot, inf, isfinite, pi, radians, sin
+from math import ceil, cos, hypot, inf, isfinite, pi, sin
 from operator import itemgetter
 from typing import Final
 
 from rich.text import Text
 
-from pioneer3.geometry import Pose2
 from pioneer3.models import RobotModel
+from pioneer3.navigation.picture import CLOSE, HALF_BEAM, LEAVING, NEAR, NOSE, REACHES
 
 BLANK: Final = 0x2800
 BITS: Final = ((0x01, 0x08), (0x02, 0x10), (0x04, 0x20), (0x40, 0x80))
@@ -147,20 +146,6 @@ class Canvas(Braille):
         return None
 
 
-REACHES = (1.0, 2.0, 3.0, 5.0)
-"""From the robot to the nearest edge of the picture [m]."""
-LEAVING = 0.8
-"""A picture gets nearer when its echoes fill less than this part of the smaller reach."""
-HALF_BEAM = radians(10)
-"""Half the width of an echo's arc: an echo may come from anywhere in the beam."""
-NOSE = 0.08
-"""Length of the mark at the robot's front [m]."""
-NEAR = 0.5
-"""Range below which an echo is red [m]."""
-CLOSE = 1.0
-"""Range below which an echo is yellow [m]."""
-
-
 def ring(
     model: RobotModel,
     ranges: Sequence[float],
@@ -230,21 +215,6 @@ def reach_for_points(points: Iterable[tuple[float, float]], before: float) -> fl
     return before if fitting < before and far > LEAVING * fitting else fitting
 
 
-def reach_for(ranges: Iterable[float], before: float = REACHES[-1]) -> float:
-    """Return the reach [m] that shows half of the echoes, steadily.
-
-    Ranges [m] that are not finite do not count; the reach `before` is kept while it fits as well.
-    """
-    echoes = sorted(filter(isfinite, ranges))
-    if not echoes:
-        return before
-    middle = echoes[len(echoes) // 2]
-    fitting = next((reach for reach in REACHES if middle <= reach), REACHES[-1])
-    if fitting < before and middle > LEAVING * fitting:
-        return min(reach for reach in REACHES if reach > fitting)
-    return fitting
-
-
 def nearness(distance: float) -> Ink:
     """Return the ink for an echo at `distance` [m]."""
     return Ink.NEAR if distance < NEAR else Ink.CLOSE if distance < CLOSE else Ink.FAR
@@ -266,34 +236,3 @@ def _body(canvas: Canvas, model: RobotModel) -> None:
     half, front = model.width / 2, model.length_front
     canvas.box(-model.length_rear, -half, front, half, Ink.BODY)
     canvas.line(front, 0.0, front + NOSE, 0.0, Ink.BODY)
-
-
-TRAIL_STEP = 0.05
-"""Between two points [m]."""
-TRAIL_LENGTH = 400
-JUMP = 1.0
-"""Farther than this [m] is not driven: the trail begins anew."""
-
-
-class Trail:
-    """Places in odometry's frame, seen from the robot."""
-
-    def __init__(self) -> None:
-        self._places: deque[tuple[float, float]] = deque(maxlen=TRAIL_LENGTH)
-
-    def add(self, pose: Pose2) -> None:
-        """Note where the robot is now."""
-        if self._places:
-            x, y = self._places[-1]
-            way = hypot(pose.x - x, pose.y - y)
-            if way < TRAIL_STEP:
-                return
-            if way > JUMP:
-                self._places.clear()
-        self._places.append((pose.x, pose.y))
-
-    def seen_from(self, pose: Pose2) -> list[tuple[float, float]]:
-        """Return the places in the frame of a robot at `pose` [m]."""
-        to_robot = pose.inverse()
-        places = (to_robot @ Pose2(x, y) for x, y in self._places)
-        return [(place.x, place.y) for place in places]

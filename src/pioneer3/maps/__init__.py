@@ -13,11 +13,13 @@ aria_objects  the `Cairn:` and `MapInfo:` lines of an ARIA map (facts.md 10.2, 1
 image         pictures of maps: reads PGM and PNG, writes both, with Pillow
 grid          occupancy grids and walls: outlines of occupied cells, and the cells that walls pass
 line_map      a map: wall segments, named places and occupancy grids, in SI
+drawing       drawings of maps, as SVG
 materials     the materials of walls and boxes, as lasers see them
 ============  ====================================================================================
 """
 
-from pioneer3.maps.line_map import Extent, LineMap, MapObject, OccupancyGrid, empty_map
+from pioneer3.geometry import Extent
+from pioneer3.maps.line_map import LineMap, MapObject, OccupancyGrid, empty_map
 from pioneer3.maps.load import read_map, shipped_map, shipped_maps
 from pioneer3.maps.write import write_aria_map, write_map_server
 

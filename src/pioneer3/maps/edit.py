@@ -7,12 +7,11 @@ from typing import Literal
 import numpy as np
 
 from pioneer3.errors import ConfigError
-from pioneer3.geometry import Pose2
+from pioneer3.geometry import Extent, Pose2
 from pioneer3.maps.grid import walls_of
 from pioneer3.maps.line_map import (
     FREE,
     OCCUPIED,
-    Extent,
     LineMap,
     MapObject,
     OccupancyGrid,

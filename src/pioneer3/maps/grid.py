@@ -5,8 +5,8 @@ from math import ceil, cos, sin
 import numpy as np
 
 from pioneer3.arrays import Bool, Float, Int
-from pioneer3.geometry import Pose2
-from pioneer3.maps.line_map import OCCUPIED, UNKNOWN, Extent, OccupancyGrid
+from pioneer3.geometry import Extent, Pose2
+from pioneer3.maps.line_map import OCCUPIED, UNKNOWN, OccupancyGrid
 
 MOST_CELLS = 1 << 25
 """Larger grids and pictures are refused before memory is taken: 5792 x 5792, 290 m at 5 cm."""

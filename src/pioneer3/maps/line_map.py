@@ -3,13 +3,14 @@
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from typing import Literal, NamedTuple
+from typing import Literal
 
 import numpy as np
 
 from pioneer3.arrays import Float, UInt8
-from pioneer3.geometry import Pose2
-from pioneer3.maps.materials import Codes
+from pioneer3.geometry import Extent, Pose2
+from pioneer3.maps.drawing import Layer, MapDrawing, Marker, bounds_of, to_svg
+from pioneer3.maps.materials import BLACK, GLASS, REFLECTOR, Codes
 
 States = UInt8
 Role = Literal["goal", "dock", "home", "place", "line", "area"]
@@ -22,15 +23,6 @@ OCCUPIED = 1
 """State of a cell with a wall."""
 FREE = 2
 """State of a cell with nothing in it."""
-
-
-class Extent(NamedTuple):
-    """An axis-aligned box [m]."""
-
-    x_min: float
-    y_min: float
-    x_max: float
-    y_max: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -97,6 +89,18 @@ class MapObject:
         return float(found[0]) if found and float(found[0]) > 0 else None
 
     @property
+    def marker(self) -> Marker | None:
+        """Its mark on a drawing: a dock, a goal or a home has one."""
+        if self.kind.startswith("Dock"):
+            return Marker(Layer.DOCK, self.pose, self.name, has_heading=True)
+        if self.kind.startswith("Goal"):
+            turned = self.kind == "GoalWithHeading"
+            return Marker(Layer.GOAL, self.pose, self.name, has_heading=turned)
+        if self.kind == "RobotHome":
+            return Marker(Layer.HOME, self.pose, self.name, has_heading=True)
+        return None
+
+    @property
     def sides(self) -> tuple[tuple[float, float, float, float], ...]:
         """The segments `x0, y0, x1, y1` [m]: of a place none, of a line one, of an area four."""
         corners = self.outline
@@ -104,10 +108,15 @@ class MapObject:
         return tuple((*start, *end) for start, end in zip(corners, after, strict=False))
 
 
+def sides_of(objects: Iterable[MapObject]) -> Float:
+    """Return the sides of objects [m], shape (N, 4), in their order."""
+    sides = [side for item in objects for side in item.sides]
+    return np.array(sides, dtype=np.float64).reshape(-1, 4)
+
+
 def solid_walls(objects: Iterable[MapObject]) -> Float:
     """Return the walls that solid objects stand for [m], shape (W, 4), in their order."""
-    sides = [side for item in objects if item.solid for side in item.sides]
-    return np.array(sides, dtype=np.float64).reshape(-1, 4)
+    return sides_of(item for item in objects if item.solid)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -187,6 +196,25 @@ class LineMap:
             return Extent(0.0, 0.0, 0.0, 0.0)
         x, y = self.walls[:, ::2], self.walls[:, 1::2]
         return Extent(float(x.min()), float(y.min()), float(x.max()), float(y.max()))
+
+    @property
+    def drawing(self) -> MapDrawing:
+        """The drawing of its walls and places."""
+        lines = {
+            Layer.WALL: self.walls,
+            Layer.FORBIDDEN: sides_of(o for o in self.objects if o.kind.startswith("Forbidden")),
+            Layer.BOX: sides_of(o for o in self.objects if o.solid),
+            Layer.BLACK: self.walls[self.materials == BLACK],
+            Layer.GLASS: self.walls[self.materials == GLASS],
+            Layer.REFLECTOR: self.walls[self.materials == REFLECTOR],
+        }
+        markers = tuple(marker for item in self.objects if (marker := item.marker) is not None)
+        bounds = bounds_of(lines.values(), markers)
+        return MapDrawing(name=self.name, bounds=bounds, lines=lines, markers=markers)
+
+    def _repr_html_(self) -> str:
+        """Return the map as a notebook shows it."""
+        return to_svg(self.drawing, on_page=False)
 
 
 def _frozen(segments: Float) -> Float:

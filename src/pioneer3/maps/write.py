@@ -9,12 +9,13 @@ import numpy as np
 
 from pioneer3.arrays import Float, Int
 from pioneer3.errors import ConfigError
+from pioneer3.geometry import Extent
 from pioneer3.maps.aria_objects import STANDARD_LINES, STANDARD_SOLIDS
 from pioneer3.maps.grid import EDGE, MOST_CELLS, shape_of, touched
 from pioneer3.maps.image import to_pgm
 from pioneer3.maps.line_map import FREE as FREE_CELL
 from pioneer3.maps.line_map import OCCUPIED as OCCUPIED_CELL
-from pioneer3.maps.line_map import Extent, LineMap, MapObject, OccupancyGrid, solid_walls
+from pioneer3.maps.line_map import LineMap, MapObject, OccupancyGrid, solid_walls
 from pioneer3.text import write_bytes
 from pioneer3.units import MM
 

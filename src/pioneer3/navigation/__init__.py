@@ -4,6 +4,9 @@
 module          contents
 ==============  =================================================================================
 connect         connecting, with or without a map
+blocking        the robot without `await`
+notebook        notebooks: live views, and the stops that their cells need
+picture         a robot as a notebook shows it: sonars, lasers, trail, map
 navigator       a robot on a map: its state, ways, going to places
 goals           goals, from the request to the end: the action server
 localization    where it is, from its scans or echoes, and the mode that finds it out

@@ -16,7 +16,7 @@ from pioneer3.jit import numba_version
 from pioneer3.links import Opener
 from pioneer3.models import GivenModel
 from pioneer3.nav.settings import AS_SHIPPED, NavigationSettings
-from pioneer3.runtime.blocking import BlockingRobot
+from pioneer3.navigation.blocking import BlockingRobot
 from pioneer3.runtime.connect import connect_robot
 from pioneer3.runtime.robot import Robot
 from pioneer3.tasks import running
@@ -124,7 +124,8 @@ def connect(
     """Connect to a robot or simulator, and wait until it says something.
 
     Use it in a `with` block: every way out of the block stops the robot. In a notebook, call
-    :meth:`BlockingRobot.close` at the end. Arguments and errors are those of
+    :meth:`BlockingRobot.close` at the end; a cell that runs again closes the robot that it had
+    connected to `url` before. Arguments and errors are those of
     :func:`pioneer3.connect_async`.
     """
     return BlockingRobot(
@@ -141,7 +142,8 @@ def connect(
             line_map=line_map,
             start=start,
             settings=settings,
-        )
+        ),
+        url,
     )
 
 

@@ -10,6 +10,6 @@ arbiter    asks all actions, sends one velocity command, tells the reason to sta
 motions    moves, turns and modes that are waited for
 signals    signals end a program, and stop its robot
 facade     an asynchronous object without `await`
-blocking   the robot and its lasers without `await`
+blocking   connections without `await`, and lasers
 =========  =======================================================================================
 """

@@ -1,4 +1,4 @@
-"""The robot and its lasers for scripts and notebooks: the same, without `await`."""
+"""Connections for scripts and notebooks, without `await`; lasers."""
 
 import asyncio
 import atexit
@@ -6,12 +6,10 @@ from contextlib import AbstractAsyncContextManager, AsyncExitStack
 from pathlib import Path
 from typing import Any, Self, cast
 
-from pioneer3.robot.supervisor import RobotInfo
 from pioneer3.runtime.connect import connect_laser_async
-from pioneer3.runtime.facade import Facade, LoopThread, adapted, blocking
-from pioneer3.runtime.robot import Robot
+from pioneer3.runtime.facade import Facade, LoopThread, adapted
 from pioneer3.runtime.signals import StopOnSignals
-from pioneer3.state import Scan, Snapshot
+from pioneer3.state import Scan
 
 
 def connect_laser(url: str, *, record: Path | None = None) -> "BlockingLaser":
@@ -71,69 +69,6 @@ class BlockingConnection(Facade):
         for task in tasks:
             task.cancel()
         await asyncio.gather(*tasks, return_exceptions=True)
-
-
-class BlockingRobot(BlockingConnection):
-    """A :class:`pioneer3.Robot` on an event loop in a thread of its own."""
-
-    @property
-    def info(self) -> RobotInfo:
-        """Identity, model, limits and configuration of the robot last connected."""
-        return cast("RobotInfo", self._read("info"))
-
-    @property
-    def snapshot(self) -> Snapshot | None:
-        """The latest snapshot, or `None` while the link is lost."""
-        return cast("Snapshot | None", self._read("snapshot"))
-
-    @property
-    def devices(self) -> Any:
-        """The devices besides wheels and sonars: :class:`pioneer3.robot.devices.Devices`.
-
-        Facades, made as they are asked for: `robot.devices.gripper.open()`, or
-        `for scan in robot.devices.laser.values()`. Their types are known when the program runs.
-        """
-        return adapted(self._target.devices, self._thread)
-
-    @property
-    def navigator(self) -> Any:
-        """Knows where the robot is on a map, as a facade; `None` without a map."""
-        return adapted(self._target.navigator, self._thread)
-
-    @property
-    def laser(self) -> Any:
-        """The first of :attr:`lasers`."""
-        return self.lasers[0]
-
-    @property
-    def lasers(self) -> tuple[Any, ...]:
-        """The laser range finders, as facades: `robot.lasers[0].reading()`."""
-        return tuple(adapted(laser, self._thread) for laser in self._target.lasers)
-
-    snapshots = blocking(Robot.snapshots)
-    drive = blocking(Robot.drive)
-    drive_wheels = blocking(Robot.drive_wheels)
-    stop = blocking(Robot.stop)
-    emergency_stop = blocking(Robot.emergency_stop)
-    reset_emergency_stop = blocking(Robot.reset_emergency_stop)
-    motors = blocking(Robot.motors)
-    move = blocking(Robot.move)
-    turn = blocking(Robot.turn)
-    start_move = blocking(Robot.start_move)
-    set_delta_heading = blocking(Robot.set_delta_heading)
-    set_heading = blocking(Robot.set_heading)
-    is_move_done = blocking(Robot.is_move_done)
-    goto = blocking(Robot.goto)
-    run = blocking(Robot.run)
-    nearest = blocking(Robot.nearest)
-    why_not_moving = blocking(Robot.why_not_moving)
-    send = blocking(Robot.send)
-    send_unsafe = blocking(Robot.send_unsafe)
-
-    def _stand(self) -> None:
-        """Stop the robot in the loop, also when others drive."""
-        if self._target is not None:
-            self._target.arbiter.stop()
 
 
 class BlockingLaser(BlockingConnection):

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.random import default_rng
 
 from pioneer3.errors import ConfigError
-from pioneer3.geometry import Pose2
+from pioneer3.geometry import Extent, Pose2
 from pioneer3.maps.aria import (
     DEFAULT_RESOLUTION_MM,
     AriaEntry,
@@ -20,7 +20,7 @@ from pioneer3.maps.aria import (
     parse_aria,
     resolution_mm,
 )
-from pioneer3.maps.line_map import Extent, LineMap, MapObject, distances
+from pioneer3.maps.line_map import LineMap, MapObject, distances
 from pioneer3.maps.load import read_map_file
 from pioneer3.maps.map_server import KEYS, MapServerFile
 from pioneer3.models import RobotModel, load_model

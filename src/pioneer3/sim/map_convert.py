@@ -9,11 +9,12 @@ import numpy as np
 
 from pioneer3.errors import ConfigError
 from pioneer3.maps import LineMap, write_aria_map, write_map_server
+from pioneer3.maps.drawing import MapDrawing, to_svg
 from pioneer3.models import load_model
 from pioneer3.names import printable
 from pioneer3.sim.map_check import MapProblem, Severity, check_world
 from pioneer3.sim.worldfile import WorldFile, load_world, write_world
-from pioneer3.sim.worldfile.drawing import WorldDrawing, draw, to_picture, to_svg
+from pioneer3.sim.worldfile.drawing import draw, to_picture
 from pioneer3.sim.worldfile.flattened import solids_in_words
 from pioneer3.text import write_bytes
 
@@ -28,7 +29,7 @@ class MapInfo:
     """
 
     name: str
-    drawing: WorldDrawing
+    drawing: MapDrawing
     size: tuple[float, float]
     walls: int
     wall_length: float

@@ -11,9 +11,9 @@ from pioneer3.cli.map import _print_map, check, convert, map_app, show
 from pioneer3.cli.map_drawing import CharacterCanvas
 from pioneer3.errors import ConfigError
 from pioneer3.maps import shipped_map
+from pioneer3.maps.drawing import Layer
 from pioneer3.sim.map_convert import look
 from pioneer3.sim.worldfile import load_map, load_world
-from pioneer3.sim.worldfile.drawing import Layer
 
 BAD = "2D-Map\nLINES\n1 2 3\n"
 

@@ -4,8 +4,9 @@ from math import hypot, inf, nan, pi
 
 import pytest
 
-from pioneer3.demo.drawing import Canvas, Ink, reach_for, ring
+from pioneer3.demo.drawing import Canvas, Ink, ring
 from pioneer3.models import load_model
+from pioneer3.navigation.picture import reach_for
 
 BLANK = 0x2800
 ROBOT = load_model("p3at-sh")

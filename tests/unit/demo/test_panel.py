@@ -6,11 +6,11 @@ from math import pi
 import pytest
 from rich.console import Console
 
-from pioneer3.demo.drawing import Trail
 from pioneer3.demo.mode import DemoMode, Description, Gauge
 from pioneer3.demo.program import named
 from pioneer3.demo.view import bar, panel
 from pioneer3.geometry import Pose2
+from pioneer3.navigation.picture import Trail
 from pioneer3.robot.devices import Presence
 
 

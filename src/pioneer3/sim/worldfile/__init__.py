@@ -5,7 +5,7 @@ module        contents
 ============  ===================================================================================
 arguments     options of a command line about robots and starts, which override a world file
 flattened     worlds without their third dimension: in words, and as a map with a world file
-drawing       drawings of worlds: their lines and markers, as SVG and as PNG
+drawing       drawings of worlds: what is on them besides the map, and PNG
 load          finds maps and worlds: shipped ones by name, others by the path of their file
 gazebo        reads worlds of Gazebo: boxes, columns, cuts of meshes, and robots
 collada       triangles of COLLADA files, the usual meshes of Gazebo
