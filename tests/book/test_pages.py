@@ -16,10 +16,12 @@ LONGEST: Final = 900
 """Time to read a page on a busy machine [s]."""
 READ: Final = (
     "tutorial/program.md",
+    "how-to/behave.md",
     "how-to/calibrate.md",
     "how-to/csv.md",
-    "how-to/obstacles.md",
     "how-to/models.md",
+    "how-to/navigate.md",
+    "how-to/obstacles.md",
     "how-to/robots.md",
     "how-to/share.md",
     "how-to/simulate.md",
