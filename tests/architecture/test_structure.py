@@ -171,7 +171,7 @@ LEAST = 4
 
 
 def test_the_door_of_a_package_lists_its_modules() -> None:
-    """The root's door is the public names; CONTRIBUTING draws its packages."""
+    """The root's door is the public names; docs/explanation/architecture.md draws its packages."""
     inside: dict[str, list[str]] = {}
     for module in MODULES:
         package, _, name = module.rpartition(".")
