@@ -4,6 +4,7 @@ It is on no package index: it comes as a wheel, or runs from a clone.
 """
 
 import os
+import shutil
 import sys
 from collections.abc import Iterator, Sequence
 from importlib import metadata
@@ -73,6 +74,22 @@ def requirements(name: str, extras: Sequence[str] = ()) -> list[str]:
             requirement.marker = None
             found.append(str(requirement))
     return found
+
+
+def required_anywhere() -> list[str]:
+    """Return the requirements without extras, on any computer, with their markers."""
+    return [line for line in metadata.requires(NAME) or () if "extra ==" not in line]
+
+
+def find_uv() -> str | None:
+    """Return the path of uv, `None` if it is not on this computer."""
+    candidates = (
+        shutil.which("uv"),
+        Path(sys.executable).with_name("uv"),
+        Path.home() / ".local/bin/uv",
+        CLONE / ".tools/bin/uv",
+    )
+    return next((str(path) for path in candidates if path and Path(path).is_file()), None)
 
 
 def own_files() -> Iterator[tuple[str, Path]]:

@@ -200,6 +200,27 @@ def test_two_students_join_by_one_link_and_drive_only_their_own(tabs: Tabs, clas
         assert not has_moved(desk, 2, starts[1])
 
 
+def test_a_student_copies_the_line_that_installs_and_loads_a_program(
+    tabs: Tabs, class_: Class
+) -> None:
+    line = class_.get("/installation")["command"].replace("127.0.0.1", "localhost")
+    with student(tabs, class_, "Ann") as ann:
+        ann.click(".views [data-view=program]")
+        copied = ann.locator(f"#own-install [aria-label='Copy: {line}']")
+        expect(copied).to_be_visible()
+        copied.click()
+        expect(ann.locator("#toast")).to_have_text("Copied.")
+        with ann.expect_download() as loaded:
+            ann.click("#own-install a[download='square.py']")
+        assert f'"{class_.url(1)}"' in loaded.value.path().read_text()
+    with looking(tabs, class_.link, PHONE) as page:
+        expect(page.locator("#install-steps")).to_be_hidden()
+        page.click("#install summary")
+        expect(page.locator("#install-steps")).to_contain_text(line)
+        page.click("#install-steps li:nth-child(2) button")
+        expect(page.locator("#copied")).to_have_text("Copied.")
+
+
 def test_who_joins_again_has_the_same_robot_and_a_full_class_says_so(
     tabs: Tabs, class_: Class
 ) -> None:

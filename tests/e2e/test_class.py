@@ -307,6 +307,49 @@ async def test_the_examples_of_the_reference_run(tmp_path: Path) -> None:
             assert bash.returncode == 0, error.decode()
 
 
+async def test_students_load_the_wheel_and_programs_with_the_address_of_their_robot(
+    tmp_path: Path,
+) -> None:
+    def load(path: str, cookie: str = "", host: str = "") -> tuple[int, bytes]:
+        request = Request(f"{the.teacher.base}{path}", headers={"Cookie": cookie})
+        if host:
+            request.add_header("Host", host)
+        try:
+            with urlopen(request, timeout=PATIENCE) as answer:
+                return answer.status, answer.read()
+        except HTTPError as error:
+            return error.code, error.read()
+
+    async with school(tmp_path) as the:
+        told = (await Caller(the.teacher.base).ask("GET", "/class/installation")).json
+        wheel = told["command"].rpartition("/")[2]
+        assert told["command"] == f"pip install {the.teacher.base}/{wheel}"
+        status, data = await asyncio.to_thread(load, f"/{wheel}")
+        assert (status, data[:2]) == (200, b"PK")
+        assert the.token.encode() not in data
+        bob, joined = await the.join("Bob")
+        assert "square.py" in told["programs"]
+        status, program = await asyncio.to_thread(load, "/programs/square.py", bob.cookie)
+        assert status == 200
+        assert f'"{joined["url"]}"' in program.decode()
+        assert the.token.encode() not in program
+        second = await asyncio.to_thread(load, "/programs/square.py?robot=2")
+        assert f'"{(await the.seat(2))["url"]}"' in second[1].decode()
+        other = await asyncio.to_thread(load, "/programs/square.py?robot=2", bob.cookie)
+        assert other == (200, program)  # a student's own robot, whatever is asked for
+        for path, status in (
+            ("/programs/square.py?robot=3", 404),
+            ("/programs/..%2froster.py", 404),
+            ("/programs/roster.py", 404),
+            ("/pioneer3-9.9-py3-none-any.whl", 404),
+            ("/wheels/", 404),
+            ("/wheels/..%2f..%2fetc%2fpasswd", 404),
+        ):
+            assert (await asyncio.to_thread(load, path))[0] == status, path
+        elsewhere = await asyncio.to_thread(load, "/programs/square.py", "", "192.168.1.20")
+        assert elsewhere[0] == 401  # from another computer, without a session
+
+
 async def test_joining_is_for_who_has_the_token_while_there_is_room(tmp_path: Path) -> None:
     async with school(tmp_path) as the:
         stranger = Caller(the.teacher.base)

@@ -29,11 +29,15 @@ def class_(
     web_port: TcpPort = 8080,
     sim_port: TcpPort = 8101,
     folder: Path | None = None,
+    wheelhouse: Annotated[
+        Path | bool, Parameter(negative=(), metavar="[DIR]", show_default=False)
+    ] = False,
 ) -> int:
     """Run a class: a robot for each student, and a page for the teacher.
 
     Example: pioneer3 class --students 20 --lan
     Example: pioneer3 class --students 8 --map lab --robot p3at
+    Example: pioneer3 class --students 20 --lan --wheelhouse
 
     Args:
         students: Number of robots to simulate, one for each student.
@@ -46,6 +50,8 @@ def class_(
         web_port: TCP port of the page; https takes the next free one with --lan; 0: any free.
         sim_port: TCP port of the first robot for a student's program; 0: free ones.
         folder: Handed-in runs are kept there; else class-DATE in this folder.
+        wheelhouse: For laptops without internet: load all that pioneer3 needs into DIR, else into
+            the folder wheels, once, and hand it out.
     """
     from pioneer3.fleet.inventory import VARIABLE
     from pioneer3.fleet.reach import given_model, port_of
@@ -75,5 +81,6 @@ def class_(
         web_port=web_port,
         host="0.0.0.0" if lan else "127.0.0.1",
         show_tokens=sys.stdout.isatty(),
+        wheelhouse=Path("wheels") if wheelhouse is True else wheelhouse or None,
     )
     return run_until_told_to_leave(class_live(options, write_line))

@@ -21,10 +21,10 @@ from typing import Final
 
 import pioneer3
 from pioneer3.distribution import (
-    CLONE,
     NAME,
     NOT_SHIPPED,
     added_by,
+    find_uv,
     own_files,
     own_metadata,
     requirements,
@@ -188,7 +188,7 @@ def _load(platform: Platform, requirements: Sequence[str], tree: Path) -> None:
         raise ConfigError(f"{problem}; for {', '.join(MACHINES)}")
     python = ".".join(map(str, platform.python))
     levels = [level for level in MANYLINUX if level <= platform.glibc]
-    uv = _uv()
+    uv = find_uv()
     if uv is not None:
         level = "_".join(map(str, max((each for each in levels), default=MANYLINUX[0])))
         words = [uv, "pip", "install", "--quiet", "--no-config", "--target", str(tree)]
@@ -205,15 +205,6 @@ def _load(platform: Platform, requirements: Sequence[str], tree: Path) -> None:
             f"no packages for Python {python} on {platform.machine} (glibc "
             f"{platform.glibc[0]}.{platform.glibc[1]}) are to be had from here: {last}"
         )
-
-
-def _uv() -> str | None:
-    candidates = (
-        shutil.which("uv"),
-        Path.home() / ".local/bin/uv",
-        CLONE / ".tools/bin/uv",
-    )
-    return next((str(path) for path in candidates if path and Path(path).is_file()), None)
 
 
 def _digest(tree: Path, platform: Platform) -> str:

@@ -31,6 +31,7 @@ from pioneer3.web.access.middleware import (
 )
 from pioneer3.web.api.routes import api_routes
 from pioneer3.web.book import book_routes, is_built
+from pioneer3.web.classroom.downloads import download_routes
 from pioneer3.web.client import Client
 from pioneer3.web.page import Page
 
@@ -79,6 +80,7 @@ def make_app(page: Page, names: frozenset[str] = LOCAL_NAMES) -> ASGIApp:
             WebSocketRoute("/ws", connect),
             *api_routes(page),
             *book_routes(),
+            *download_routes(page),
             Mount("/static", _Parts(directory=STATIC)),
         ],
         exception_handlers={

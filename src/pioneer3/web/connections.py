@@ -45,6 +45,8 @@ ANSWER_TIME = 30.0
 """Longest time until an answer has been taken [s]."""
 STREAMING = "pioneer3.streaming"
 """Extension of the ASGI scope: a function that an answer without end calls before each piece."""
+TAKING = "pioneer3.taking"
+"""Extension of the ASGI scope: a function that a long answer calls before each piece."""
 STREAM_BUFFER = 32 << 10
 """Send buffer of a stream's socket [bytes]; the system's would let old pieces wait."""
 BACKLOG = 1024
@@ -228,18 +230,23 @@ class HttpProtocol(H11Protocol):
         cycle = self.cycle
         if cycle is not None and not cycle.more_body and not cycle.response_complete:
             scope: Any = cycle.scope
-            scope.setdefault("extensions", {})[STREAMING] = self._go_on
+            extensions = scope.setdefault("extensions", {})
+            extensions |= {STREAMING: self._stream, TAKING: self._go_on}
             if self._connection.phase is not ConnectionPhase.ACTIVE:
                 self._connection.due = self.loop.time() + ANSWER_TIME
             self._connection.phase = ConnectionPhase.ACTIVE
 
-    def _go_on(self) -> None:
-        """Let an answer without end last for as long as its pieces are taken."""
+    def _stream(self) -> None:
+        """Let an answer without end go on, none of whose pieces waits for long."""
         if not self._streams:
             self._streams = True
             self.transport.set_write_buffer_limits(high=0)
             connection = self.transport.get_extra_info("socket")
             connection.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, STREAM_BUFFER)
+        self._go_on()
+
+    def _go_on(self) -> None:
+        """Let an answer last for as long as its pieces are taken."""
         self._connection.due = self.loop.time() + ANSWER_TIME
 
 

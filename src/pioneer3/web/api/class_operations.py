@@ -1,12 +1,17 @@
 """The operations of the API on a class."""
 
+from starlette.datastructures import Headers
+
 from pioneer3.errors import CommandError, ConfigError
+from pioneer3.links.hosts import bracketed
 from pioneer3.web import messages, requests
+from pioneer3.web.access.hosts import host_name
 from pioneer3.web.access.invitations import svg
 from pioneer3.web.access.middleware import ErrorResponse, cookie
 from pioneer3.web.access.sessions import IDLE, Role
 from pioneer3.web.api import types
 from pioneer3.web.api.operation import ApiRequest, TextFile, operation
+from pioneer3.web.book import is_built
 from pioneer3.web.classroom.classroom import describe
 
 NO_CLASS = ErrorResponse(404, "there is no class here: start one with pioneer3 class")
@@ -46,6 +51,20 @@ def get_link(request: ApiRequest) -> types.ClassLink | ErrorResponse:
     """Return the address for students, and its QR code."""
     classroom = request.classroom
     return types.ClassLink(classroom.join_url, svg(classroom.join_url), classroom.lan)
+
+
+def get_installation(request: ApiRequest) -> types.Installation | ErrorResponse:
+    """Return the line that installs pioneer3 from here, and the files that there are."""
+    downloads = request.classroom.downloads
+    if downloads is None:
+        return NO_CLASS
+    host = host_name(Headers(scope=request.scope).get("host"))
+    return types.Installation(
+        downloads.command(bracketed(host)),
+        downloads.wheels is not None,
+        list(downloads.programs),
+        is_built(),
+    )
 
 
 def pause_all(request: ApiRequest, body: types.Paused) -> ErrorResponse | None:
@@ -124,6 +143,7 @@ CLASS = (
     operation("POST", "/api/class/join", join_class, None, 403, 404, 409),
     operation("GET", "/api/class", get_class, VIEWER, 404),
     operation("GET", "/api/class/link", get_link, DRIVER, 404),
+    operation("GET", "/api/class/installation", get_installation, None, 404),
     operation("PUT", "/api/class/paused", pause_all, DRIVER, 404, 409),
     operation("POST", "/api/class/put_back", put_back_all, DRIVER, 404, 409),
     operation("PUT", "/api/class/locked", lock_class, DRIVER, 404, 409),

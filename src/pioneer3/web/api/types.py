@@ -196,6 +196,22 @@ class Joined(msgspec.Struct):
     url: str
 
 
+class Installation(msgspec.Struct):
+    """The line that installs pioneer3 from a class, and files that the class hands out.
+
+    Attributes:
+        command: The line, for a terminal.
+        offline: Whether it needs no package index.
+        programs: Names of programs, at `/programs/NAME` with the address of the own robot.
+        book: Whether the book is at `/book/`.
+    """
+
+    command: str
+    offline: bool
+    programs: list[str]
+    book: bool
+
+
 class ClassLink(msgspec.Struct):
     """The address for students, and as a QR code; `lan` says that other devices can reach it."""
 

@@ -16,6 +16,7 @@ from hmac import compare_digest
 from secrets import choice
 from typing import Protocol
 
+from pioneer3.classroom.downloads import Downloads
 from pioneer3.classroom.roster import Roster
 from pioneer3.classroom.runs import Run, RunFolder
 from pioneer3.errors import CommandError, ConfigError, Refusal
@@ -80,6 +81,7 @@ class Classroom:
         self.limiter = RateLimiter(asyncio.get_running_loop().time, JOINS, JOINS_IN_ALL)
         self.token = new_code()
         self.join_url = ""
+        self.downloads: Downloads | None = None
         self.lan = False
         self._page = page
         self._clock = clock

@@ -6,10 +6,15 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import AsyncExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
+from threading import Event
 from time import time
 
 from pioneer3.bridge import Bridge
+from pioneer3.classroom.downloads import Downloads
 from pioneer3.classroom.runs import RunFolder
+from pioneer3.classroom.wheel import build_wheel
+from pioneer3.classroom.wheelhouse import Wheelhouse
 from pioneer3.errors import ConfigError, PortBusyError
 from pioneer3.links import Link, Opener, opener
 from pioneer3.links.hosts import bracketed, is_loopback
@@ -60,6 +65,7 @@ class ClassOptions:
     The map is one that ships, or a file; `None` is the office for a simulator, none for a fleet.
     `sim_port` is the TCP port of the first robot for students' programs; 0 takes free ones, also
     for the page. With `show_tokens` the output of `tell` is not stored, and may show the link.
+    The wheelhouse is a folder of wheels for laptops without internet, `None` for none.
     """
 
     students: int = 0
@@ -72,6 +78,7 @@ class ClassOptions:
     web_port: int = 8080
     host: str = "127.0.0.1"
     show_tokens: bool = False
+    wheelhouse: Path | None = None
 
 
 class MemoryCables:
@@ -110,6 +117,10 @@ async def class_live(options: ClassOptions, tell: Callable[[str], None]) -> int:
         PioneerError: something could not be started; the message says what to do.
     """
     async with AsyncExitStack() as stack:
+        wheels = await _wheelhouse(options.wheelhouse, tell) if options.wheelhouse else None
+        folder = stack.enter_context(TemporaryDirectory(prefix="pioneer3-class-"))
+        building = asyncio.ensure_future(asyncio.to_thread(build_wheel, Path(folder)))
+        stack.push_async_callback(asyncio.wait, [building])
         targets = await _targets(options, stack, tell)
         page = Page()
         certificate = certificate_for(options.host, None, None)
@@ -125,6 +136,8 @@ async def class_live(options: ClassOptions, tell: Callable[[str], None]) -> int:
         )
         served = await stack.enter_async_context(serving)
         classroom.join_url = join_url(page.access.urls, served, classroom.token)
+        port = int(served.http.rpartition(":")[2])
+        classroom.downloads = Downloads(await asyncio.shield(building), port, wheels)
         classroom.lan = bool(page.access.urls)
         classroom.roster.shared = not classroom.lan  # here are the teacher's own browsers only
         over_bridges = [
@@ -143,6 +156,19 @@ async def class_live(options: ClassOptions, tell: Callable[[str], None]) -> int:
             tell(f"Not there: {robots[number].label}; it is looked for again and again")
         await asyncio.get_running_loop().create_future()
     return 0
+
+
+async def _wheelhouse(folder: Path, tell: Callable[[str], None]) -> dict[str, Path]:
+    """Fill a wheelhouse beside the loop; a cancelled one keeps what it has loaded."""
+    stopped, loop = Event(), asyncio.get_running_loop()
+
+    def tell_here(line: str) -> None:
+        loop.call_soon_threadsafe(tell, line)
+
+    try:
+        return await asyncio.to_thread(Wheelhouse(folder, tell_here, stopped.is_set).open)
+    finally:
+        stopped.set()
 
 
 def join_url(urls: Sequence[str], served: Served, token: str) -> str:
@@ -274,6 +300,9 @@ def _lines(options: ClassOptions, classroom: Classroom, served: Served) -> Itera
         yield "Only this computer is let in; add --lan for the students' devices"
     elif not classroom.lan:
         yield "No other device can connect: this computer has no address in a network"
+    if classroom.downloads is not None:
+        host = bracketed(next(iter(lan_addresses(options.host)), "127.0.0.1"))
+        yield f"Students install pioneer3 by: {classroom.downloads.command(host)}"
     yield f"Students' programs connect to {robots[0].url}" + (
         f" (robot 1) to {robots[-1].url} (robot {len(robots)})" if len(robots) > 1 else ""
     )

@@ -4,6 +4,7 @@
 import { byId, make, makeButton, put, putItems, sentence, set } from "../dom.js";
 import { ask } from "../http.js";
 import { part } from "../panels/widgets.js";
+import { askForInstallation, bookLink, installationSteps } from "./installation.js";
 import { copy } from "./invitation.js";
 import { duration } from "./runs.js";
 import { isToTakeOver } from "./take_over.js";
@@ -30,6 +31,7 @@ export class OwnRobot {
   #steps;
   #runs = make("ul", { class: "lines-of-text", id: "own-runs", "aria-label": "Handed in" });
   #leave;
+  #install = make("div", { id: "own-install" });
 
   /**
    * @param send   function(message): returns whether it was sent
@@ -49,6 +51,7 @@ export class OwnRobot {
       part("Your program", this.#program, make("p", { class: "words" }, WORDS),
         make("div", { class: "own-port" }, this.#url, copying("copy-url", "Copy the robot's address", () => this.#seat.url)),
         this.#example, make("div", { class: "row" }, copying("copy-example", "Copy the program", () => exampleOf(this.#seat.url)))),
+      part("pioneer3 on your computer", this.#install),
       part("Record a run", this.#state, make("div", { class: "row" }, ...Object.values(this.#steps)), this.#runs),
       this.#leave,
     );
@@ -72,6 +75,14 @@ export class OwnRobot {
     for (const button of document.querySelectorAll('[data-view="program"]')) button.hidden = member === null;
     byId("class-link").hidden = !this.isTeacher;
     this.#leave.hidden = !this.isStudent;
+    this.#install.parentElement.hidden = !this.isStudent;
+    if (this.isStudent && !this.#install.hasChildNodes()) this.#showInstallation();
+  }
+
+  async #showInstallation() {
+    const told = await askForInstallation();
+    this.#install.parentElement.hidden = told === null;
+    if (told) this.#install.replaceChildren(installationSteps(told, true, this.#notify), ...bookLink(told));
   }
 
   /** @param {import("../messages.d.ts").Class} message */

@@ -1,8 +1,9 @@
 // Trades the class's token behind the `#` of the address, or typed as its code, and a name, for a robot. The token
 // goes to the server in the body of a POST and nowhere else; it leaves the address bar and the history at once.
 
-import { byId } from "../dom.js";
+import { byId, put } from "../dom.js";
 import { ask } from "../http.js";
+import { askForInstallation, bookLink, installationSteps } from "../classroom/installation.js";
 
 const HELP = "Scan the class's code, or type it once more. Your teacher can show it.";
 const BAD_LINK = [401, 403, 404]; // of the answer, to a token that is not good any more
@@ -48,9 +49,19 @@ async function hasRobot() {
   }
 }
 
+/** Shows what to type for a program of one's own; open where there is room for it. */
+async function showInstallation() {
+  const told = await askForInstallation();
+  if (!told) return;
+  byId("install-steps").append(installationSteps(told, false, (text) => put(byId("copied"), text)), ...bookLink(told));
+  byId("install").open = matchMedia("(min-width: 900px)").matches;
+  byId("install").hidden = false;
+}
+
 async function begin() {
   if (await hasRobot()) return location.replace("/");
   byId("form").hidden = false;
+  showInstallation();
   say("A robot of your own, to drive and to program.");
   if (token) byId("name").focus();
   else askForCode();
