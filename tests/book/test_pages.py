@@ -22,6 +22,7 @@ READ: Final = (
     "how-to/models.md",
     "how-to/navigate.md",
     "how-to/obstacles.md",
+    "how-to/onboard-computer.md",
     "how-to/robots.md",
     "how-to/share.md",
     "how-to/simulate.md",

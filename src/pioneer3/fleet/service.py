@@ -251,7 +251,7 @@ class LocalService:
 
     @staticmethod
     def _called(*words: str) -> subprocess.CompletedProcess[str]:
-        runtime = {"XDG_RUNTIME_DIR": f"/run/user/{os.getuid()}"} | os.environ
+        runtime = {"XDG_RUNTIME_DIR": f"/run/user/{getattr(os, 'getuid', int)()}"} | os.environ
         try:
             return subprocess.run(
                 words, env=runtime, capture_output=True, text=True, timeout=_PATIENCE, check=False

@@ -175,4 +175,5 @@ def _environment(robot: FleetRobot, fleet: Fleet) -> list[str]:
 def quoted(word: str) -> str:
     """Return a word for a command line of systemd (systemd.service(5), COMMAND LINES)."""
     escaped = word.replace("\\", "\\\\").replace('"', '\\"').replace("%", "%%").replace("$", "$$")
+    escaped = escaped.replace("\n", "\\n")
     return escaped if escaped and not set(escaped) & set(" \t'\";") else f'"{escaped}"'

@@ -82,6 +82,7 @@ def test_with_a_bridge_it_lets_others_reach_the_device_at_the_robots_address() -
         ('a"b', '"a\\"b"'),
         ("50%$HOME", "50%%$$HOME"),
         ("a\\b", "a\\\\b"),
+        ("a\nUser=root", "a\\nUser=root"),
     ],
 )
 def test_words_are_quoted_for_systemd(word: str, written: str) -> None:
