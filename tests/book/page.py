@@ -8,7 +8,7 @@ Fences name the terminal or the file in their title: ```` ```sh title="Second te
 | `<!-- beside: COMMAND -->` | runs from here to the end of the page, such as `pioneer3 sim` |
 | `<!-- serial -->` | a simulated robot is at /dev/ttyUSB0, from here on |
 | `<!-- goes on -->` | this block's last line runs until its terminal is needed, or to the end |
-| `<!-- each goes on -->` | the lines of this block are examples: each runs until it has said something |
+| `<!-- each goes on -->` | each line of this block is an example: it runs until it says something |
 | `<!-- fails -->` | the last line of this block ends with an error |
 | `<!-- press: KEYS -->` | keys, in the terminal of the block before, such as `up space q` |
 | `<!-- not run: REASON -->` | this block cannot run here |
