@@ -39,8 +39,6 @@ SAME_POSE = 1e-3
 """Difference below which two poses are the same [m, rad]."""
 STAMP_GAP = 1.0
 """Difference of neighbouring lines' stamps at most [s], unless one of them means nothing."""
-HALF = pi / 2
-"""Directions of the first and the last reading of an FLASER, on both sides [rad]."""
 FEWEST = 2
 """Readings of a scan at least."""
 HEADER = 8
@@ -49,13 +47,7 @@ HEADER = 8
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Message:
-    """A kind of scan.
-
-    Attributes:
-        directed: The line tells directions and the longest range.
-        posed: It tells the poses of laser and robot.
-        side: The laser's name in the parameters: `front` or `rear`.
-    """
+    """A kind of scan: whether it tells directions and range, and poses; `front`, `rear` or ``."""
 
     directed: bool
     posed: bool
@@ -111,13 +103,10 @@ class _Reader:
         return LoggedOdometry(stamp, self._raw)
 
     def posed(self, sweep: _Sweep, robot: Pose2, *, anchored: bool) -> LoggedScan:
-        """Make a scan with poses.
+        """Make a scan with poses; if `anchored`, odometry goes on from that of the robot.
 
-        Args:
-            sweep: The line.
-            robot: The robot's pose in it.
-            anchored: Odometry goes on from that pose. The way to it is a correction, unless the log
-                has no odometry since the last scan: then it is the only way that is known.
+        The way to it is a correction then, unless the log has no odometry since the last scan: then
+        it is the only way that is known.
         """
         if not anchored or not self._moved:
             self.move(robot, sweep.stamp)
@@ -172,9 +161,7 @@ def carmen_sources(lines: Iterable[str]) -> Sources:
 def read_carmen(lines: Iterable[str], laser: str = "FLASER") -> Iterator[Reading | LoggedDamage]:
     """Yield the readings of a log in their order, and the lines that are damaged.
 
-    Args:
-        lines: Of the log.
-        laser: First word of the scans that are read.
+    Scans are those whose first word is `laser`.
     """
     reader, pairing, message = _Reader(), Pairing(), MESSAGES[laser]
     waiting: _Sweep | None = None
@@ -214,7 +201,8 @@ def _sweep(message: _Message, numbers: list[float]) -> _Sweep | None:
     count, after = _counted(numbers, begin)
     if count < FEWEST:
         return None
-    angles, far = _half_circle(count), NO_ECHO
+    # some logs leave out the last reading of a half circle
+    angles, far = _directions(-pi / 2, pi, pi / (count - count % 2), count), NO_ECHO
     if message.directed:
         angles = _directions(numbers[1], numbers[2], numbers[3], count)
         far = min(numbers[4], NO_ECHO) if numbers[4] > 0 else NO_ECHO
@@ -256,12 +244,6 @@ def _anchors(word: str, numbers: list[float], sweep: _Sweep) -> bool:
     if sweep.message.directed or numbers[:3] != [robot.x, robot.y, robot.theta]:
         return False
     return numbers[6] == 0 or abs(numbers[6] - sweep.stamp) > STAMP_GAP
-
-
-def _half_circle(count: int) -> tuple[float, ...]:
-    """Return the directions of a half circle, of which some logs leave out the last reading."""
-    step = pi / (count - count % 2)
-    return tuple(-HALF + step * number for number in range(count))
 
 
 def _directions(start: float, fov: float, step: float, count: int) -> tuple[float, ...]:

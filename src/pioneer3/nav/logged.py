@@ -27,12 +27,7 @@ MOST_WAITING = 100
 
 @dataclass(frozen=True, slots=True)
 class Sources:
-    """The sources in a log among which a reader chooses.
-
-    Attributes:
-        lasers: Names of the lasers, the one to be taken first.
-        odometry: Names of the odometry likewise.
-    """
+    """The names of lasers and odometry in a log, those to be taken first before the others."""
 
     lasers: tuple[str, ...]
     odometry: tuple[str, ...]
@@ -40,12 +35,7 @@ class Sources:
 
 @dataclass(frozen=True, slots=True)
 class LoggedOdometry:
-    """A reading of the odometry between scans.
-
-    Attributes:
-        stamp: [s], as in the log.
-        robot_in_odom: The raw odometry.
-    """
+    """A reading of the raw odometry between scans; its stamp [s] is that of the log."""
 
     stamp: float
     robot_in_odom: Pose2
@@ -53,13 +43,7 @@ class LoggedOdometry:
 
 @dataclass(frozen=True, slots=True)
 class LoggedScan:
-    """A scan.
-
-    Attributes:
-        scan: The readings, with the raw odometry.
-        corrected: Its pose in the map that the log was corrected with [m, rad], or `None` in a raw
-            log.
-    """
+    """A scan with the raw odometry, and its pose in the map that corrected its log, if one did."""
 
     scan: Scan
     corrected: Pose2 | None = None
@@ -67,12 +51,7 @@ class LoggedScan:
 
 @dataclass(frozen=True, slots=True)
 class LoggedPlace:
-    """A place that somebody has marked at the robot, to be in the map.
-
-    Attributes:
-        kind: ARIA's type name, such as `GoalWithHeading`.
-        name: The label.
-    """
+    """A place that somebody has marked at the robot; `kind` is ARIA's, as `GoalWithHeading`."""
 
     kind: str
     name: str
@@ -80,11 +59,7 @@ class LoggedPlace:
 
 @dataclass(frozen=True, slots=True)
 class LoggedDamage:
-    """A reading in a text that cannot be read, and is left out.
-
-    Attributes:
-        line: Its number, from 1.
-    """
+    """A line of a text, counted from 1, that cannot be read and is left out."""
 
     line: int
 
@@ -98,9 +73,7 @@ Entry = Reading | LoggedPlace
 def range_of(metres: float, far: float = NO_ECHO) -> float:
     """Return a reading as in REP 117: `inf` where nothing echoed, `-inf` where it is too near.
 
-    Args:
-        metres: As in the log.
-        far: Longest range of the laser; `NO_ECHO` where the log does not tell.
+    `far` is the longest range of the laser; `NO_ECHO` where the log does not tell.
     """
     coded = far == NO_ECHO and any(low <= metres <= high for low, high in CODES)
     return inf if coded or metres >= far else metres if metres > 0 else -inf

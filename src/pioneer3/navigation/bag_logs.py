@@ -79,13 +79,7 @@ class _Storage(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class BagFormat:
-    """A format of rosbags.
-
-    Attributes:
-        name: For people.
-        storage: Suffix of its files, or `dir` for a folder.
-        mended_by: The program that may mend one that is damaged.
-    """
+    """A format of rosbags: its name, the suffix of files or `dir`, and the program that mends."""
 
     name: str
     storage: str
@@ -99,17 +93,9 @@ FOLDER = BagFormat("a rosbag of ROS 2", "dir", "ros2 bag reindex")
 
 
 class Bag:
-    """A rosbag as a log, while it is open.
+    """A rosbag as a log, while it is open; `share` of its entries, 0 to 1, is read.
 
-    Attributes:
-        name: Of its format, for people.
-        notes: Warnings, once its entries are read.
-        share: Part of the entries that is read, 0 to 1.
-
-    Args:
-        path: Its file or folder.
-        bag_format: Its format.
-        given: Where the laser is, if somebody says so; else as the transforms tell.
+    `given` is where the laser is, if somebody says so; else it is as the transforms tell.
 
     Raises:
         ConfigError: It is damaged, has no scans, or rosbags is missing.
@@ -121,9 +107,9 @@ class Bag:
         self.notes = ["the end of the file is missing: read up to there"] if cut else []
         self.share = 0.0
         self._path, self._given = path, given
-        self._rosbags = _Rosbags(path)
-        self._storage = self._rosbags.storage(bag_format, cut=cut)
-        self._read_as = self._rosbags.types(ros_1=bag_format is ROS_1)
+        self._faults = _faults(path)
+        self._storage: _Storage = _storage(path, bag_format, cut=cut)
+        self._read_as = _types(ros_1=bag_format is ROS_1)
         self._frames = BagFrames()
         self._carriers: dict[str, str] = {}
         self._damaged = 0
@@ -221,8 +207,7 @@ class Bag:
 
     def _note_frames(self, message: Any) -> None:
         for each in message.transforms:
-            edge = FramePair(frame_name(each.header.frame_id), frame_name(each.child_frame_id))
-            self._frames.take(edge, each.transform)
+            self._frames.take(_pair(each), each.transform)
 
     def _edge(self, laser: str) -> FramePair | None:
         return self._frames.odometry(self._carriers.get(laser, ""))
@@ -256,19 +241,14 @@ class Bag:
     def _read(
         self, connections: list[Any], known: Mapping[str, object] | None = None
     ) -> Iterator[tuple[Any, float, Any]]:
-        """Yield connection, time [s] and message; those that are damaged are skipped.
-
-        Args:
-            connections: From which; none gives nothing.
-            known: Topics of which no more is read.
-        """
+        """Yield connection, time [s] and message, but no damaged ones, nor of `known` topics."""
         messages = self._storage.messages(connections) if connections else iter(())
         for connection, nanoseconds, raw in messages:
             if known is not None and connection.topic in known:
                 continue
             try:
                 message = self._read_as(raw, USED[connection.msgtype])
-            except self._rosbags.faults:
+            except self._faults:
                 self._damaged += 1
                 continue
             yield connection, nanoseconds * NANO, message
@@ -279,7 +259,7 @@ class Bag:
             yield
         except ConfigError:
             raise
-        except self._rosbags.faults as error:
+        except self._faults as error:
             reason = one_line(error).rstrip(".") or type(error).__name__
             problem = (
                 f" is {self.name} that cannot be read: {reason}; `{self._mended_by}` may mend it"
@@ -287,62 +267,53 @@ class Bag:
             raise wrong(self._path, problem) from None
 
 
-class _Rosbags:
-    """The library, which knows the formats.
-
-    Attributes:
-        faults: All that it raises about damaged files.
-
-    Args:
-        path: The bag.
+def _faults(path: Path) -> tuple[type[Exception], ...]:
+    """Return all that the library raises about damaged files.
 
     Raises:
         ConfigError: The library is missing.
     """
-
-    def __init__(self, path: Path) -> None:
-        try:
-            import rosbags.rosbag1
-            import rosbags.rosbag2
-            import rosbags.serde
-            from apsw import Error
-        except ImportError:
-            raise wrong(path, f" is a rosbag: {how_to_get('nav')}") from None
-        self._path = path
-        self.faults: tuple[type[Exception], ...] = (
-            *(rosbags.rosbag1.ReaderError, rosbags.rosbag2.ReaderError, rosbags.serde.SerdeError),
-            *(ArithmeticError, AssertionError, AttributeError, EOFError, LookupError, MemoryError),
-            *(OSError, RuntimeError, TypeError, ValueError, struct.error, Error),
-        )
-
-    def storage(self, bag_format: BagFormat, *, cut: bool) -> _Storage:
-        """Return the reader of a format, whatever the name of the file is."""
+    try:
         import rosbags.rosbag1
         import rosbags.rosbag2
+        import rosbags.serde
+        from apsw import Error
+    except ImportError:
+        raise wrong(path, f" is a rosbag: {how_to_get('nav')}") from None
+    return (
+        *(rosbags.rosbag1.ReaderError, rosbags.rosbag2.ReaderError, rosbags.serde.SerdeError),
+        *(ArithmeticError, AssertionError, AttributeError, EOFError, LookupError, MemoryError),
+        *(OSError, RuntimeError, TypeError, ValueError, struct.error, Error),
+    )
 
-        if bag_format is ROS_1:
-            storage: _Storage = rosbags.rosbag1.Reader(self._path)
-        else:
-            path: Any = CutMcapPath(self._path) if cut else self._path
-            reader: Any = rosbags.rosbag2.Reader.STORAGE_PLUGINS[bag_format.storage](path)
-            if cut:
-                reader.messages = reader.messages_scan  # the other one refuses a wrong order
-            storage = reader
-        return storage
 
-    def types(self, *, ros_1: bool) -> Callable[[bytes, str], Any]:
-        """Return the function that reads messages of the types that are used.
+def _storage(path: Path, bag_format: BagFormat, *, cut: bool) -> Any:
+    """Return the reader of a format, whatever the name of the file is."""
+    import rosbags.rosbag1
+    import rosbags.rosbag2
 
-        They have been the same in all distributions, so what a bag says of them is not needed.
-        """
-        from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+    if bag_format is ROS_1:
+        return rosbags.rosbag1.Reader(path)
+    place: Any = CutMcapPath(path) if cut else path
+    storage: Any = rosbags.rosbag2.Reader.STORAGE_PLUGINS[bag_format.storage](place)
+    if cut:
+        storage.messages = storage.messages_scan  # the other one refuses a wrong order
+    return storage
 
-        store = get_typestore(Stores.ROS1_NOETIC if ros_1 else Stores.ROS2_JAZZY)
-        if ros_1:
-            field = "geometry_msgs/TransformStamped[] transforms"
-            store.register(get_types_from_msg(field, TRANSFORMS))
-            return store.deserialize_ros1
-        return store.deserialize_cdr
+
+def _types(*, ros_1: bool) -> Callable[[bytes, str], Any]:
+    """Return the function that reads messages of the types that are used.
+
+    They have been the same in all distributions, so what a bag says of them is not needed.
+    """
+    from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+
+    store = get_typestore(Stores.ROS1_NOETIC if ros_1 else Stores.ROS2_JAZZY)
+    if ros_1:
+        field = "geometry_msgs/TransformStamped[] transforms"
+        store.register(get_types_from_msg(field, TRANSFORMS))
+        return store.deserialize_ros1
+    return store.deserialize_cdr
 
 
 def _listed(connections: Iterable[Any]) -> str:
@@ -356,16 +327,19 @@ def _listed(connections: Iterable[Any]) -> str:
 def _moved(message: Any, time: float, edge: FramePair | None) -> Iterator[LoggedOdometry]:
     """Yield the odometry in a message: of its own type, or the transforms of an edge."""
     if edge is None:
-        place = message.pose.pose
-        pose = pose_of(place.position, place.orientation)
+        at = message.pose.pose
+        told = [(message.header, at.position, at.orientation)]
+    else:
+        moves = (each for each in message.transforms if _pair(each) == edge)
+        told = [(m.header, m.transform.translation, m.transform.rotation) for m in moves]
+    for header, place, rotation in told:
+        pose = pose_of(place, rotation)
         if pose is not None:
-            yield LoggedOdometry(_stamp(message.header, time), pose)
-        return
-    for each in message.transforms:
-        if edge == FramePair(frame_name(each.header.frame_id), frame_name(each.child_frame_id)):
-            pose = pose_of(each.transform.translation, each.transform.rotation)
-            if pose is not None:
-                yield LoggedOdometry(_stamp(each.header, time), pose)
+            yield LoggedOdometry(_stamp(header, time), pose)
+
+
+def _pair(transform: Any) -> FramePair:
+    return FramePair(frame_name(transform.header.frame_id), frame_name(transform.child_frame_id))
 
 
 def _scan(message: Any, time: float, number: int, mounting: Mounting) -> Scan | None:

@@ -84,13 +84,7 @@ OTHERS: tuple[tuple[bytes, str], ...] = (
 
 
 class Log(Protocol):
-    """A log that is open.
-
-    Attributes:
-        name: Of its format, for people.
-        notes: Warnings, once its entries are read.
-        share: Part that is read, 0 to 1.
-    """
+    """A log that is open: the name of its format, and warnings, once its entries are read."""
 
     name: str
     notes: list[str]
@@ -109,12 +103,9 @@ class Log(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class SourceChoice:
-    """The laser and odometry that are read of a log that has several.
+    """The names of the laser and odometry that are read of a log that has several.
 
-    Attributes:
-        laser: Its name: a topic, `ROBOTLASER2`, `scan2`; `None` for the one that is taken first.
-        odometry: Likewise: a topic, `tf`, `robotGlobal`.
-        mounting: Where the laser is; `None` for what the log tells.
+    `None` stands for the one that is taken first, and for the mounting that the log tells.
     """
 
     laser: str | None = None
@@ -129,17 +120,10 @@ FIRST = SourceChoice()
 class ChosenLog:
     """A log that is open, and the laser and odometry that are read of it.
 
-    Attributes:
-        path: The file or folder.
-        source: Its format, and what is read of it, for people.
-
-    Args:
-        path: The file or folder.
-        log: What is in it.
-        choice: What is wanted of it.
+    `source` tells people its format, and what is read of it.
 
     Raises:
-        ConfigError: That is not in it.
+        ConfigError: What is chosen is not in it.
     """
 
     def __init__(self, path: Path, log: Log, choice: SourceChoice) -> None:
@@ -188,13 +172,7 @@ def chosen_log(path: Path, choice: SourceChoice = FIRST) -> Iterator[ChosenLog]:
 
 @dataclass(frozen=True, slots=True)
 class _TextFormat:
-    """A format of texts.
-
-    Attributes:
-        name: For people.
-        sources: Returns what is in the first lines.
-        read: Yields the entries in lines, of a laser and of odometry.
-    """
+    """A format of texts: its name, a search of the first lines, and a reader of all."""
 
     name: str
     sources: Callable[[Iterable[str]], Sources]
@@ -208,14 +186,9 @@ SCAN_LOG = _TextFormat("a scan log of ARIA", scan_log_sources, read_scan_log)
 
 
 class _TextLog:
-    """A text as a log.
+    """A text as a log; the place in the `raw` file shows progress.
 
-    Args:
-        text: Its format.
-        lines: All of it.
-        sources: What is in the first of them.
-        raw: The file, whose place shows progress.
-        given: Where the laser is, if somebody says so.
+    `sources` are those of the first lines, `given` is where the laser is, if somebody says so.
     """
 
     def __init__(
@@ -252,12 +225,9 @@ class _TextLog:
 
 @contextmanager
 def opened_log(path: Path, given: Mounting | None = None) -> Iterator[Log]:
-    """Open a log of scans; its content tells the format.
+    """Open a log of scans: a file, packed or not if it is a text, or the folder of a rosbag.
 
-    Args:
-        path: Of a file, which may be packed by gzip, bzip2 or xz if it is a text, or of the folder
-            of a rosbag.
-        given: Where the laser is, for rosbags; else as they tell.
+    `given` is where the laser is, in place of what the log tells.
 
     Raises:
         ConfigError: It cannot be read, or is no such log: the error names what it is.
@@ -295,7 +265,8 @@ def _bag(path: Path) -> tuple[Path, BagFormat] | None:
     if not whole and form in (None, ROS_1):
         return (path, form) if form else None
     folder = path if path.is_dir() else path.parent
-    inside = [(each, of) for each in _files(folder) if (of := _bag_format(each))]
+    files = sorted(each for each in folder.iterdir() if each.is_file() and each.suffix != ".yaml")
+    inside = [(each, of) for each in files if (of := _bag_format(each))]
     if (folder / METADATA).is_file() and (whole or [path] == [each for each, _ in inside]):
         told = _begin(folder / METADATA, LONGEST_LINE)
         if not inside or any(each.name.encode() in told for each, _ in inside):
@@ -306,11 +277,6 @@ def _bag(path: Path) -> tuple[Path, BagFormat] | None:
         names = ", ".join(each.name for each, _ in inside) or "no rosbag"
         raise wrong(path, f" is a folder without {METADATA}, with {names} in it; {READ}")
     return inside[0]
-
-
-def _files(folder: Path) -> list[Path]:
-    """Return the files of a folder that may be parts of a rosbag."""
-    return sorted(each for each in folder.iterdir() if each.is_file() and each.suffix != ".yaml")
 
 
 def _bag_format(path: Path) -> BagFormat | None:
@@ -341,10 +307,8 @@ def _kind(path: Path) -> str:
             return name
     if b"\0" in begin:
         return "of a format that is not known"
-    first = next(
-        (line for line in begin.decode("utf-8", "replace").splitlines() if line.strip()), ""
-    )
-    return f"a text that is no log of scans: it begins with {shown(first.strip())}"
+    first = next(iter(begin.decode("utf-8", "replace").strip().splitlines()), "").strip()
+    return f"a text that is no log of scans: it begins with {shown(first)}"
 
 
 def _first(lines: Iterable[str]) -> Iterator[str]:

@@ -33,14 +33,7 @@ LEAP = 5.0
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LogMap:
-    """The map that was made of a log.
-
-    Attributes:
-        mapper: Its map.
-        places: Places that were marked in it.
-        source: Its format, and what was read of it, for people.
-        notes: Warnings.
-    """
+    """The map that was made of a log, the places marked in it, its format, and warnings."""
 
     mapper: Mapper
     places: tuple[MapObject, ...]

@@ -17,10 +17,10 @@ NONE: Float = np.eye(4)
 def pose_of(element: SdfElement) -> Float:
     """Return the pose that an element tells, as a matrix (4, 4); in SDF 1.0 by its `origin`."""
     pose = element.first("pose")
-    origin = element.first("origin")
-    if pose is None and origin is not None:
-        return matrix(origin.numbers("pose", 6, ANYWHERE))
-    if pose is None or not pose.text:
+    if pose is None:
+        origin = element.first("origin")
+        return matrix(origin.numbers("pose", 6, ANYWHERE)) if origin else NONE
+    if not pose.text:
         return NONE
     if pose.attributes.get("rotation_format") == "quat_xyzw":
         return _by_quaternion(pose, pose.read("pose", pose.text, 7, ANYWHERE))

@@ -15,7 +15,7 @@ from xml.parsers.expat import ExpatError, ParserCreate
 from pioneer3.errors import ConfigError
 from pioneer3.sim.relief.shapes import FARTHEST
 from pioneer3.sim.worldfile.stage_text import ABOVE, places_of
-from pioneer3.text import POINTER, TextLine, decoded, one_line, read_bytes, shown, wrong
+from pioneer3.text import POINTER, decoded, one_line, read_bytes, shown, wrong
 
 LARGEST_SDF = 8 << 20
 """Larger files are not read [bytes]."""
@@ -46,7 +46,8 @@ class SdfElement:
     """An element of SDF; its text is without blanks around it."""
 
     tag: str
-    line: TextLine
+    path: Path
+    number: int
     attributes: dict[str, str]
     children: list["SdfElement"] = field(default_factory=list)
     pieces: list[str] = field(default_factory=list)
@@ -67,7 +68,10 @@ class SdfElement:
 
     def first(self, tag: str) -> "SdfElement | None":
         """Return the first child of this tag."""
-        return next(self.all(tag), None)
+        for child in self.children:
+            if child.tag == tag:
+                return child
+        return None
 
     def told(self, key: str) -> str:
         """Return the text of a child, or an attribute as in SDF 1.0; empty if there is neither."""
@@ -95,13 +99,13 @@ class SdfElement:
         if len(found) != count or not all(map(isfinite, found)):
             expected = f"{count} numbers" if count > 1 else "a number"
             raise self.wrong(f"expected {expected}, not {shown(text)}", key)
-        if any(abs(each) > most for each in found):
+        if max(map(abs, found)) > most:
             raise self.wrong(f"{shown(text)} is not within {most:g}", key)
         return found
 
     def wrong(self, problem: str, key: str = "") -> ConfigError:
         """Return the error about this element."""
-        return self.line.wrong(key or self.tag, problem)
+        return wrong(self.path, f"{self.number}: {key or self.tag}: {problem}")
 
 
 class SdfFiles:
@@ -131,11 +135,11 @@ class SdfFiles:
 
     def find(self, uri: str, said: SdfElement) -> Path | None:
         """Return the file or folder that a URI of a file names, or `None` and note it."""
-        key = uri, said.line.path
+        key = uri, said.path
         if key not in self._found:
             self._found[key] = self._searched(uri, said)
         if self._found[key] is None:
-            self.missing.setdefault(uri, f"{said.line.path.name}:{said.line.number}")
+            self.missing.setdefault(uri, f"{said.path.name}:{said.number}")
         return self._found[key]
 
     def _searched(self, uri: str, said: SdfElement) -> Path | None:
@@ -143,9 +147,9 @@ class SdfFiles:
         for scheme in _SCHEMES:
             name = name.removeprefix(scheme)
         if "://" not in name:
-            for path in self._candidates(name, said.line.path):
+            for path in self._candidates(name, said.path):
                 with suppress(OSError, ValueError):
-                    if path.is_dir() or (path.exists() and not _is_pointer(path)):
+                    if path.exists() and not _is_pointer(path):
                         return path
         if len(self.missing) > MOST_MISSING:
             raise said.wrong(f"more than {MOST_MISSING} files that are not on this computer")
@@ -164,9 +168,8 @@ class SdfFiles:
             told = [found / each.text for each in self.root(config).all("sdf")]
             files = [path for path in told if path.is_file()] or files
         if not files:
-            self.missing.setdefault(uri, f"{said.line.path.name}:{said.line.number}")
-            return None
-        return self.root(files[-1])
+            self.missing.setdefault(uri, f"{said.path.name}:{said.number}")
+        return self.root(files[-1]) if files else None
 
     def _candidates(self, name: str, said: Path) -> Iterator[Path]:
         """Yield the places where a file may be."""
@@ -187,30 +190,29 @@ class SdfFiles:
         parser, open_elements = ParserCreate(), list[SdfElement]()
         roots: list[SdfElement] = []
 
-        def line() -> TextLine:
-            return TextLine(path, parser.CurrentLineNumber, "")
+        def refused(word: str, problem: str) -> ConfigError:
+            return wrong(path, f"{parser.CurrentLineNumber}: {shown(word)}: {problem}")
 
         def start(tag: str, attributes: dict[str, str]) -> None:
             self._elements += 1
             if self._elements > MOST_ELEMENTS or len(open_elements) >= DEEPEST:
                 most = f"{MOST_ELEMENTS} elements, or {DEEPEST} in each other"
-                raise line().wrong(shown(tag), f"a world of more than {most}")
-            element = SdfElement(tag=tag, line=line(), attributes=attributes)
+                raise refused(tag, f"a world of more than {most}")
+            number = parser.CurrentLineNumber
+            element = SdfElement(tag=tag, path=path, number=number, attributes=attributes)
             (open_elements[-1].children if open_elements else roots).append(element)
             open_elements.append(element)
-
-        def end(_tag: str) -> None:
-            open_elements.pop()
 
         def data(text: str) -> None:
             open_elements[-1].pieces.append(text)
 
         def entity(name: str, *_rest: object) -> None:
-            raise line().wrong(shown(name), "entities are not read; write out what they stand for")
+            raise refused(name, "entities are not read; write out what they stand for")
 
         parser.buffer_text = True
-        parser.StartElementHandler, parser.EndElementHandler = start, end
-        parser.CharacterDataHandler, parser.EntityDeclHandler = data, entity
+        parser.StartElementHandler, parser.EntityDeclHandler = start, entity
+        parser.EndElementHandler = lambda _: open_elements.pop()
+        parser.CharacterDataHandler = data
         try:
             parser.Parse(text, True)
         except ExpatError as error:

@@ -4,7 +4,6 @@ As in Stage the black pixels of a bitmap, or the blocks of a model, are scaled s
 size of the model: a white margin of a picture counts for nothing. Poses are those in the parent.
 """
 
-import logging
 import re
 from collections import defaultdict
 from math import radians
@@ -15,31 +14,28 @@ import numpy as np
 from pioneer3.arrays import Float
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import ORIGIN, Pose2, wrap
-from pioneer3.maps import LineMap
 from pioneer3.maps.grid import MOST_WALLS, raster_outline
 from pioneer3.maps.image import read_image
-from pioneer3.names import clean_name, free_name, printable
-from pioneer3.sim.equipment import NO_OPTIONS, EquipmentOptions
 from pioneer3.sim.relief import WALL_HEIGHT
 from pioneer3.sim.relief.shapes import rectangle
 from pioneer3.sim.relief.solids import SENSOR_HEIGHT
-from pioneer3.sim.worldfile.spec import Box, RobotSpec, Wall, WorldFile
+from pioneer3.sim.worldfile.spec import Box, WorldFile
 from pioneer3.sim.worldfile.stage_text import StageEntity, StageText
-from pioneer3.sim.worldfile.stand_ins import homes_of, laser_of, pioneer_of, robot_of_size
+from pioneer3.sim.worldfile.stand_ins import (
+    LASER_SAMPLES,
+    TALLEST,
+    THIN,
+    FoundWorld,
+    laser_of,
+    pioneer_of,
+    robot_of_size,
+)
 from pioneer3.text import shown, wrong
-
-log = logging.getLogger(__name__)
 
 DARK = 127
 """Pixels whose red is no more are walls, as in Stage."""
 SMALLEST = 0.1
 """Size of a model of which nothing is said [m]."""
-THIN = 0.01
-"""Shortest side of a box [m]."""
-TALLEST = 100.0
-"""Highest that anything is made [m]."""
-LASER_SAMPLES = 30
-"""A ranger with a sensor of so many readings is a laser, one with fewer has sonars."""
 _SCENERY = ("model", "floorplan")
 _SILENT = ("window", "block", "polygon", "sensor", "ranger", "laser", "sonar")
 """Entities that have no counterpart and need none, or are read with their parents."""
@@ -66,45 +62,21 @@ class _StageReader:
         world = text.world
         self._meter = _UNITS.get(world.text("unit_length"), 1.0)
         self._is_radians = world.text("unit_angle") == "radians"
-        self._segments: list[Float] = []
+        self._found = FoundWorld()
+        self._left = self._found.left
         self._heights: list[float] = []
-        self._boxes: list[Box] = []
-        self._walls: list[Wall] = []
-        self._robots: list[RobotSpec] = []
-        self._names: set[str] = set()
-        self._left: dict[str, None] = {}
-        self._others: dict[str, str] = {}
         self._gone: ConfigError | None = None
         self._count = 0
         self._pictures: dict[Path, Float] = {}
 
     def world(self) -> WorldFile:
         """Return the world, and warn of all that is not in it."""
-        path = self._text.path
         for entity in self._text.world.children:
             self._read(entity, ORIGIN, 0.0)
-        if self._gone and not (self._segments or self._walls or self._boxes):
+        if self._gone and not self._found:
             raise self._gone
-        name = printable(path.stem)
-        told = list(self._text.missing)
-        told += [f"{model} stands for {kind}, no Pioneer" for kind, model in self._others.items()]
-        if self._left:
-            told.append(f"left out, without a counterpart: {', '.join(self._left)}")
-        if told:
-            log.warning("%s: %s", path, printable("; ".join(told)))
-        base: LineMap | str = "empty"
-        if self._segments:
-            base = LineMap(name=name, walls=np.concatenate(self._segments))
-        return WorldFile(
-            name=name,
-            map=base,
-            wall_height=max(self._heights, default=WALL_HEIGHT),
-            robots=tuple(self._robots),
-            boxes=tuple(self._boxes),
-            walls=tuple(self._walls),
-            places=homes_of(self._robots),
-            source=str(path),
-        )
+        highest = max(self._heights, default=WALL_HEIGHT)
+        return self._found.file(self._text.path, self._text.missing, highest)
 
     def _read(self, entity: StageEntity, parent: Pose2, foot: float) -> None:
         """Add the walls, boxes or robots of an entity, and of the models in it."""
@@ -137,18 +109,18 @@ class _StageReader:
         elif blocks and not self._is_movable(model):
             self._polygons(blocks, place, size, height, foot)
         elif not model.number("noblocks", 0) or blocks:
-            self._boxes.append(
+            self._found.boxes.append(
                 Box(
                     pose=place,
                     size=(max(size[0], THIN), max(size[1], THIN)),
                     movable=self._is_movable(model),
-                    name=self._name(model),
+                    name=self._found.name(model.text("name")),
                     height=height,
                     z=min(max(foot, 0.0), TALLEST),
                 )
             )
         if model.number("boundary", 0):
-            self._segments.append(rectangle(place, (size[0], size[1])))
+            self._found.segments.append(rectangle(place, (size[0], size[1])))
 
     def _bitmap(
         self, model: StageEntity, place: Pose2, size: tuple[float, ...], height: float | None
@@ -176,7 +148,7 @@ class _StageReader:
                 f"with it the world has more than {MOST_WALLS / 1e6:.0f} million walls"
             )
         points = _fitted(edges.reshape(-1, 2), size)
-        self._segments.append(_placed(points, place).reshape(-1, 4))
+        self._found.segments.append(_placed(points, place).reshape(-1, 4))
         if height is not None:
             self._heights.append(height)
         return True
@@ -196,8 +168,7 @@ class _StageReader:
             if foot + low >= SENSOR_HEIGHT:
                 self._left["blocks above robots"] = None
                 continue
-            spots = tuple((x, y) for x, y in corners.tolist())
-            self._walls.append(Wall(points=spots, closed=len(spots) > 2, height=height))
+            self._found.add_wall(corners, height)
 
     def _blocks(self, model: StageEntity) -> list[tuple[Float, float]]:
         """Return the corners (P, 2) of the blocks of a model, and the height of their feet."""
@@ -220,16 +191,14 @@ class _StageReader:
 
     def _robot(self, robot: StageEntity, parent: Pose2) -> None:
         """Take a position model, with the laser on it."""
-        size = self._size(robot)
-        model = pioneer_of(robot.kinds)
-        if not model:
-            model = robot_of_size(size[0], size[1])
-            self._others[robot.kinds[0]] = model
-        laser = self._laser(robot, 0)
-        equipment = EquipmentOptions(laser=laser) if laser else NO_OPTIONS
-        start = parent @ self._pose(robot)[0]
-        name = self._name(robot)
-        self._robots.append(RobotSpec(model=model, name=name, start=start, equipment=equipment))
+        length, width, *_ = self._size(robot)
+        self._found.add_robot(
+            robot.kinds,
+            robot.text("name"),
+            parent @ self._pose(robot)[0],
+            laser=self._laser(robot, 0),
+            usual=robot_of_size(length, width),
+        )
 
     def _laser(self, entity: StageEntity, depth: int) -> str:
         """Return the first laser on a robot, empty for none; name other devices on it."""
@@ -276,14 +245,6 @@ class _StageReader:
 
     def _is_movable(self, model: StageEntity) -> bool:
         return bool(model.number("gripper_return", 0)) and not model.text("bitmap")
-
-    def _name(self, entity: StageEntity) -> str:
-        """Return the name of a robot or box that no other has, empty where none is told."""
-        name = clean_name(entity.text("name"))
-        if name:
-            name = free_name(name, self._names)
-            self._names.add(name)
-        return name
 
 
 def _edges(picture: Path) -> Float:
