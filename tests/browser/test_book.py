@@ -251,6 +251,7 @@ QUESTIONS = {
     "max speed": "how-to/speed-limits/",
     "save data csv": "how-to/csv/",
     "start at boot": "how-to/onboard-computer/",
+    "notebook": "how-to/notebook/",
     "calibrate odometry": "how-to/calibrate/",
     "own laser": "how-to/laser/",
     "ten robots obstacles": "how-to/obstacles/",
