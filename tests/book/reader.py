@@ -18,12 +18,15 @@ import subprocess
 import sys
 import termios
 import time
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager, suppress
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Final, Protocol
+from typing import Final
 
+from playwright.sync_api import Error as BrowserError
+
+from docs.plots.tutorial import Desk, at_a_desk
 from tests.book.page import Block, Comment, Picture, commands, steps
 from tests.fleet.robots import DEVICES
 from tests.fleet.terminal import COLUMNS, ROWS, Terminal
@@ -45,12 +48,6 @@ _ANY_NUMBER: Final = r"-?\\d+(?:\\.\\d+)*"
 
 class PageError(AssertionError):
     """The page and what happens differ."""
-
-
-class Looking(Protocol):
-    """Somebody who does in a browser what stands before a picture."""
-
-    def look(self, path: str) -> None: ...
 
 
 class Shell:
@@ -97,6 +94,12 @@ class Shell:
         """Wait for the end of the command; return its exit status."""
         return self._await_prompt(patience)
 
+    def await_words(self) -> None:
+        """Wait for the first line of a command that goes on."""
+        self.terminal.until(lambda: "\n" in self.said, PATIENCE)
+        if not self.is_busy:
+            raise PageError(f"it has ended:\n{self.said}")
+
     def interrupt(self) -> None:
         """Press Ctrl-C if something runs, and wait until it has ended."""
         if self.is_busy:
@@ -121,11 +124,11 @@ class Reader:
         log: What was done, with the time that it took.
     """
 
-    def __init__(self, page: Path, folder: Path, browser: Looking | None = None) -> None:
+    def __init__(self, page: Path, folder: Path, desk: Desk | None = None) -> None:
         self.page = page
         self.folder = folder / "pioneer3"
         self.log: list[str] = []
-        self._browser = browser
+        self._desk = desk
         self._home = folder / "home"
         self._shells: dict[str, Shell] = {}
         self._last = FIRST
@@ -144,15 +147,15 @@ class Reader:
                 began = time.monotonic()
                 try:
                     self._do(step)
-                except (PageError, AssertionError) as error:
+                except (AssertionError, BrowserError) as error:
                     raise PageError(f"{self.page}:{step.line}: {error}") from error
                 self.log.append(f"line {step.line}: {time.monotonic() - began:.1f} s")
 
     def _do(self, step: Block | Picture | Comment) -> None:
         match step:
             case Picture(path=path):
-                if self._browser:
-                    self._browser.look(path)
+                if self._desk:
+                    self._desk.look(path)
             case Comment(word="beside", text=text):
                 self._beside(text)
             case Comment(word="serial"):
@@ -202,6 +205,7 @@ class Reader:
         shell.interrupt()
         shell.type(command)
         if "goes on" in notes:
+            shell.await_words()
             return
         status = shell.status()
         if (status != 0) != ("fails" in notes):
@@ -232,9 +236,7 @@ class Reader:
         """Start what the page says is there, and wait for its first line."""
         shell = self._at(f"beside {self.page.name}: {command}")
         shell.type(f"{command}\n")
-        shell.terminal.until(lambda: shell.said.count("\n") > 0, PATIENCE)
-        if not shell.is_busy:
-            raise PageError(f"it has ended: {command}\n{shell.said}")
+        shell.await_words()
 
     def _plug_in(self) -> None:
         """Let a robot be at /dev/ttyUSB0, as the group `dialout` may use it."""
@@ -315,20 +317,16 @@ def main(arguments: Sequence[str]) -> None:
 
 
 def _read(page: Path, pictures: Path | None) -> None:
-    with TemporaryDirectory(prefix="reader-") as folder, looking(page, pictures) as browser:
-        reader = Reader(page, Path(folder), browser)
+    with TemporaryDirectory(prefix="reader-") as folder, ExitStack() as stack:
+        has_pictures = "/images/tutorial/" in page.read_text("utf-8")
+        desk = stack.enter_context(at_a_desk(pictures)) if has_pictures else None
+        reader = Reader(page, Path(folder), desk)
         try:
             reader.read()
         except PageError as error:
             print("\n".join(reader.log))  # noqa: T201
             sys.exit(str(error))
         print("\n".join(reader.log))  # noqa: T201
-
-
-@contextmanager
-def looking(page: Path, pictures: Path | None) -> Iterator[Looking | None]:
-    """Give a browser to those pages that need one."""
-    yield None
 
 
 if __name__ == "__main__":

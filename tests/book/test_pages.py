@@ -15,7 +15,10 @@ from tests.ros1.master import has_ros
 LONGEST: Final = 900
 """Time to read a page on a busy machine [s]."""
 READ: Final = (
+    "tutorial/drive.md",
     "tutorial/program.md",
+    "tutorial/sonar.md",
+    "tutorial/wander.md",
     "how-to/behave.md",
     "how-to/calibrate.md",
     "how-to/csv.md",
