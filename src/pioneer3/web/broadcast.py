@@ -60,8 +60,8 @@ class RetainedChannel:
         self._texts.pop(key, None)
 
     def since(self, seen: int) -> list[str]:
-        """Return the texts that are newer, the oldest first."""
-        return [text for version, text in sorted(self._texts.values()) if version > seen]
+        """Return the texts that are newer, by the age of their keys: robots, then their states."""
+        return [text for version, text in self._texts.values() if version > seen]
 
 
 class FrameChannel:

@@ -8,6 +8,7 @@ import pytest
 from pioneer3.behaviors.actions import Hold
 from pioneer3.geometry import STILL, Pose2, Twist2
 from pioneer3.runtime.arbiter import KEYBOARD
+from pioneer3.web.broadcast import RetainedChannel
 from pioneer3.web.control import EXPIRY
 from pioneer3.web.scene import RobotScene
 from tests.unit.web.browser import product
@@ -107,3 +108,11 @@ async def test_the_robot_is_drawn_where_the_scene_has_it() -> None:
         assert the.robot.snapshot is not None
         drawn = the.view.snapshot(the.robot.snapshot, the.page.clients)
         assert drawn.robot_in_map == Pose2(3.0, 4.0, 0.0)
+
+
+def test_who_comes_later_is_told_the_robots_before_their_states() -> None:
+    kept = RetainedChannel()
+    kept.put("hello", "one robot")
+    kept.put("mapping 1", "no map yet")
+    kept.put("hello", "one robot, with a name")
+    assert kept.since(0) == ["one robot, with a name", "no map yet"]
