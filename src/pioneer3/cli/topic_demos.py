@@ -282,7 +282,8 @@ def _command(
     comes_first = where.kind is Argument.VAR_POSITIONAL
 
     def run(*given: str, **values: Any) -> int:
-        return demo(graph_of(given if comes_first else values.pop(where.name)), **values)
+        asked = given if comes_first else values.pop(where.name, where.default)
+        return demo(graph_of(asked), **values)
 
     _, *own = signature(demo).parameters.values()
     run.__doc__ = (demo.__doc__ or "").format(**names)
