@@ -10,6 +10,7 @@ Fences name the terminal or the file in their title: ```` ```sh title="Second te
 | `<!-- goes on -->` | this block's last line runs until its terminal is needed, or to the end |
 | `<!-- each goes on -->` | each line of this block is an example: it runs until it says something |
 | `<!-- fails -->` | the last line of this block ends with an error |
+| `<!-- end: TERMINAL -->` | Ctrl-C ends what runs in this terminal |
 | `<!-- press: KEYS -->` | keys, in the terminal of the block before, such as `up space q` |
 | `<!-- not run: REASON -->` | this block cannot run here |
 """
@@ -22,7 +23,16 @@ from typing import Final
 
 from markdown_it import MarkdownIt
 
-COMMENTS: Final = ("beside", "serial", "goes on", "each goes on", "fails", "press", "not run")
+COMMENTS: Final = (
+    "beside",
+    "serial",
+    "goes on",
+    "each goes on",
+    "fails",
+    "end",
+    "press",
+    "not run",
+)
 """Comments that mean something to the reader; others are for writers."""
 BEFORE_A_BLOCK: Final = ("goes on", "each goes on", "fails", "not run")
 """Comments about the block that follows."""

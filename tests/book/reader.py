@@ -40,6 +40,17 @@ FIRST: Final = "First terminal"
 """Terminal of a block without a title."""
 ALONE: Final = ("unshare", "--net", "--mount", "--pid", "--fork", "--kill-child", "--mount-proc")
 """Makes a computer of its own: network, mounts, and processes that end with the reader."""
+_ADAPTER: Final = """\
+set -e
+mount -t tmpfs tmpfs /sys/class/tty
+cd /sys/class/tty
+mkdir -p ttyUSB0 bus/usb-serial usb/interface/port/driver
+ln -s ../usb/interface/port ttyUSB0/device
+ln -s ../../../bus/usb-serial usb/interface/port/subsystem
+echo 0403 >usb/idVendor; echo 6001 >usb/idProduct; echo 0600 >usb/bcdDevice
+echo 00 >usb/interface/bInterfaceNumber; echo 0 >usb/interface/port/port_number
+"""
+"""Shows a USB adapter with a serial port, as the kernel would."""
 _PROMPT: Final = re.compile(r"\[done (\d+)\]")
 _SETTINGS: Final = "PS1= PS2=; stty -echo; PROMPT_COMMAND='printf \"\\n[done %s]\\n\" $?'\n"
 _NUMBER: Final = re.compile(r"(?:\\-)?\d+(?:\\\.\d+)*")
@@ -70,7 +81,7 @@ class Shell:
         )
         os.close(screen)
         self.terminal = Terminal(process, keyboard)
-        self._since = 0
+        self._since = self._block = 0
         self.terminal.type(_SETTINGS)
         self._await_prompt(ENDING)
 
@@ -78,6 +89,16 @@ class Shell:
     def said(self) -> str:
         """All that the last command has said."""
         return self.terminal.text[self._since :]
+
+    @property
+    def said_by_block(self) -> str:
+        """All that the commands of the last block have said."""
+        return self.terminal.text[self._block :]
+
+    def begin_block(self) -> None:
+        """Count from now on as one block; end what runs."""
+        self.interrupt()
+        self._block = len(self.terminal.text)
 
     @property
     def is_busy(self) -> bool:
@@ -160,6 +181,8 @@ class Reader:
                 self._beside(text)
             case Comment(word="serial"):
                 self._plug_in()
+            case Comment(word="end", text=name):
+                self._at(name).interrupt()
             case Comment(word="press", text=text):
                 for key in text.split():
                     self._shell.terminal.press(key)
@@ -175,6 +198,7 @@ class Reader:
             case Block(language="python"):
                 name = f".line{step.line}.py"
                 self._write(name, step.text)
+                self._shell.begin_block()
                 self._run(f"python {name}\n", step)
 
     @property
@@ -189,6 +213,7 @@ class Reader:
 
     def _type(self, block: Block) -> None:
         self._last = block.title or FIRST
+        self._shell.begin_block()
         *others, last = commands(block)
         if "each goes on" in block.notes:
             for command in (*others, last):
@@ -202,7 +227,6 @@ class Reader:
         """Type a command, and wait for its end, if it is to end."""
         notes = block.notes if block else {}
         shell = self._shell
-        shell.interrupt()
         shell.type(command)
         if "goes on" in notes:
             shell.await_words()
@@ -225,11 +249,10 @@ class Reader:
         shell = self._shell
         pattern = expected(text.strip().splitlines())
         end = time.monotonic() + PATIENCE
-        while not pattern.search(shell.said):
-            if not shell.is_busy and not pattern.search(shell.said):
-                raise PageError(f"it says not:\n{text}\nbut:\n{shell.said[-3000:]}")
-            if time.monotonic() > end:
-                raise PageError(f"it has not said:\n{text}\nbut:\n{shell.said[-3000:]}")
+        while not pattern.search(shell.said_by_block):
+            is_over = not shell.is_busy and not pattern.search(shell.said_by_block)
+            if is_over or time.monotonic() > end:
+                raise PageError(f"it has not said:\n{text}\nbut:\n{shell.said_by_block[-3000:]}")
             shell.terminal.read(0.1)
 
     def _beside(self, command: str) -> None:
@@ -247,6 +270,7 @@ class Reader:
         assert found
         subprocess.run(["mount", "-t", "tmpfs", "tmpfs", "/run"], check=True)
         subprocess.run(["sh", "-c", DEVICES, "sh", found[0]], check=True)
+        subprocess.run(["sh", "-c", _ADAPTER], check=True)
 
     def _write(self, name: str, text: str) -> None:
         path = self.folder / name
