@@ -21,10 +21,10 @@ class Docstrings(Extension):
         """Put signatures and docstrings of `Robot` in where `BlockingRobot` has its methods."""
         if pkg.name != "pioneer3":
             return
-        module = pkg["runtime.blocking"]
-        for one in module.classes.values():
-            if not one.is_alias:
-                _lend(one, module)
+        for module in (pkg["runtime.blocking"], pkg["navigation.blocking"]):
+            for one in module.classes.values():
+                if not one.is_alias:
+                    _lend(one, module)
 
 
 def _lend(one: Class, module: Module) -> None:

@@ -155,6 +155,7 @@ def test_every_public_name_has_its_place_in_the_reference(book: Path) -> None:
         if not {f"{package}.{name}", f"{package}.{name}.{name}"} & (listed | ERRORS)
     ]
     assert missing == []
+    assert "pioneer3.BlockingRobot.move" in listed  # made blocking from `Robot.move`
 
 
 def test_every_command_and_option_is_in_the_reference() -> None:
