@@ -11,12 +11,15 @@ from markdown_it.token import Token
 
 MOST: Final = 25
 """Words of a sentence, at most; what stands in backticks is one word."""
+_MADE: Final = re.compile(r"<!-- made: .*?<!-- end -->", re.DOTALL)
+"""Tables that are made from the program, whose words are written there."""
 _END: Final = re.compile(r"(?<=[.!?…])[\"')*]*\s+(?=\S)")
 _WORD: Final = re.compile(r"\w")
 
 
 def long_sentences(text: str) -> Iterator[tuple[int, int, str]]:
     """Yield line, number of words and text of each sentence of a page that is too long."""
+    text = _MADE.sub(lambda made: "\n" * made[0].count("\n"), text)
     for token in MarkdownIt().enable("table").parse(text):
         if token.type != "inline" or token.map is None:
             continue
