@@ -7,7 +7,11 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+import nbformat
 import pytest
+from nbclient import NotebookClient
+
+from pioneer3.classroom.downloads import HERE, lesson_programs
 
 LESSONS = Path(__file__).parents[2] / "src/pioneer3/classroom/lessons"
 WORLD = """
@@ -43,8 +47,10 @@ def simulated(*arguments: str) -> Iterator[list[str]]:
         urls: list[str] = []
         while len(urls) < (3 if arguments else 1):
             urls += re.findall(r"tcp://\S+", process.stdout.readline())[-1:]
-        yield urls
-        process.terminate()
+        try:
+            yield urls
+        finally:
+            process.terminate()
 
 
 @pytest.fixture(scope="module")
@@ -97,6 +103,20 @@ def test_the_own_wander_program_turns_away_from_the_wall(said: dict[str, str]) -
 
 def test_the_patrol_arrives(said: dict[str, str]) -> None:
     assert re.search(r"Lab: there after \d+ s", said["patrol"])
+
+
+@pytest.mark.realtime
+@pytest.mark.timeout(300)
+async def test_the_notebook_of_a_class_shows_and_drives_its_robot() -> None:
+    with simulated() as (url,):
+        book = nbformat.reads(lesson_programs()["notebook.ipynb"].read_text("utf-8"), as_version=4)
+        assert all(not cell.get("outputs") for cell in book.cells)
+        for cell in book.cells:
+            cell.source = cell.source.replace(HERE, url)
+        await NotebookClient(book, timeout=200, kernel_name="python3").async_execute()
+    outputs = [output for cell in book.cells for output in cell.get("outputs", [])]
+    pages = [output["data"].get("text/html", "") for output in outputs]
+    assert sum('class="robot"' in page for page in pages) == 2  # the robot, and its live view
 
 
 def test_the_programs_are_short() -> None:
