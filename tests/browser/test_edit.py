@@ -239,7 +239,7 @@ def test_stop_button_and_cable_are_at_hand(editor: Page, product: Product) -> No
     (robot,) = product.simulation.robots
     editor.locator("#thing").select_option(index=1)
     editor.locator("#press").click()
-    until(lambda: editor.locator("#stop-button").inner_text() == "PRESSED")
+    until(lambda: editor.locator("#motors-alarm").inner_text() == "Stop button")
     editor.locator("#press").click()
     until(lambda: not robot.body.stop_button)
     editor.locator("#cable").click()

@@ -12,10 +12,18 @@ from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
 from pioneer3.maps import LineMap, MapObject
 from tests.browser.drawn import rest, state
-from tests.browser.support import Product, later, speed, until, wait_for_the_robot
+from tests.browser.support import (
+    Product,
+    later,
+    running_product,
+    speed,
+    until,
+    wait_for_the_robot,
+)
 from tests.browser.tabs import PHONE, Tabs
 from tests.browser.test_edit import drag, spot
 from tests.browser.test_stops import hang_up
+from tests.browser.views import open_view
 
 
 @pytest.fixture
@@ -242,3 +250,20 @@ def test_leaving_the_page_ends_what_it_started(office: Page, product: Product) -
     other.close()
     until(lambda: speed(product) == 0.0)
     assert product.robot.arbiter.mode is None
+
+
+def test_without_navigation_nothing_offers_to_send_the_robot(
+    tabs: Tabs, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("pioneer3.web.navigation.installed", lambda: False)
+    with running_product() as product, tabs.open(product.address) as page:
+        wait_for_the_robot(page)
+        rest(page)
+        expect(page.locator("#goto")).to_be_hidden()
+        page.mouse.click(*spot(page, 7.0, 5.1))
+        expect(page.locator("#toast")).to_contain_text("navigation is not installed")
+        expect(page.locator("#goto-card")).to_be_hidden()
+        open_view(page, "modes")
+        expect(page.locator("#wander-start")).to_be_visible()
+        expect(page.locator("#goto-start")).to_be_hidden()
+        expect(page.locator("#view-modes")).to_contain_text("Navigation is not installed")

@@ -99,9 +99,7 @@ def test_goto_drives_to_a_point_of_the_map_and_says_that_it_is_there(
         return running(product) == "goto"
 
     until(goes)
-    expect(modes.locator("#view-modes .mode-state")).to_have_text(
-        "Goto has done what it was for.", timeout=20_000
-    )
+    expect(modes.locator("#view-modes .mode-state")).to_have_text("Arrived.", timeout=20_000)
     assert product.simulation.body.robot_in_world.x == pytest.approx(home.x + 0.6, abs=0.15)
 
 

@@ -118,7 +118,7 @@ def test_the_history_is_downloaded_as_csv(plots: Page, product: Product, tmp_pat
     with plots.expect_download() as downloading:
         plots.locator("#plots-save").click()
     download = downloading.value
-    assert download.suggested_filename.startswith("MobileSim-")
+    assert download.suggested_filename.startswith("Pioneer-3-AT-")
     download.save_as(tmp_path / "plots.csv")
     rows = list(csv.reader(StringIO((tmp_path / "plots.csv").read_text())))
     assert rows[0] == COLUMNS

@@ -204,6 +204,7 @@ class Goal:
     Attributes:
         heading: To turn to there [rad], or `None`.
         person: Whether it is the place of a person who is followed.
+        name: Of the place, on a map, or empty.
         to_go: Way that is left [m], where one is planned; its driver decides when to give up.
     """
 
@@ -211,6 +212,7 @@ class Goal:
     y: float
     heading: float | None = None
     person: bool = False
+    name: str = field(default="", compare=False)
     to_go: float | None = field(default=None, compare=False)
 
 

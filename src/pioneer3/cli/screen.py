@@ -11,7 +11,7 @@ from rich.text import Text
 
 from pioneer3.models import SonarMount
 from pioneer3.navigation.picture import CLOSE, NEAR
-from pioneer3.robot.explain import Reason, ReasonKind, advised
+from pioneer3.robot.explain import Reason, advised
 from pioneer3.robot.supervisor import Connection, ConnectionStatus, RobotInfo, is_simulator, kind
 from pioneer3.state import LinkQuality, Snapshot, Sonar
 
@@ -170,7 +170,7 @@ def _bottom(
     lines = [*([_link(snapshot.link)] if snapshot else []), *lasers]
     if status and status.connection is not Connection.CONNECTED:
         lines.append(Text(f"{status.connection}: {status.message}", "bold red"))
-    faulty = why is not None and why.kind is ReasonKind.FAULT
+    faulty = why is not None and why.wants_help
     lines.append(Text(advised(why) or "It moves.", "yellow" if faulty else ""))
     return Panel(Group(*lines), title="link and why it stands still", subtitle="Ctrl-C ends")
 

@@ -10,7 +10,7 @@ from textual.renderables.digits import Digits
 from pioneer3.behaviors.explanations import explain
 from pioneer3.demo.mode import DemoMode, Gauge
 from pioneer3.robot.devices import detailed_status
-from pioneer3.robot.explain import ReasonKind, advised
+from pioneer3.robot.explain import advised
 from pioneer3.robot.supervisor import Connection, is_simulator, kind
 from pioneer3.runtime.robot import Robot
 
@@ -82,7 +82,7 @@ def reasons(robot: Robot) -> Text:
     why = robot.why_not_moving()
     if why is None:
         return text.append("moving", "bold green")
-    return text.append(advised(why), "yellow" if why.kind is ReasonKind.FAULT else "")
+    return text.append(advised(why), "yellow" if why.wants_help else "")
 
 
 def _grouped(names: Iterable[str]) -> list[str]:

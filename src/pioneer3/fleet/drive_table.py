@@ -76,7 +76,7 @@ def _why(look: Look) -> TableCell:
     why = why_of(look.member)
     if why is None or why.kind is ReasonKind.IDLE:
         return TableCell("")
-    if why.kind is ReasonKind.FAULT:
+    if why.wants_help:
         return TableCell(ADDRESS.sub("", why.text), False)
     return TableCell(why.text)
 

@@ -224,6 +224,7 @@ class Drives:
         if isinstance(way, Way):
             drive.way = way
             follower = self._follower(drive.place, way.cost_to_go)
+            drive.action.place = drive.place.name
             drive.action.send_on(follower, last=drive.is_last)
         else:
             await self._skip(drive, way)
@@ -268,6 +269,7 @@ class Drives:
             walls=self._walls,
             preferred_speed=self._costs.speed_at,
             top_speed=min(speed or limits.max_speed, limits.max_speed),
+            place=places[0].name,
             last=legs <= 1,
         )
         mode = follow_way(action, *PATROL) if len(places) > 1 else follow_way(action)

@@ -105,6 +105,7 @@ class FollowWay(Action):
         unsure: Returns the reason that nobody knows where the robot is, or `None`.
         walls: Points of the map's walls [m], shape (W, 2).
         preferred_speed: Returns the highest speed that is wanted at a place of the map [m/s].
+        place: Name of the goal on the map, or empty.
         last: Whether the goal is the last one; else somebody sends it on.
         blocked: Whether no motion leads on.
         waits: The reason to stand for a while, or empty.
@@ -117,6 +118,7 @@ class FollowWay(Action):
     walls: Float
     preferred_speed: Callable[[float, float], float] = any_speed
     top_speed: float = inf
+    place: str = ""
     last: bool = True
     name: str = "follow way"
     wants_scans: bool = True
@@ -148,6 +150,7 @@ class FollowWay(Action):
             x=there.x,
             y=there.y,
             heading=None if heading is None else there.theta,
+            name=self.place,
             to_go=self._best,
         )
 

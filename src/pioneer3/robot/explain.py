@@ -18,6 +18,8 @@ class ReasonKind(StrEnum):
     """Nothing is asked of the robot."""
     NORMAL = "normal"
     """The robot works as it should."""
+    STOPPED = "stopped"
+    """Something stopped the robot; it moves again for a fresh command."""
     FAULT = "fault"
     """The robot needs help."""
 
@@ -33,6 +35,11 @@ class Reason:
     kind: ReasonKind
     text: str
     symptom: Symptom = Symptom.DOES_NOT_MOVE
+
+    @property
+    def wants_help(self) -> bool:
+        """Whether somebody has to do something before the robot moves again."""
+        return self.kind in {ReasonKind.STOPPED, ReasonKind.FAULT}
 
     def __str__(self) -> str:
         return self.text
@@ -59,7 +66,7 @@ SILENT: Final = Reason(
     "The robot has said nothing for {:.1f} s: the link is failing.",
     Symptom.LOSES_THE_LINK,
 )
-STOPPED: Final = Reason(ReasonKind.FAULT, "Waiting for a fresh command: {}.")
+STOPPED: Final = Reason(ReasonKind.STOPPED, "Waiting for a fresh command: {}.")
 DECIDED: Final = Reason(ReasonKind.NORMAL, "It stands because of {}.")
 NO_POWER: Final = Reason(
     ReasonKind.FAULT,
@@ -92,10 +99,10 @@ REASONS: Final = (
 
 
 def advised(why: Reason | None) -> str:
-    """Return the sentence, followed for a fault by the command that opens the page about it."""
+    """Return the sentence; where it wants help, followed by the command that opens its page."""
     if why is None:
         return ""
-    return f"{why} See: {why.symptom.command}" if why.kind is ReasonKind.FAULT else why.text
+    return f"{why} See: {why.symptom.command}" if why.wants_help else why.text
 
 
 def why_not_moving(
@@ -125,7 +132,8 @@ def _reasons(pilot: Pilot, snapshot: Snapshot, now: float, decided: str | None) 
     if silent > REPORT_TIMEOUT:
         yield SILENT.about(silent)
     if pilot.blocked:
-        yield STOPPED.about(pilot.last_stop.told)
+        stopped = STOPPED.about(pilot.last_stop.told)
+        yield replace(stopped, kind=ReasonKind.FAULT) if pilot.last_stop.stalled else stopped
     if decided and pilot.asked(now).is_zero:
         yield DECIDED.about(decided)
     yield from _about_the_request(pilot, snapshot, now)

@@ -88,11 +88,16 @@ class Drivable(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Ended:
-    """The end of a mode: whether it reached its aim, and the reason in a few words."""
+    """The end of a mode: whether it reached its aim, and the reason in a few words.
+
+    Attributes:
+        place: Name of the place that it went to, or empty.
+    """
 
     mode: Stack
     done: bool
     why: str
+    place: str = ""
 
 
 @dataclass(slots=True)
@@ -368,7 +373,7 @@ class Arbiter:
         self._laser_on.close()
         if mode is not None:
             self._parts = [part for part in self._parts if part.stack is not mode]
-            self.ended = Ended(mode, done, why)
+            self.ended = Ended(mode, done, why, _place_of(mode) if done else "")
 
     def _end_commands(self, why: str = STOPPED) -> None:
         """Remove all but the holds; the stop makes those ignored."""
@@ -376,6 +381,12 @@ class Arbiter:
             self._forget_mode(why)
         self._parts = [part for part in self._parts if part.is_held]
         self.decision = Decision()
+
+
+def _place_of(mode: Stack) -> str:
+    """Return the name of the place that a mode goes to, or nothing."""
+    goal = mode.goal
+    return goal.name if goal else ""
 
 
 def _has(stack: Stack, action: Action) -> bool:

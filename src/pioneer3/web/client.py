@@ -18,6 +18,7 @@ from pioneer3.errors import CommandError, MotionError, Refusal
 from pioneer3.geometry import Twist2
 from pioneer3.robot.limits import checked
 from pioneer3.web import group, requests
+from pioneer3.web.access.access import device
 from pioneer3.web.access.sessions import LoginSession, Role
 from pioneer3.web.audience import Audience
 from pioneer3.web.broadcast import Channel
@@ -114,8 +115,8 @@ class Client:
             robot=_number(asked.get("robot")),
             small=asked.get("view") == CLASS_VIEW,
         )
-        device = socket.headers.get("user-agent", "")
-        self._name = page.access.name_for(session, device, page.clients.names)
+        kind = device(socket.headers.get("user-agent", ""), asked.get("device", ""))
+        self._name = page.access.name_for(session, kind, page.clients.names)
         self._queue: SendQueue | None = None
         self._number = 0
 

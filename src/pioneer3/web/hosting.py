@@ -33,7 +33,7 @@ RETRY_PERIOD = 5.0
 class ConnectTarget:
     """A robot to connect to, at a URL or by `open`, in a scene, as :func:`connect_async` does.
 
-    People are shown the name; it is empty for the robot's own.
+    People are shown the name; it is empty for what the robot is called.
     """
 
     url: str
@@ -173,4 +173,5 @@ class RobotConnection:
 def _title(robot: Robot, name: str) -> str:
     info = robot.info
     speed = f" at {info.speed} baud" if info.speed else ""
-    return f"{name}, {info.model.title} ({info.model.name}), on {info.url}{speed}"
+    known = f"{name}, " if name != info.model.title else ""
+    return f"{known}{info.model.title} ({info.model.name}), on {info.url}{speed}"

@@ -10,11 +10,14 @@ from pathlib import Path
 
 from pioneer3.arcos.host_events import Timing
 from pioneer3.errors import ConfigError, PortBusyError
+from pioneer3.jit import numba_version
 from pioneer3.links.hosts import is_loopback
 from pioneer3.models import GivenModel
 from pioneer3.names import free_name
 from pioneer3.nav.settings import AS_SHIPPED, NavigationSettings
 from pioneer3.robot.lasers.spec import LaserSpec
+from pioneer3.sim.equipment import EquipmentOptions
+from pioneer3.sim.kernels import CACHE
 from pioneer3.sim.realism import Realism
 from pioneer3.sim.server.laser import SimulatedLaser
 from pioneer3.sim.server.running import RunningSimulation
@@ -34,6 +37,8 @@ async def no_lasers() -> Sequence[LaserSpec]:
     return ()
 
 
+USUAL_LASER = "lms-200"
+"""Laser of the robot that is simulated where nobody asks for another one."""
 PATIENT = Timing(silence=inf)
 """For a simulator in this program: it may be paused, and when it ends, so does the link."""
 
@@ -130,9 +135,11 @@ def _real(options: RunOptions) -> list[ConnectTarget]:
 async def _simulation(
     options: RunOptions, stack: AsyncExitStack, tell: Callable[[str], None]
 ) -> RunningSimulation:
-    overrides = replace(options.overrides, robots=options.robots or options.overrides.robots)
+    world = load_world(options.map_name or "office")
+    robots = options.robots or options.overrides.robots or world.robots or (usual_robot(),)
+    overrides = replace(options.overrides, robots=robots)
     simulation = simulator(
-        map_name=options.map_name or "office",
+        map_name=world,
         port=options.sim_port,
         overrides=overrides,
         realism=Realism.ideal() if options.ideal else Realism(),
@@ -148,13 +155,22 @@ async def _simulation(
     return running
 
 
+def usual_robot() -> RobotSpec:
+    """Return the simulated robot where nobody asks for another one.
+
+    It has a laser if kernels are compiled by now: else its readings take longer than they may.
+    """
+    fast = numba_version() is not None and (CACHE.is_complete or not CACHE.can_keep)
+    return RobotSpec(equipment=EquipmentOptions(laser=USUAL_LASER if fast else None))
+
+
 def _simulated(running: RunningSimulation) -> list[ConnectTarget]:
     several = len(running.robots) > 1
     return [
         ConnectTarget(
             url=robot.url,
             scene=RobotScene.of(running, robot),
-            name=robot.name if several else "",
+            name=robot.name if several or robot.name != robot.model.name else "",
             model=robot.model,
             timing=PATIENT,
             lasers=(_laser_of(robot.laser),) if robot.laser else (),

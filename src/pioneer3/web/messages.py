@@ -148,11 +148,15 @@ class Driver(Part, frozen=True):
 
 
 class ModeEnd(Part, frozen=True):
-    """The mode that ended last, whether it was done, and the reason."""
+    """The mode that ended last, whether it was done, and the reason.
+
+    `place` is the name of the place that it went to, or empty.
+    """
 
     mode: str
     done: bool
     why: str
+    place: str = ""
 
 
 class ModeState(Part, frozen=True):
@@ -176,7 +180,7 @@ class SnapshotMessage(Part, frozen=True):
     """A snapshot of a robot, ten times a second.
 
     `why` is the reason for the robot to stand still, `standing` the kind of that reason, and
-    `symptom` the page of the book about it.
+    `symptom` the page of the book about it. Where something stopped it, `stop` says what, briefly.
     `decided` says which action of the `mode` decides what; `commanded` is the last command sent.
     """
 
@@ -194,6 +198,7 @@ class SnapshotMessage(Part, frozen=True):
     why: str | None
     standing: ReasonKind | None
     symptom: Symptom | None
+    stop: str | None
     emergency_stop: bool
     driver: Driver | None
     mode: str | None

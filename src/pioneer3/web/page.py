@@ -25,7 +25,7 @@ from pioneer3.web.map_editor import MapEditor
 from pioneer3.web.mapping import RobotMapping
 from pioneer3.web.navigation import RobotNavigation
 from pioneer3.web.page_map import PageMap
-from pioneer3.web.robot_view import RobotView
+from pioneer3.web.robot_view import RobotView, called
 from pioneer3.web.scene import RobotScene
 from pioneer3.web.world import WorldView
 
@@ -62,11 +62,12 @@ class Page:
     ) -> AsyncIterator[RobotView]:
         """Show `robot` to all clients, and let them drive it, while the block lasts.
 
-        People see the name, empty for the robot's own; requests have the number, 0 for the next.
+        People see the name, empty for what the robot is :func:`called`; requests have the
+        number, 0 for the next.
         """
         number = number or next(self._count)
         taken = {view.name for view in self.robots.values()}
-        named = free_name(name or robot.info.identity.name, taken)
+        named = free_name(name or called(robot.info), taken)
         view = self._view(number, named, robot, scene)
         view.label = self._labels.get(number, named)
         self._add(view, scene)

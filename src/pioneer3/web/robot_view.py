@@ -9,8 +9,8 @@ from pioneer3.geometry import Pose2, Twist2
 from pioneer3.limits import Limits
 from pioneer3.models import RobotModel
 from pioneer3.navigation.goals import GoalStatus
-from pioneer3.robot.explain import Reason
-from pioneer3.robot.supervisor import RobotInfo, kind
+from pioneer3.robot.explain import Reason, ReasonKind
+from pioneer3.robot.supervisor import SIMULATOR_NAMES, RobotInfo, kind
 from pioneer3.runtime.robot import Robot
 from pioneer3.state import Scan, Snapshot
 from pioneer3.web import messages
@@ -113,20 +113,24 @@ class RobotView:
         return messages.ModeState(
             running.name if running else None,
             arbiter.told if running else (),
-            messages.ModeEnd(ended.mode.name, ended.done, ended.why) if ended else None,
+            messages.ModeEnd(ended.mode.name, ended.done, ended.why, ended.place)
+            if ended
+            else None,
         )
 
     def snapshot(self, snapshot: Snapshot, clients: ConnectedClients) -> messages.SnapshotMessage:
         """Return the message part for a snapshot."""
         arbiter, odom = self.robot.arbiter, snapshot.odometry.robot_in_odom
+        pilot = self.robot.supervisor.pilot
         return snapshot_part(
             self.number,
             snapshot,
             robot_in_map=self.scene.robot_in_map(odom),
             why=self.robot.why_not_moving(),
             mode=self.mode(),
-            commanded=self.robot.supervisor.pilot.sent,
-            emergency_stop=self.robot.supervisor.pilot.emergency,
+            stop=pilot.last_stop.why,
+            commanded=pilot.sent,
+            emergency_stop=pilot.emergency,
             driver=_driver(self.control.who_drives(), clients),
             target=self._target(arbiter.mode.goal, odom) if arbiter.mode else None,
         )
@@ -141,6 +145,16 @@ class RobotView:
             round(place.theta, 3) if goal.heading is not None else None,
             goal.person,
         )
+
+
+def called(info: RobotInfo) -> str:
+    """Return what people call a robot: the name that its owner gave it, else that of its type.
+
+    By the names of simulators programs know these, and all robots in them have the same.
+    """
+    told = info.identity.name
+    nameless = told.lower() in SIMULATOR_NAMES or told == info.model.name
+    return info.model.title if nameless else told
 
 
 def robot_part(
@@ -179,10 +193,11 @@ def snapshot_part(
     emergency_stop: bool,
     driver: messages.Driver | None,
     mode: messages.ModeState = NO_MODE,
+    stop: str | None = None,
     commanded: Twist2 | None = None,
     target: messages.Target | None = None,
 ) -> messages.SnapshotMessage:
-    """Return the message part for a snapshot of a robot."""
+    """Return the message part for a snapshot; the last `stop` may be what keeps it standing."""
     motors = now.motors
     return messages.SnapshotMessage(
         robot=number,
@@ -201,6 +216,7 @@ def snapshot_part(
         why=why and why.text,
         standing=why and why.kind,
         symptom=why and why.symptom,
+        stop=stop if why and why.kind is ReasonKind.STOPPED else None,
         emergency_stop=emergency_stop,
         driver=driver,
         mode=mode.mode,

@@ -7,6 +7,7 @@ import socket
 from collections.abc import AsyncIterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -152,10 +153,19 @@ async def told_by(options: RunOptions, count: int, words: str = "") -> list[str]
 
 @pytest.mark.realtime
 async def test_on_loopback_there_is_nothing_to_warn_of() -> None:
-    lines = await told_by(RunOptions(sim_port=0, web_port=0), 2)
-    assert lines[0].startswith("Connected to a SIMULATOR: MobileSim, Pioneer 3-AT (p3at-sh), on ")
-    assert lines[1].startswith("Drive it at http://127.0.0.1:")
+    lines = await told_by(RunOptions(sim_port=0, web_port=0), 1, "Drive it at http://127.0.0.1:")
+    assert lines[0].startswith("Connected to a SIMULATOR: Pioneer 3-AT (p3at-sh), on ")
     assert not any("WARNING" in line for line in lines)
+
+
+def test_the_usual_robot_has_a_laser_where_kernels_are_compiled(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(live_module, "CACHE", SimpleNamespace(is_complete=True, can_keep=True))
+    monkeypatch.setattr(live_module, "numba_version", lambda: "0.61")
+    assert live_module.usual_robot().equipment.laser == "lms-200"
+    monkeypatch.setattr(live_module, "numba_version", lambda: None)
+    assert live_module.usual_robot().equipment.laser is None
 
 
 @pytest.mark.realtime

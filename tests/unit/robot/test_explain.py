@@ -96,6 +96,8 @@ def test_the_stop_button_comes_before_the_wait_for_a_fresh_command() -> None:
     made.observe(pressed, 0.1)
     assert why(made, pressed).startswith("The stop button on the robot is pressed")
     assert why(made, OFF).startswith("Waiting for a fresh command: the stop button")
+    assert reason(made, OFF).kind is ReasonKind.STOPPED
+    assert reason(made, OFF).wants_help
 
 
 def test_a_silent_robot() -> None:

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from pioneer3 import MotionError, Robot, connect_async
-from pioneer3.behaviors.action import MODE, Action, Desire, Ranked, Situation, Stack
+from pioneer3.behaviors.action import MODE, Action, Desire, Goal, Ranked, Situation, Stack
 from pioneer3.behaviors.actions import Hold, Move
 from pioneer3.geometry import Twist2
 from pioneer3.links.tap import read_recording
@@ -42,6 +42,21 @@ class Keep(Action):
     def decide(self, situation: Situation) -> Desire | None:
         ahead = situation.around.nearest(-0.3, 0.3).distance
         return Desire(v_max=0.0, reason=f"{ahead:.1f} m ahead") if ahead < 1.0 else None
+
+
+@dataclass
+class Points(Action):
+    """Wants nothing, and has a goal."""
+
+    to: Goal
+    name: str = "points"
+
+    @property
+    def goal(self) -> Goal:
+        return self.to
+
+    def decide(self, situation: Situation) -> Desire | None:
+        return None
 
 
 @dataclass
@@ -78,10 +93,12 @@ async def test_a_mode_drives_until_its_time_is_over() -> None:
 
 async def test_a_mode_ends_when_it_has_done_what_it_is_for() -> None:
     async with robot_at() as (sim, robot):
-        await robot.run(mode(Move(distance=0.5, speed=0.3, deceleration=1.0)))
+        move = Move(distance=0.5, speed=0.3, deceleration=1.0)
+        await robot.run(mode(move, Points(Goal(x=0.5, y=0.0, name="Kitchen"))))
         assert sim.body.robot_in_world.x == pytest.approx(0.5, abs=0.02)
         assert robot.arbiter.ended is not None
         assert robot.arbiter.ended.done
+        assert robot.arbiter.ended.place == "Kitchen"
 
 
 async def test_a_second_mode_replaces_the_first() -> None:

@@ -18,7 +18,7 @@ from pioneer3.robot.supervisor import RobotInfo
 from pioneer3.state import Battery, Bumpers, Identity, Motors, Odometry, Snapshot, Sonar
 from pioneer3.teleop.gamepad import SCHEME
 from pioneer3.web import messages, requests
-from pioneer3.web.robot_view import robot_part, snapshot_part
+from pioneer3.web.robot_view import called, robot_part, snapshot_part
 from tests.unit.web.browser import strict
 
 MODEL = load_model("p3dx-sh")
@@ -82,6 +82,19 @@ def test_a_robot_is_told_with_its_number_its_name_and_what_it_is_in_capitals() -
     assert (robot["kind"], robot["url"]) == ("ROBOT", "serial:/dev/ttyUSB0")
     assert said(robot_part(1, "", info(serial="SIM")))["kind"] == "SIMULATOR"
     assert said(robot_part(1, "", info(name="MobileSim")))["kind"] == "SIMULATOR"
+
+
+@pytest.mark.parametrize(
+    ("told", "name"),
+    [
+        ("dora", "dora"),
+        ("MobileSim", "Pioneer 3-DX"),
+        ("AMRISim", "Pioneer 3-DX"),
+        ("p3dx-sh", "Pioneer 3-DX"),
+    ],
+)
+def test_a_robot_whose_name_says_nothing_is_called_by_its_type(told: str, name: str) -> None:
+    assert called(info(name=told)) == name
 
 
 def test_moderate_speeds_are_offered_to_begin_with() -> None:

@@ -38,7 +38,12 @@ async def test_a_page_starts_a_mode_and_ends_it(wish: dict[str, object], name: s
         await ann.stay(1.0)
         now = ann.snapshot
         assert now["mode"] is None
-        assert now["ended"] == {"mode": name, "done": False, "why": "script ended it"}
+        assert now["ended"] == {
+            "mode": name,
+            "done": False,
+            "why": "script ended it",
+            "place": "",
+        }
         assert the.speed == 0.0
 
 

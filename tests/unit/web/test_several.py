@@ -73,8 +73,8 @@ async def test_pages_are_told_of_all_robots_by_number_and_by_names_that_differ()
         robots = ann.latest("hello")["robots"]
         assert [(robot["id"], robot["name"]) for robot in robots] == [
             (1, "left"),
-            (2, "MobileSim"),
-            (3, "MobileSim 2"),
+            (2, "Pioneer 3-AT"),
+            (3, "Pioneer 3-AT 2"),
         ]
         assert {status["robot"] for status in ann.all("status")} == {1, 2, 3}
         assert all(len(ann.snapshots(number)) >= 2 for number in (1, 2, 3))

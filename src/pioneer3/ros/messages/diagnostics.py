@@ -12,7 +12,7 @@ from urllib.parse import urlsplit
 
 from pioneer3.arcos.reports import Fault
 from pioneer3.lasers.client import LaserIdentity
-from pioneer3.robot.explain import Reason, ReasonKind
+from pioneer3.robot.explain import Reason
 from pioneer3.robot.lasers.driver import LaserDriver
 from pioneer3.robot.supervisor import RobotInfo
 from pioneer3.state import Motors, Snapshot
@@ -273,7 +273,7 @@ def _odometry(_: Health, now: Snapshot) -> DiagnosticStatus:
 def _command(health: Health, _: Snapshot) -> DiagnosticStatus:
     why = health.why_not_moving
     words = why.text if why else ""
-    warns = why.kind is ReasonKind.FAULT if why else health.refused is not None
+    warns = why.wants_help if why else health.refused is not None
     return DiagnosticStatus(
         part="Command",
         level=WARN if warns else OK,

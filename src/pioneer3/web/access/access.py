@@ -103,13 +103,13 @@ class Access:
         granted = role if role is not None and allowed.covers(role) else allowed
         return self.sessions.open(name, granted, SessionKind.BROWSER, others=others)
 
-    def name_for(self, session: LoginSession, user_agent: str, others: set[str]) -> str:
-        """Return a name for a client, from its session or its device, that no other client has."""
+    def name_for(self, session: LoginSession, kind: str, others: set[str]) -> str:
+        """Return a name for a client, from its session or kind of device, that no other has."""
         if session.role is Role.STUDENT:
             return session.name
         if session is not self.here:
             return free_name(session.name, others)
-        return free_name(device(user_agent), others | self.sessions.names)
+        return free_name(kind, others | self.sessions.names)
 
     def session(
         self, peer: str, headers: Mapping[str, str], cookie: str | None
@@ -147,6 +147,11 @@ class Access:
         return self._requests.wait(peer) > 0
 
 
-def device(user_agent: str) -> str:
-    """Return the kind of device that a browser runs on, in a word."""
+def device(user_agent: str, told: str = "") -> str:
+    """Return the kind of device that a browser runs on, in a word; a page may have `told` it.
+
+    Browsers of phones that ask for pages as on a desk say that they are laptops.
+    """
+    if told in {"phone", "tablet"}:
+        return told
     return next((name for mark, name in DEVICES if mark in user_agent), "script")

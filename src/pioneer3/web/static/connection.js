@@ -5,7 +5,14 @@ const FIRST_RETRY = 500; // ms
 const LAST_RETRY = 5000;
 const PING = 500; // a mode ends after 2 s without one: SILENCE of web/control.py
 const SILENCE = 4000;
+const PHONE = 600; // px, the narrow side of a tablet's screen at least
 const QUEUE = 512; // bytes; velocities behind a longer queue would arrive late
+
+/** The kind of device in a word, which its browser may not tell: "phone", "tablet", or nothing for others. */
+function deviceHere() {
+  if (!matchMedia("(pointer: coarse)").matches) return "";
+  return Math.min(screen.width, screen.height) < PHONE ? "phone" : "tablet";
+}
 
 export class Connection {
   #onMessage;
@@ -42,7 +49,7 @@ export class Connection {
     clearTimeout(this.#timer);
     this.retryAt = null;
     const scheme = location.protocol === "https:" ? "wss:" : "ws:";
-    const socket = new WebSocket(`${scheme}//${location.host}/ws${this.#query}`);
+    const socket = new WebSocket(`${scheme}//${location.host}/ws?${new URLSearchParams([...new URLSearchParams(this.#query), ["device", deviceHere()]])}`);
     this.#socket = socket;
     this.#heardAt = performance.now();
     socket.addEventListener("open", () => this.#isCurrent(socket) && this.#opened());

@@ -3,6 +3,9 @@
 const SVG = "http://www.w3.org/2000/svg";
 const NEGATIVE_ZERO = /^-(?=0(\.0*)?$)/; // "-0.00"
 
+/** Whether the page has the layout of phones: the same condition as in the style sheets. */
+export const PHONE = matchMedia("(max-width: 760px), (max-height: 520px)");
+
 export const byId = (id) => document.getElementById(id);
 
 /** Makes an element; children are elements or texts. */

@@ -2,7 +2,7 @@
 
 import { OwnRobot } from "./classroom/own_robot.js";
 import { Connection } from "./connection.js";
-import { byId } from "./dom.js";
+import { PHONE, byId, sentence } from "./dom.js";
 import { Drive } from "./drive/drive.js";
 import { Inputs, Limits } from "./drive/inputs.js";
 import { StopQueue, listenToStops, showLatched, showStops, showTrouble } from "./drive/stops.js";
@@ -33,7 +33,6 @@ const CHECK = 250; // ms between checks of the age of the data
 const RECENT = 1500; // ms after a message of the server in which it is not covered by others
 const LONG = 8000; // ms, of a message of the server
 const WATCHING = "You watch. STOP and E-STOP are for you, too.";
-const PHONE = "(max-width: 760px), (max-height: 520px)";
 
 let newsAt = -Infinity; // of the last message about another person's action
 let hasDriven = false; // the user knows how to drive
@@ -85,9 +84,10 @@ const goto = new GotoTool({
   speed: () => limits.values.speed,
   driving: () => drive.holding,
   changed: () => (goto.show(), scene.invalidate()),
+  notify: toast,
 });
 scene.goto = goto;
-const whereabouts = new Whereabouts({ model, send: (message) => connection.send(message) });
+const whereabouts = new Whereabouts({ model, send: (message) => connection.send(message), place: () => goto.begin() });
 
 const stops = new StopQueue({
   send: (message) => connection.send(message),
@@ -103,7 +103,7 @@ const panels = new Panels({
   notify: toast,
   tell,
   opened: (view) => {
-    if (view && matchMedia(PHONE).matches) editMode.set(false);
+    if (view && PHONE.matches) editMode.set(false);
     picker.setListed(view === "robots");
   },
 });
@@ -190,7 +190,7 @@ function select(id) {
   if (drive.active) drive.stop();
   model.select(id);
   showSelected();
-  if (panels.view === "robots" && matchMedia(PHONE).matches) panels.open(null); // back to the controls
+  if (panels.view === "robots" && PHONE.matches) panels.open(null); // back to the controls
   if (model.snapshot) show();
   refresh();
 }
@@ -229,16 +229,16 @@ function pick(point, type, event) {
   return robot !== null;
 }
 
-/** A tap on the map: a robot is selected, or with the mouse a goal is proposed. */
+/** A tap on the map: a robot is selected, or a goal is proposed, with a finger only on a place or once the card is open. */
 function tap(point, type, event) {
   if (pick(point, type, event)) return true;
   editor.select(null); // the floor was tapped
-  if (!editMode.open && type === "mouse") goto.propose(point, type);
-  else goto.withdraw();
+  if (editMode.open) goto.withdraw();
+  else if (type === "mouse" || goto.proposal || goto.placeAt(point, type)) goto.propose(point, type);
   return false;
 }
 
-const longPress = (point, type) => (!editMode.open && goto.propose(point, type) ? goto : null);
+const longPress = (point, type) => (!editMode.open && goto.hold(point, type) ? goto : null);
 
 /** Drives or stops the chosen robots, but those that somebody else has control of. */
 function sendDrive(message) {
@@ -268,7 +268,7 @@ function showSnapshots({ snapshots }) {
 function show() {
   if (model.snapshot) {
     showSnapshot(model.snapshot);
-    showWhy(model.snapshot, hint());
+    showWhy(model.snapshot, model.snapshot.standing === "stopped" ? stopped(model.snapshot) : hint());
   }
   scene.invalidate();
 }
@@ -282,6 +282,13 @@ function hint() {
   if (chosen.length > 1) return `You drive ${driven.length} of ${chosen.length} chosen robots; space stops all of them.`;
   if (holder && holder !== "you") return `${holder} has control.`;
   return hasDriven ? "" : inputs.hint;
+}
+
+/** The reason that a stop keeps the robot standing for, and what drives it again from here. */
+function stopped({ stop }) {
+  const { selected, several, viewer, denial } = model;
+  const taken = model.holderOf(selected) && people.holder !== "you";
+  return viewer || denial || taken ? sentence(stop) : `${sentence(stop)} ${inputs.again}`;
 }
 
 /** Shows the world. While a robot does not report, as in a pause, its pose comes from the world. */
@@ -390,7 +397,7 @@ byId("motors").addEventListener("click", ({ currentTarget }) => {
 const installed = matchMedia("(display-mode: standalone)").matches || navigator.standalone === true;
 if (installed) navigator.serviceWorker?.register("/worker.js").catch(() => {}); // a certificate that is not trusted
 
-if (matchMedia(PHONE).matches) view.setMode("follow");
+if (PHONE.matches) view.setMode("follow");
 setInterval(refresh, CHECK);
 connection.connect();
 

@@ -99,7 +99,7 @@ export interface Robots {
   snapshots: SnapshotMessage[];
 }
 
-/** A snapshot of a robot, ten times a second. `why` is the reason for the robot to stand still, `standing` the kind of that reason, and `symptom` the page of the book about it. `decided` says which action of the `mode` decides what; `commanded` is the last command sent. */
+/** A snapshot of a robot, ten times a second. `why` is the reason for the robot to stand still, `standing` the kind of that reason, and `symptom` the page of the book about it. Where something stopped it, `stop` says what, briefly. `decided` says which action of the `mode` decides what; `commanded` is the last command sent. */
 export interface SnapshotMessage {
   robot: number;
   sequence: number;
@@ -115,6 +115,7 @@ export interface SnapshotMessage {
   why: string | null;
   standing: ReasonKind | null;
   symptom: Symptom | null;
+  stop: string | null;
   emergency_stop: boolean;
   driver: Driver | null;
   mode: string | null;
@@ -178,7 +179,7 @@ export interface LinkQuality {
 }
 
 /** Kinds of reasons to stand still. */
-export type ReasonKind = "fault" | "idle" | "normal";
+export type ReasonKind = "fault" | "idle" | "normal" | "stopped";
 
 /** Symptoms that a user sees, each by the name of its page in docs/troubleshooting. */
 export type Symptom = "command-not-found" | "does-not-move" | "drives-in-circles" | "emergency-stop" | "it-beeps" | "loses-the-link" | "no-answer" | "no-laser" | "no-port" | "no-way" | "not-sure-where-it-is" | "page-does-not-open" | "page-is-slow" | "ros-topic-silent" | "sonar-is-wrong" | "stops-by-itself" | "unknown-robot" | "wrong-distances";
@@ -189,11 +190,12 @@ export interface Driver {
   name: string;
 }
 
-/** The mode that ended last, whether it was done, and the reason. */
+/** The mode that ended last, whether it was done, and the reason. `place` is the name of the place that it went to, or empty. */
 export interface ModeEnd {
   mode: string;
   done: boolean;
   why: string;
+  place: string;
 }
 
 /** The place that a mode drives to, in the map; `person` if it follows a person there. */

@@ -5,7 +5,7 @@ from http.cookies import SimpleCookie
 
 import pytest
 
-from pioneer3.web.access.access import GUESSES
+from pioneer3.web.access.access import GUESSES, device
 from pioneer3.web.access.invitations import TERM
 from pioneer3.web.access.sessions import Role
 from tests.unit.web.asking import LAN, Answer, Script, stranger
@@ -120,6 +120,11 @@ async def test_who_gives_no_name_is_called_after_the_device(agent: str, name: st
             token = the.page.access.invitations.invite(VIEWER)
             answer = await phone.ask("POST", "/api/pair", {"token": token})
             assert answer.json["name"] == expected
+
+
+def test_a_page_tells_that_it_is_on_a_phone_whose_browser_says_that_it_is_a_laptop() -> None:
+    assert device("Mozilla/5.0 (X11; Linux)", "phone") == "phone"
+    assert device("Mozilla/5.0 (X11; Linux)", "mainframe") == "laptop"
 
 
 async def test_tokens_for_scripts_end_with_the_session_that_made_them() -> None:

@@ -18,6 +18,7 @@ const HINTS = {
   keys: "Hold an arrow to drive; let go to stop.",
   tilt: "Hold the button and tip the phone to drive; let go to stop.",
 };
+const AGAIN = { stick: "Hold the stick to drive.", keys: "Press an arrow to drive.", tilt: "Hold the button to drive." };
 const INPUTS = { stick: "stick", "tilt-hold": "tilt" };
 
 export class Inputs {
@@ -52,6 +53,11 @@ export class Inputs {
     if (this.#gamepads.usable) return "Hold L1 of the gamepad and move its left stick to drive.";
     if (!BY_TOUCH.matches) return `Hold an arrow key${this.#way === "stick" ? ", or the stick," : ""} to drive. Space stops.`;
     return HINTS[this.#way];
+  }
+
+  /** How to drive on after a stop, in words. */
+  get again() {
+    return AGAIN[BY_TOUCH.matches ? this.#way : "keys"];
   }
 
   /** Shows the inputs that `drive` holds, and releases the others. */

@@ -41,8 +41,8 @@ export class FloorPlan {
     }
   }
 
-  /** Draws all of it, in world coordinates. @param shown function(layer) */
-  draw(context, camera, palette, ratio, shown) {
+  /** Draws all of it, in world coordinates. @param shown function(layer) @param offers whether a robot can be sent to places */
+  draw(context, camera, palette, ratio, shown, offers) {
     if (shown("grid")) drawGrid(context, camera, palette);
     if (shown("map")) for (const grid of this.grids) grid.draw(context, camera, palette, ratio);
     if (shown("map")) this.#drawSolids(context, camera, palette);
@@ -51,7 +51,7 @@ export class FloorPlan {
     if (shown("places")) drawPlaces(context, camera, palette, this.objects);
     if (!shown("names")) return;
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
-    drawPlaceNames(context, camera, palette, this.objects, ({ points, solid }) => shown(points.length ? solid ? "map" : "zones" : "places"));
+    drawPlaceNames(context, camera, palette, this.objects, ({ points, solid }) => shown(points.length ? solid ? "map" : "zones" : "places"), offers);
   }
 
   #add([x0, y0, x1, y1]) {

@@ -127,6 +127,8 @@ export function listenToCanvas(canvas, view, { takers, changed, tap, twice, long
     changed();
   }, { passive: false });
 
+  canvas.addEventListener("pointerleave", () => takers.forEach((taker) => taker.hovers({ x: -Infinity, y: -Infinity })));
+
   canvas.addEventListener("touchstart", (event) => event.preventDefault(), { passive: false });
 }
 

@@ -1,7 +1,7 @@
 // Sending the selected robot to a goal: a tap on the map proposes it, a button starts the drive.
 // Nothing drives before that button; the server refuses goals that the map forbids.
 
-import { byId, degrees, hasModifier, isTyping, number, put, putProse, sentence } from "../dom.js";
+import { PHONE, byId, degrees, hasModifier, isTyping, number, put, putProse, sentence } from "../dom.js";
 import { STEPS, TURN, kindOf } from "./gestures.js";
 import { placeAt } from "./places.js";
 import { KNOB, knobOf } from "./target.js";
@@ -12,7 +12,10 @@ const NEAR = 0.15; // m between a target and the place of the map that it means:
 const MOST = 19; // stops before the last one
 const ROUND = Math.PI / 36; // headings that are dragged are multiples of it
 
+const ELSEWHERE = 0.5; // m; a place that is nearer is where the robot is
+
 const STOPS = "It stops when this page is closed or silent for 2 s.";
+const PLACING = "Put the mark where it stands, turn the knob to where it looks, and press “It is here”.";
 
 const timeOf = (seconds) => (seconds < 90 ? `${seconds} s` : `${Math.round(seconds / 60)} min`);
 
@@ -36,6 +39,10 @@ export class GotoTool {
   #listed = "";
   #statuses = new Map(); // of the newest goal of each robot
   #waits = { text: "", since: 0 };
+  /** The place of the map under the mouse, or null. */
+  hovered = null;
+  #notify;
+  #offered = false;
 
   /**
    * @param view, scene, model
@@ -43,39 +50,66 @@ export class GotoTool {
    * @param speed   function(): the user's [m/s]
    * @param driving function(): whether keys drive now
    * @param changed function(), after the proposal has changed
+   * @param notify  function(text)
    */
-  constructor({ view, scene, model, send, speed, driving, changed }) {
+  constructor({ view, scene, model, send, speed, driving, changed, notify }) {
     this.#view = view;
     this.#scene = scene;
     this.#model = model;
     this.#send = send;
     this.#speed = speed;
     this.#changed = changed;
+    this.#notify = notify;
     byId("goto-go").addEventListener("click", () => this.#go());
     byId("goto-close").addEventListener("click", () => this.#callOff());
     byId("goto-any").addEventListener("click", () => this.#turn(null));
     byId("goto-tell").addEventListener("click", () => this.#place());
     byId("goto-add").addEventListener("click", () => this.#add());
     byId("goto-place").addEventListener("change", ({ target }) => this.#pick(Number(target.value)));
-    byId("goto").addEventListener("click", () => (this.proposal ? this.#callOff() : this.#proposeMiddle()));
+    byId("goto-look").addEventListener("click", () => this.#lookAround());
+    byId("goto").addEventListener("click", () => this.begin());
     addEventListener("keydown", (event) => this.#key(event, driving), { capture: true });
   }
 
   /** Whether the selected robot may be sent anywhere from here. */
   get possible() {
-    return this.#model.live && !this.#model.viewer;
+    return this.#model.live && this.offers;
+  }
+
+  /** Whether places are offered to go to: to drivers of a robot that can. */
+  get offers() {
+    const { viewer, selected } = this.#model;
+    return !viewer && selected !== null && !selected.hello.forbids;
+  }
+
+  /** The reason that the selected robot is not sure where it is, or "": then it is placed, and sent nowhere. */
+  get unsure() {
+    const navigation = this.#model.selected?.navigation;
+    return navigation?.reason && !navigation.sure ? navigation.reason : "";
   }
 
   // pointers on the canvas, in CSS pixels
 
-  /** A click, or a finger held down: proposes the place. Returns whether that is possible. */
+  /** A click, or a tap: proposes the place. Returns whether that is possible. */
   propose(point, type) {
+    const place = this.placeAt(point, type);
+    if (place && !this.possible) this.#tellWhyNot();
     if (!this.possible) return false;
-    const at = this.#view.toWorld(point.x, point.y);
-    const place = placeAt(this.#scene.places, at, SNAP[kindOf(type)] / this.#view.scale);
     if (place) this.#set(place, place.heads ? place.theta : null, place.name);
-    else this.#set(at, null, "");
+    else this.#set(this.#view.toWorld(point.x, point.y), this.unsure && this.proposal ? this.proposal.heading : null, "");
     return true;
+  }
+
+  /** A finger is held down: proposes the place, and turns its heading as long as it stays. */
+  hold(point, type) {
+    this.#turning = true; // before the picture would move under the finger
+    this.#turning = this.propose(point, type);
+    return this.#turning;
+  }
+
+  /** The place of the map at a point, to which robots can be sent, or null. */
+  placeAt(point, type) {
+    return placeAt(this.#scene.places, this.#view, point, SNAP[kindOf(type)]);
   }
 
   /** A pointer is pressed; returns whether it is taken: if it is on the knob. */
@@ -96,17 +130,23 @@ export class GotoTool {
 
   drop() {
     this.#turning = false;
+    this.#changed();
   }
 
   cancel() {
-    this.#turning = false;
+    this.drop();
   }
 
   hovers(point) {
+    const place = this.possible && !this.#scene.mapEditor.active && !this.#scene.editor.active ? this.placeAt(point, "mouse") : null;
+    if (place !== this.hovered) {
+      this.hovered = place;
+      this.#changed();
+    }
     const before = this.#turning;
     const over = this.take(point, "mouse");
     this.#turning = before;
-    return over;
+    return over || place !== null;
   }
 
   /** Takes the proposal away; one that has been sent stays until the server answers. */
@@ -125,19 +165,46 @@ export class GotoTool {
     this.proposal = null;
     this.stops = [];
     this.#changed();
-    if (inside) byId("goto").focus();
+    if (inside) [byId("goto"), byId("unsure-place")].find((button) => button.offsetParent)?.focus();
   }
 
   /** Shows the proposal. It outlives moments without news from the robot, in which nothing is sent. */
   show() {
-    if (this.proposal && (this.#model.viewer || !this.#model.selected)) [this.proposal, this.stops] = [null, []];
-    if (this.proposal?.sent && !this.#model.live) this.proposal.sent = null;
+    const { offers } = this;
+    const { live } = this.#model;
+    if (this.proposal && !offers) [this.proposal, this.stops] = [null, []];
+    if (this.proposal?.sent && !live) this.proposal.sent = null;
     this.#aim();
+    this.#ask();
     byId("goto-card").hidden = !this.proposal;
-    byId("goto").hidden = this.#model.viewer;
-    byId("goto").disabled = !this.possible;
-    byId("goto").setAttribute("aria-expanded", String(Boolean(this.proposal)));
+    document.body.classList.toggle("choosing", this.proposal !== null);
+    byId("goto").hidden = !offers || this.proposal !== null || this.unsure !== "";
+    byId("goto").disabled = !live;
     if (this.proposal) this.#showProposal();
+    this.#frame();
+    if (offers !== this.#offered) this.#scene.renew(); // places look like buttons
+    this.#offered = offers;
+  }
+
+  /** On a phone the picture shows the way while the card is open, or all of the map to place the robot on. */
+  #frame() {
+    if (this.#turning) return; // the finger stays where it is
+    const [goal, from] = [this.proposal, this.#scene.pose];
+    if (!goal || !PHONE.matches || this.#scene.solid) return this.#view.frame(null);
+    const whole = this.unsure ? this.#scene.bounds : null;
+    const points = [[goal.x, goal.y], ...(from ? [[from.x, from.y]] : []), ...(goal.way ?? [])];
+    const [xs, ys] = [points.map(([x]) => x), points.map(([, y]) => y)];
+    const box = { left: Math.min(...xs), right: Math.max(...xs), bottom: Math.min(...ys), top: Math.max(...ys) };
+    const [stage, card, notices] = ["canvas", "goto-card", "notices"].map((id) => byId(id).getBoundingClientRect());
+    return this.#view.frame(whole ?? box, { around: whole ? 16 : 60, top: notices.height ? notices.bottom - stage.top : 0, bottom: stage.bottom - card.top });
+  }
+
+  /** Asks for the way to the proposed place, once, and as soon as the robot is sure where it is. */
+  #ask() {
+    const [goal, robot] = [this.proposal, this.#model.selected];
+    if (!goal || goal.asked || !this.possible || this.unsure || !robot.hello.plans) return;
+    goal.asked = true;
+    this.#send({ type: "plan_way", robot: robot.id, x: goal.x, y: goal.y, name: goal.name, speed: this.#speed() });
   }
 
   /** Without a heading, the robot arrives in the direction in which it comes. */
@@ -157,18 +224,24 @@ export class GotoTool {
     const before = this.stops.map((stop) => `${stop.name || `${stop.x.toFixed(1)}, ${stop.y.toFixed(1)}`}, then `).join("");
     const last = this.stops.at(-1);
     const added = last !== undefined && last.x === x && last.y === y;
+    const unsure = sent ? "" : this.unsure;
+    const who = this.#model.several ? `${this.#model.selected.name} is not sure` : "It is not sure";
     const question = added ? `${go} to ${before}where? Choose the next place.` : `${go} to ${before}${where}${turned}${before && ", again and again"}?${far}`;
     const said = refusal ? `No way to ${where}: ${refusal}.` : failure ? `It does not go to ${where}: ${failure}.` : question;
-    putProse(byId("goto-where"), sent ? `It goes to ${before}${where} as soon as it knows the way.` : said);
+    putProse(byId("goto-where"), unsure ? `${who} where it is: ${unsure}.` : sent ? `It goes to ${before}${where} as soon as it knows the way.` : said);
     put(byId("goto-go"), before ? "Patrol" : "Go");
+    byId("goto-go").hidden = unsure !== "";
     byId("goto-go").disabled = !this.possible || Boolean(refusal || sent) || (added && this.stops.length < 2);
-    byId("goto-note").hidden = Boolean(refusal);
-    put(byId("goto-note"), this.#preparation() || STOPS);
+    byId("goto-note").hidden = Boolean(refusal) && !unsure;
+    put(byId("goto-note"), unsure ? PLACING : this.#preparation() || STOPS);
     byId("goto-any").hidden = heading === null || Boolean(sent);
     const { plans } = this.#model.selected.hello;
     byId("goto-tell").hidden = !plans || before !== "" || Boolean(sent);
     byId("goto-tell").disabled = !this.possible;
-    byId("goto-add").hidden = !plans || this.stops.length >= MOST || Boolean(sent);
+    byId("goto-tell").classList.toggle("go", unsure !== "");
+    byId("goto-card").classList.toggle("placing", unsure !== "");
+    byId("goto-look").hidden = !unsure;
+    byId("goto-add").hidden = !plans || unsure !== "" || this.stops.length >= MOST || Boolean(sent);
     byId("goto-add").disabled = Boolean(refusal) || added;
     this.#list();
   }
@@ -226,7 +299,7 @@ export class GotoTool {
     }
     const left = Math.hypot(target.x - snapshot.robot_in_map.x, target.y - snapshot.robot_in_map.y).toFixed(1);
     if (target.person) return `Follows somebody ${left} m away`;
-    const place = placeAt(this.#scene.places, target, NEAR)?.name || `${target.x.toFixed(2)}, ${target.y.toFixed(2)}`;
+    const place = this.#scene.places.find(({ points, x, y }) => !points.length && Math.hypot(x - target.x, y - target.y) <= NEAR)?.name || `${target.x.toFixed(2)}, ${target.y.toFixed(2)}`;
     return `To ${place}: ${left} m left`;
   }
 
@@ -255,11 +328,8 @@ export class GotoTool {
   }
 
   #set({ x, y }, heading, name) {
-    this.proposal = { x, y, heading, toward: heading ?? 0, name };
-    this.#aim();
-    const { plans, forbids } = this.#model.selected.hello;
-    if (forbids) this.proposal.refusal = forbids;
-    if (plans) this.#send({ type: "plan_way", robot: this.#model.selected.id, x, y, name, speed: this.#speed() });
+    const straight = !this.#model.selected.hello.plans;
+    this.proposal = { x, y, heading, toward: heading ?? 0, name, straight };
     this.#changed();
   }
 
@@ -270,10 +340,26 @@ export class GotoTool {
     this.#changed();
   }
 
-  #proposeMiddle() {
-    if (!this.possible) return;
-    this.#set(this.#view, null, "");
-    byId("goto-go").focus();
+  /** Opens the card: with the nearest place where the robot is not, or where it seems to be, to put it right. */
+  begin() {
+    if (!this.possible) return this.#tellWhyNot();
+    const from = this.#scene.pose;
+    const far = ({ x, y }) => (from ? Math.hypot(x - from.x, y - from.y) : 0);
+    const [nearest] = this.#named().filter((place) => far(place) > ELSEWHERE).sort((one, other) => far(one) - far(other));
+    if (this.unsure) this.#set(from ?? this.#view, from?.theta ?? null, "");
+    else if (nearest) this.#set(nearest, nearest.heads ? nearest.theta : null, nearest.name);
+    else this.#set(this.#view, null, "");
+    byId(this.unsure ? "goto-tell" : "goto-go").focus();
+  }
+
+  #tellWhyNot() {
+    const { live, viewer, selected } = this.#model;
+    if (live && !viewer && selected.hello.forbids) this.#notify(`It cannot be sent to places: ${selected.hello.forbids}.`);
+  }
+
+  #lookAround() {
+    this.#send({ type: "look_around", robot: this.#model.selected.id });
+    this.#close();
   }
 
   #go() {
@@ -309,7 +395,7 @@ export class GotoTool {
 
   #key(event, driving) {
     if (hasModifier(event) || isTyping(event)) return;
-    if (event.key === "g") this.#proposeMiddle();
+    if (event.key === "g") this.begin();
     else if (!this.proposal) return;
     else if (event.key === "Escape") this.#callOff();
     else if (event.shiftKey && event.code in STEPS && !driving()) this.#nudge(...STEPS[event.code]);

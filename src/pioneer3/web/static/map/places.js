@@ -3,6 +3,9 @@
 const LEGIBLE = 14; // px per m; smaller pictures have no names of places
 const SIZE = 9; // px, half of a mark
 const FONT = "600 12px system-ui, sans-serif";
+const CHIP = { height: 22, below: SIZE + 4, beside: 9 }; // px, of the name of a place that looks like a button
+const SENT_TO = ["goal", "dock", "home"]; // roles of places that a robot can be sent to
+const RULER = document.createElement("canvas").getContext("2d");
 
 /** Lines and areas, in world coordinates. */
 export function drawZones(context, camera, palette, objects) {
@@ -140,20 +143,27 @@ function fillAndRing(context, palette, colour) {
   context.stroke();
 }
 
-/** Names below the marks and in the areas, in CSS pixels of the camera. */
-export function drawPlaceNames(context, camera, palette, objects, shown) {
+/**
+ * Names below the marks and in the areas, in CSS pixels of the camera.
+ * @param offers whether a robot can be sent to places: then they look like buttons
+ */
+export function drawPlaceNames(context, camera, palette, objects, shown, offers) {
   if (camera.scale < LEGIBLE) return;
   Object.assign(context, {
     font: FONT, textAlign: "center", textBaseline: "top", lineWidth: 3, lineJoin: "round", strokeStyle: palette.floor,
   });
+  const chips = chipsOf(objects, camera);
   for (const item of objects) {
-    if (!item.name || !shown(item)) continue;
+    if (!item.name || !shown(item) || (offers && hasChip(item) && !chips.has(item))) continue;
     const { x, y } = item.points.length ? middle(item.points) : item;
     const at = camera.toScreen(x, y);
     const below = at.y + (item.points.length ? -6 : SIZE + 5);
+    const chip = offers ? chips.get(item) : null;
     context.fillStyle = item.forbidden ? palette.forbidden : palette.label;
-    context.strokeText(item.name, at.x, below);
-    context.fillText(item.name, at.x, below);
+    if (chip) drawChip(context, palette, chip, palette[COLOURS[item.role]]);
+    else context.strokeText(item.name, at.x, below);
+    if (chip) context.fillStyle = palette.label;
+    context.fillText(item.name, at.x, chip ? chip.top + 5 : below);
   }
   context.textBaseline = "alphabetic";
 }
@@ -163,13 +173,72 @@ function middle(points) {
   return { x: sum[0] / points.length, y: sum[1] / points.length };
 }
 
-/** The goal or dock at a point of the map, at most `slack` [m] away. */
-export function placeAt(objects, { x, y }, slack) {
+const hasChip = ({ points, name, role }) => !points.length && name && SENT_TO.includes(role);
+
+/** The boxes of the names of places that a robot can be sent to [CSS px]; none lies upon another. */
+function chipsOf(objects, camera) {
+  const chips = new Map();
+  if (camera.scale < LEGIBLE) return chips;
+  for (const item of objects.filter(hasChip)) {
+    const chip = chipOf(item, camera);
+    if (![...chips.values()].some((other) => meet(chip, other))) chips.set(item, chip);
+  }
+  return chips;
+}
+
+function meet(one, other) {
+  return Math.abs(one.left + one.width / 2 - other.left - other.width / 2) < (one.width + other.width) / 2 && Math.abs(one.top - other.top) < CHIP.height;
+}
+
+function chipOf(item, camera) {
+  RULER.font = FONT;
+  const { x, y } = camera.toScreen(item.x, item.y);
+  const width = RULER.measureText(item.name).width + 2 * CHIP.beside;
+  return { left: x - width / 2, top: y + CHIP.below, width, height: CHIP.height };
+}
+
+function drawChip(context, palette, { left, top, width, height }, colour, line = 1.25) {
+  const { fillStyle, strokeStyle, lineWidth } = context;
+  context.beginPath();
+  context.roundRect(left, top, width, height, height / 2);
+  Object.assign(context, { fillStyle: palette.floor, strokeStyle: colour, lineWidth: line });
+  context.fill();
+  context.stroke();
+  Object.assign(context, { fillStyle, strokeStyle, lineWidth });
+}
+
+/** Marks the place under the mouse, in world coordinates: a click offers to go there. */
+export function drawHovered(context, camera, palette, item) {
+  const chip = hasChip(item) ? chipOf(item, camera) : null;
+  context.save();
+  context.translate(item.x, item.y);
+  context.scale(1 / camera.scale, -1 / camera.scale);
+  context.strokeStyle = palette.target;
+  context.lineWidth = 3;
+  context.beginPath();
+  context.arc(0, 0, SIZE + 5, 0, 2 * Math.PI);
+  context.stroke();
+  if (chip) {
+    const [left, top] = [-chip.width / 2, CHIP.below];
+    drawChip(context, palette, { ...chip, left, top }, palette.target, 2);
+    Object.assign(context, { font: FONT, textAlign: "center", textBaseline: "top", fillStyle: palette.label });
+    context.fillText(item.name, 0, top + 5);
+  }
+  context.restore();
+}
+
+/** The place that a robot can be sent to at a point of the canvas, its name included, at most `slack` px beside its mark, or null. */
+export function placeAt(objects, camera, { x, y }, slack) {
   let [best, least] = [null, slack];
+  const chips = chipsOf(objects, camera);
   for (const item of objects) {
-    if (item.points.length || !["goal", "dock", "home"].includes(item.role)) continue;
-    const far = Math.hypot(item.x - x, item.y - y);
+    if (item.points.length || !SENT_TO.includes(item.role)) continue;
+    const at = camera.toScreen(item.x, item.y);
+    const far = Math.hypot(at.x - x, at.y - y);
+    const chip = chips.get(item);
+    const named = chip && x >= chip.left && x <= chip.left + chip.width && y >= chip.top && y <= chip.top + chip.height;
     if (far <= least) [best, least] = [item, far];
+    else if (named && !best) best = item;
   }
   return best;
 }

@@ -1,14 +1,18 @@
 // The picture: draws the model through the view, only when something has changed. Colours come from theme.css.
 
+import { byId } from "../dom.js";
 import { CachedPicture, SpriteCache } from "./cache.js";
 import { FloorPlan, OccupancyGrid, drawScale } from "./floor_plan.js";
 import { drawMapEdit } from "./map_editor.js";
 import { readPalette, watchPalette } from "./palette.js";
 import { drawRobotNames, drawRobots, drawSenses } from "./robots.js";
+import { drawHovered } from "./places.js";
 import { drawProposal, drawStop, drawTarget } from "./target.js";
 import { byLayer, drawGhost, drawNames, drawSelection, drawThing } from "./things.js";
 import { Trails } from "./trails.js";
 import { drawWhereabouts } from "./whereabouts.js";
+
+const BESIDE = 8; // px of the buttons that lie in the margin of a fitted picture
 
 export class Scene {
   #canvas;
@@ -41,8 +45,8 @@ export class Scene {
   mapEditor = { active: false };
   /** The three-dimensional picture, which is drawn in place of this one, or null. */
   solid = null;
-  /** The goal that is proposed for the selected robot, {proposal}. */
-  goto = { proposal: null, stops: [] };
+  /** The goal that is proposed for the selected robot, and whether it can be sent to places. */
+  goto = { proposal: null, stops: [], hovered: null, offers: false };
 
   constructor(canvas, view, model, layers) {
     this.#canvas = canvas;
@@ -61,6 +65,11 @@ export class Scene {
   /** The objects that the map names. */
   get places() {
     return this.#floor.objects;
+  }
+
+  /** Where the map lies, or null without one. */
+  get bounds() {
+    return this.#floor.bounds;
   }
 
   /** Shows another map of the server, if it is another. */
@@ -98,7 +107,7 @@ export class Scene {
     this.#ratio = Math.min(3, devicePixelRatio || 1);
     this.#canvas.width = Math.round(width * this.#ratio);
     this.#canvas.height = Math.round(height * this.#ratio);
-    this.view.resize(width, height);
+    this.view.resize(width, height, byId("tools").offsetWidth - BESIDE);
     cancelAnimationFrame(this.#frame); // at once: a resized canvas is blank
     this.#draw(performance.now());
   }
@@ -159,6 +168,7 @@ export class Scene {
     drawSenses(context, view, palette, placed, common);
     if (shown("targets")) this.#paintTargets(placed);
     drawRobots(context, view, palette, placed, common);
+    if (shown("places") && this.goto.hovered) drawHovered(context, view, palette, this.goto.hovered);
     if (shown("places")) this.#paintWhereabouts(placed);
     for (const [at, stop] of this.goto.stops.entries()) drawStop(context, view, palette, stop, at + 1);
     if (this.goto.proposal) drawProposal(context, view, palette, this.goto.proposal, this.pose);
@@ -173,7 +183,7 @@ export class Scene {
   #paintTargets(placed) {
     for (const [robot, pose] of placed) {
       const target = robot.snapshot?.target;
-      if (target && this.#model.isLive(robot)) drawTarget(this.#context, this.view, this.#palette, target, pose, robot.mapping?.exploring ? robot.mapping.way : robot.navigation?.way);
+      if (target && this.#model.isLive(robot)) drawTarget(this.#context, this.view, this.#palette, target, pose, robot.way);
     }
   }
 
@@ -196,6 +206,6 @@ export class Scene {
     context.fillStyle = this.#palette.floor;
     context.fillRect(0, 0, context.canvas.width, context.canvas.height);
     camera.apply(context, ratio);
-    this.#floor.draw(context, camera, this.#palette, ratio, this.#shown);
+    this.#floor.draw(context, camera, this.#palette, ratio, this.#shown, this.goto.offers);
   }
 }

@@ -4,10 +4,10 @@ const SIZE = 9; // px
 const ARM = 46; // px from a place to the knob that turns the heading
 export const KNOB = 8; // px
 
-/** @param target {x, y, heading, person} of a snapshot, `pose` of the robot, `way` the points of a planned way */
-export function drawTarget(context, view, palette, target, pose, way = []) {
+/** @param target {x, y, heading, person} of a snapshot, `pose` of the robot, `way` the points of its way, null for straight on */
+export function drawTarget(context, view, palette, target, pose, way) {
   const colour = target.person ? palette.person : palette.target;
-  drawWay(context, view, colour, [pose, ...(way.length ? way.slice(1).map(pointOf) : [target])]);
+  drawWay(context, view, colour, way ? [pose, ...way.slice(1).map(pointOf)] : [pose, target]);
   if (target.person) drawSomebody(context, view, palette, target);
   else drawPlace(context, view, palette, target, true);
 }
@@ -17,7 +17,7 @@ const pointOf = ([x, y]) => ({ x, y });
 /** A goal that is proposed, with a knob for the heading, and the way there if it is known. */
 export function drawProposal(context, view, palette, goal, pose) {
   if (goal.way?.length) drawWay(context, view, palette.target, goal.way.map(pointOf));
-  else if (pose && !goal.refusal) drawWay(context, view, palette.target, [pose, goal]);
+  else if (pose && goal.straight) drawWay(context, view, palette.target, [pose, goal]);
   drawPlace(context, view, palette, goal, false);
   const knob = knobOf(goal, view.scale);
   context.strokeStyle = context.fillStyle = palette.target;

@@ -33,12 +33,15 @@ const ZOOM_MIN = 2; // px per m
 const ZOOM_MAX = 600;
 const EASE = 0.09; // s, time constant of a camera move
 const MARGIN = 40; // px around a fitted map
-const TOOLS = 36; // px more on the right, where the buttons are
+const BELOW = 24; // px more below, where the card of a goal begins
+const CLOSE = 80; // px per m of a framed box at most
 const PIECE = 2; // m
 const BESIDE = 0.5; // m around the middle of a robot
 
 export class View extends Camera {
-  mode = "fit"; // "fit" | "follow" | "free"
+  mode = "fit"; // "fit" | "follow" | "free" | "frame"
+  #aside = 0; // px more on the right, where the buttons are
+  #frame = null; // {box, around, top, bottom, before}: what the frame shows in the part that is free, and the mode before
   #bounds = null;
   #box = null; // around robots that are not within the bounds
   #boxed = ""; // the same as text
@@ -51,10 +54,29 @@ export class View extends Camera {
     this.#still = reducedMotion;
   }
 
-  resize(width, height) {
+  /** @param aside of the width, covered by the buttons on the right */
+  resize(width, height, aside = 0) {
     this.width = width;
     this.height = height;
-    if (this.mode === "fit") this.#jump();
+    this.#aside = aside;
+    if (this.mode === "fit" || this.mode === "frame") this.#jump();
+  }
+
+  /**
+   * Shows a box [m] in what `top` and `bottom` [px] leave free, until it is called with null; the user may move on.
+   * @param room {around, top, bottom}: px around the box, and covered by other things
+   */
+  frame(box, { around = 0, top = 0, bottom = 0 } = {}) {
+    const before = this.#frame;
+    if (!box && before) {
+      this.#frame = null;
+      if (this.mode === "frame") this.setMode(before.before);
+    }
+    if (!box) return;
+    const frame = { box, around, top, bottom, before: before?.before ?? this.mode };
+    if (JSON.stringify(frame) === JSON.stringify(before)) return;
+    this.#frame = frame;
+    if (!before || this.mode === "frame") this.setMode("frame");
   }
 
   /** Where the map lies; `null` where there is none. */
@@ -137,6 +159,7 @@ export class View extends Camera {
 
   #target() {
     if (this.mode === "free") return { x: this.x, y: this.y, scale: this.scale };
+    if (this.mode === "frame") return this.#framed();
     const whole = this.#whole;
     if (this.mode === "follow" || !whole) {
       const scale = this.mode === "follow" ? Math.max(this.scale, 45) : Math.min(this.width, this.height) / 8;
@@ -144,11 +167,19 @@ export class View extends Camera {
     }
     const { left, right, bottom, top } = whole;
     const fitting = Math.min(
-      Math.max(40, this.width - 2 * MARGIN - TOOLS) / (right - left || 1),
-      Math.max(40, this.height - 2 * MARGIN) / (top - bottom || 1),
+      Math.max(40, this.width - 2 * MARGIN - this.#aside) / (right - left || 1),
+      Math.max(40, this.height - 2 * MARGIN - BELOW) / (top - bottom || 1),
     );
     const scale = clamp(fitting, ZOOM_MIN, ZOOM_MAX / 4);
-    return { x: (left + right + TOOLS / scale) / 2, y: (bottom + top) / 2, scale };
+    return { x: (left + right + this.#aside / scale) / 2, y: (bottom + top - BELOW / scale) / 2, scale };
+  }
+
+  #framed() {
+    const { box, around, top, bottom } = this.#frame;
+    const free = Math.max(40, this.height - top - bottom);
+    const room = (size) => Math.max(size / 2, size - 2 * around);
+    const scale = clamp(Math.min(room(this.width) / (box.right - box.left || 1), room(free) / (box.top - box.bottom || 1)), ZOOM_MIN, CLOSE);
+    return { x: (box.left + box.right) / 2, y: (box.bottom + box.top) / 2 + (top - bottom) / 2 / scale, scale };
   }
 }
 

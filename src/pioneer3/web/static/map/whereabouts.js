@@ -41,10 +41,11 @@ export class Whereabouts {
   #model;
   #send;
 
-  /** @param send function(message) */
-  constructor({ model, send }) {
+  /** @param send function(message) @param place function(): begins to place the robot */
+  constructor({ model, send, place }) {
     this.#model = model;
     this.#send = send;
+    byId("unsure-place").addEventListener("click", place);
     byId("unsure-look").addEventListener("click", () => this.#lookAround());
   }
 
@@ -53,9 +54,9 @@ export class Whereabouts {
     const navigation = live ? selected?.navigation : null;
     byId("unsure").hidden = !navigation?.reason || navigation.sure || snapshot?.mode === LOOKS;
     if (byId("unsure").hidden) return;
-    const who = this.#model.several ? `${selected.name} is not sure` : "Not sure";
+    const who = this.#model.several ? `${selected.name} is not sure` : "It is not sure";
     putHelp(byId("unsure-why"), `${who} where it is: ${navigation.reason}.`, "not-sure-where-it-is");
-    byId("unsure-look").hidden = byId("unsure-how").hidden = viewer;
+    for (const id of ["unsure-how", "unsure-place", "unsure-look"]) byId(id).hidden = viewer;
   }
 
   #lookAround() {

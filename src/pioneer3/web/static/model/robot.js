@@ -101,6 +101,13 @@ export class Robot {
     return performance.now() - this.#snapshotAt < STALE;
   }
 
+  /** The points of the way to its target as it is planned, [[x, y], ...], or null where it drives straight on. */
+  get way() {
+    const { target } = this.snapshot;
+    const planned = (this.mapping?.exploring ? this.mapping.way : this.navigation?.way) ?? [];
+    return planned.length || (this.hello.plans && !target.person) ? planned : null;
+  }
+
   get connected() {
     return this.status === null || this.status.state === "connected";
   }

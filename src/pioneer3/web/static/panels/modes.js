@@ -1,6 +1,6 @@
 // The modes in which the robot drives by itself: a form for each, and the card of the running one.
 
-import { byId, degrees, make, put, putLines, set } from "../dom.js";
+import { byId, degrees, make, put, putLines, putProse, sentence, set } from "../dom.js";
 import { Fields, button, choice, loadForms } from "./fields.js";
 import { part } from "./widgets.js";
 
@@ -21,6 +21,7 @@ export class ModesView {
   #forms = make("div", {});
   #map;
   #starts = [];
+  #toPlaces = []; // of forms of modes that go to places of the map: {form, reason: why it is not there}
 
   /**
    * @param send     function(message)
@@ -55,9 +56,13 @@ export class ModesView {
     return Number(this.#time.value);
   }
 
-  /** @param usable whether this page may drive; @param startedBy who started the mode, "you" or a name; @param mapping of the robot, or null */
-  show(snapshot, usable, startedBy, mapping) {
-    this.#map.show(mapping, usable && !snapshot.emergency_stop);
+  /** @param usable whether this page may drive; @param startedBy who started the mode, "you" or a name; @param robot the Robot */
+  show(snapshot, usable, startedBy, robot) {
+    this.#map.show(robot?.mapping ?? null, usable && !snapshot.emergency_stop);
+    for (const { form, reason } of this.#toPlaces) {
+      putProse(reason, robot?.hello.forbids ? sentence(robot.hello.forbids) : "");
+      form.hidden = reason.textContent !== "";
+    }
     const { mode, ended, decided, motors, emergency_stop: latched } = snapshot;
     this.#pose = snapshot.robot_in_map;
     const runs = mode !== null;
@@ -78,7 +83,10 @@ export class ModesView {
     this.#starts.push(begin);
     const here = goesToPlace ? [button(`${name}-here`, "Where it is now", () => this.#fill(made))] : [];
     const words = goesToPlace ? `${summary} The place is in the map.` : `${summary} ${advice}`.trim();
-    return part(title, make("p", { class: "words" }, words), ...made.choices, make("div", { class: "fields" }, ...made.numbers), make("div", { class: "row" }, begin, ...here));
+    const form = make("div", {}, make("p", { class: "words" }, words), ...made.choices, make("div", { class: "fields" }, ...made.numbers), make("div", { class: "row" }, begin, ...here));
+    const reason = make("p", { class: "words" });
+    if (goesToPlace) this.#toPlaces.push({ form, reason });
+    return part(title, form, reason);
   }
 
   #start(name, goesToPlace, made) {
@@ -143,10 +151,15 @@ class MapMaking {
 /** A mode's name where a sentence begins. */
 const named = (mode) => mode[0].toUpperCase() + mode.slice(1);
 
+const DONE = { "look around": "It knows where it is.", explore: "Explored: no edge of the map is left." }; // what modes reach
+
 /** How the last mode ended, in words. */
 function howItEnded(ended) {
   if (!ended) return "No mode runs.";
-  return ended.done ? `${named(ended.mode)} has done what it was for.` : `${named(ended.mode)} ended: ${ended.why}.`;
+  const { mode, done, why, place } = ended;
+  if (!done) return `${named(mode)} ended: ${why}.`;
+  if (mode === "goto" || mode === "patrol") return place ? `Arrived: ${place}` : "Arrived.";
+  return DONE[mode] ?? `${named(mode)}: done.`;
 }
 
 /** On the map, while a mode runs: its name, its target, its decisions, and the button that ends it. */

@@ -83,7 +83,7 @@ export class Panels {
     this.#startedBy = startedBy;
     this.#card.show(snapshot, startedBy, going);
     if (this.view === "modes") this.#group.show(this.#model, usable);
-    if (this.view === "modes") this.#modes.show(snapshot, usable, startedBy, this.#selected?.mapping ?? null);
+    if (this.view === "modes") this.#modes.show(snapshot, usable, startedBy, this.#selected);
     if (this.view !== "robot") return;
     this.#view.showSnapshot(snapshot, roundTrip);
     this.#view.showBattery(this.#history(this.#selected?.id).battery);

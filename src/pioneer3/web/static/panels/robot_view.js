@@ -5,12 +5,19 @@ import { BumperDrawing, LineBoard, Rows, Sparkline, part, showFindings, showRoun
 
 const NOT_SENT = "not sent";
 const place = ({ x, y, theta }) => `${number(x, 2)}, ${number(y, 2)} m, ${number(degrees(theta), 0)}°`;
+
+function nearest({ ranges, enabled }) {
+  const echoes = ranges.filter((range) => range !== null);
+  if (!enabled) return "sonar off";
+  return echoes.length ? `${number(Math.min(...echoes), 2)} m` : "none";
+}
+
 const speeds = (twist) => (twist ? `${number(twist.v, 2)} m/s, ${number(twist.w, 2)} rad/s` : "–");
 
 export class RobotView {
   #why = make("p", { class: "why-words" });
   #decided = make("ul", { class: "lines-of-text" });
-  #motion = new Rows({ pose: "In the map", odometry: "Odometry", encoder: "Own counters", measured: "Measured", commanded: "Commanded", wheels: "Left, right wheel", compass: "Compass" });
+  #motion = new Rows({ pose: "In the map", odometry: "Odometry", encoder: "Own counters", measured: "Measured", commanded: "Commanded", echo: "Nearest echo", wheels: "Left, right wheel", compass: "Compass" });
   #power = new Rows({ battery: "Battery", charge: "Charge", charger: "Charger", temperature: "Motor temperature" });
   #sparkline = new Sparkline();
   #span = make("p", { class: "words" });
@@ -55,6 +62,7 @@ export class RobotView {
     this.#motion.show("odometry", place(snapshot.robot_in_odom));
     this.#motion.show("measured", speeds(snapshot.twist));
     this.#motion.show("commanded", speeds(snapshot.commanded));
+    this.#motion.show("echo", nearest(snapshot.sonar));
     this.#power.show("battery", `${number(battery.voltage, 1)} V${battery.low ? ", LOW" : ""}`, battery.low ? "bad" : null);
     this.#power.show("charge", battery.charge === null ? "not known" : `${number(battery.charge * 100, 0)} %`);
     this.#power.show("charger", battery.charging);

@@ -24,7 +24,7 @@ export function showRobot({ kind, name = "", shape = null, url = "" } = {}) {
   document.body.dataset.kind = badge.dataset.kind;
   badge.title = url;
   byId("name").textContent = name || "pioneer3";
-  byId("title").textContent = shape?.title ?? "waiting for the robot";
+  byId("title").textContent = shape?.title === name ? "" : shape?.title ?? "waiting for the robot";
   document.title = `${label}: ${name || "pioneer3"}`;
 }
 
@@ -54,25 +54,13 @@ function driver({ driver: who, snapshot, program }, holder) {
 
 /** Shows the numbers of a snapshot. */
 export function showSnapshot(snapshot) {
-  const { robot_in_map: pose, twist, sonar, battery, motors, bumpers, link } = snapshot;
+  const { robot_in_map: pose, twist, battery, motors, bumpers } = snapshot;
   put(byId("speed-now"), number(twist.v, 2));
   put(byId("turn-now"), number(twist.w, 2));
-  put(byId("pose-x"), number(pose.x, 2));
-  put(byId("pose-y"), number(pose.y, 2));
+  put(byId("pose"), `${number(pose.x, 2)}, ${number(pose.y, 2)}`);
   put(byId("pose-theta"), number(degrees(pose.theta), 0));
-  showNearest(sonar);
   showBattery(battery);
   showMotors(motors, bumpers);
-  put(byId("rate"), number(link.rate, 1));
-  put(byId("bad-checksums"), String(link.bad_checksums));
-  setLevel("bad-checksums", link.bad_checksums > 0 ? "warn" : "good");
-  put(byId("sessions"), String(link.sessions));
-}
-
-function showNearest({ ranges, enabled }) {
-  const echoes = ranges.filter((range) => range !== null);
-  if (!enabled) put(byId("nearest"), "sonar off");
-  else put(byId("nearest"), echoes.length ? `${number(Math.min(...echoes), 2)} m` : "none");
 }
 
 function showBattery({ voltage, charge, charging, low }) {
@@ -87,14 +75,8 @@ function showBattery({ voltage, charge, charging, low }) {
 function showMotors(motors, bumpers) {
   set(byId("motors"), "aria-checked", String(motors.enabled));
   put(byId("motors-text"), motors.enabled ? "On" : "Off");
-  put(byId("stop-button"), motors.stop_button ? "PRESSED" : "released");
-  setLevel("stop-button", motors.stop_button ? "bad" : "good");
-  put(byId("stall"), motors.stalled ? "STALLED" : "none");
-  setLevel("stall", motors.stalled ? "bad" : "good");
-  const hits = [...bumpers.front, ...bumpers.rear].filter(Boolean).length;
-  put(byId("bumpers"), hits ? `${hits} HIT` : "free");
-  setLevel("bumpers", hits ? "bad" : "good");
-  const alarm = motors.stop_button ? "Stop button" : motors.stalled ? "Stalled" : hits ? "Bumper" : "";
+  const hit = [...bumpers.front, ...bumpers.rear].some(Boolean);
+  const alarm = motors.stop_button ? "Stop button" : motors.stalled ? "Stalled" : hit ? "Bumper" : "";
   put(byId("motors-alarm"), alarm);
   byId("motors-alarm").hidden = alarm === "";
 }
@@ -115,10 +97,10 @@ export function showUsable(usable) {
 
 /**
  * Shows why the robot stands, in the colour of a warning only for a fault.
- * @param hint shown while the robot has nothing to do
+ * @param hint shown while the robot has nothing to do, or something has stopped it
  */
 export function showWhy({ why, standing, symptom, mode, faults }, hint) {
-  const text = standing === "idle" ? hint : standing === "normal" && mode ? "" : why ?? ""; // the card of the mode says it
+  const text = standing === "idle" || standing === "stopped" ? hint : standing === "normal" && mode ? "" : why ?? ""; // the card of the mode says it
   if (text !== shown.why) shown = { why: text, since: performance.now() };
   const brief = standing === "normal" && performance.now() - shown.since < BRIEF;
   putHelp(byId("why"), brief ? "" : text, standing === "fault" ? symptom : null);

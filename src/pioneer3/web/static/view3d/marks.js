@@ -82,14 +82,13 @@ export class Marks {
 /** All that is on the floor beside trails, as data: lines, which have points, and signs. */
 function* marksOf(placed, { selected, isLive, shown, palette, goto }) {
   for (const [robot, pose] of placed) {
-    const { snapshot, navigation, mapping } = robot;
+    const { snapshot, navigation } = robot;
     if (!snapshot || !isLive(robot)) continue;
     if (shown("paths") && robot === selected && Math.abs(snapshot.twist.v) >= 0.02) yield { points: arc(robot, pose), color: palette.path, dash: [0.03, 0.08] };
     const { target } = snapshot;
     if (shown("targets") && target) {
       const color = target.person ? palette.person : palette.target;
-      const way = (mapping?.exploring ? mapping.way : navigation?.way) ?? [];
-      yield { points: [[pose.x, pose.y], ...(way.length ? way.slice(1) : [[target.x, target.y]])], color, dash: [0.18, 0.14] };
+      yield { points: [[pose.x, pose.y], ...(robot.way?.slice(1) ?? [[target.x, target.y]])], color, dash: [0.18, 0.14] };
       yield { at: [target.x, target.y], heading: target.heading, color };
     }
     if (shown("places") && navigation?.robot_in_map && navigation.ellipse) {
@@ -100,7 +99,7 @@ function* marksOf(placed, { selected, isLive, shown, palette, goto }) {
   const goal = goto.proposal;
   if (!goal) return;
   const from = placed.find(([robot]) => robot === selected)?.[1];
-  if (goal.way?.length || (from && !goal.refusal)) {
+  if (goal.way?.length || (from && goal.straight)) {
     yield { points: goal.way?.length ? goal.way : [[from.x, from.y], [goal.x, goal.y]], color: palette.target, dash: [0.18, 0.14] };
   }
   yield { at: [goal.x, goal.y], heading: goal.heading, color: palette.target };
