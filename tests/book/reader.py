@@ -314,9 +314,10 @@ class Reader:
 def expected(lines: Iterable[str]) -> re.Pattern[str]:
     """Return the pattern of lines in their order: numbers may differ, `...` is anything."""
     patterns = []
-    for line in lines:
-        words = [re.escape(word).replace(r"\.\.\.", ".*?") for word in line.split()]
-        patterns.append(r"\s+".join(_NUMBER.sub(_ANY_NUMBER, word) for word in words))
+    for each in lines:
+        words = [re.escape(word).replace(r"\.\.\.", ".*?") for word in each.split()]
+        line = r"\s+".join(_NUMBER.sub(_ANY_NUMBER, word) for word in words)
+        patterns.append(line.replace(r"\s+.*?\s+", r"\s+.*?"))
     return re.compile(".*?".join(patterns), re.DOTALL)
 
 

@@ -116,6 +116,7 @@ def test_a_comment_about_a_block_stands_before_it() -> None:
         ("at 1.25 m", "at -3 m", True),
         ("at 1 m", "at one m", False),
         ("p3at ... done", "p3at (p3at-sh), 12 V: done", True),
+        ("p3at ... done", "p3at done", True),
         ("a (b) c", "a (b)\r\n  c", True),
         ("on tcp://127.0.0.1:8101", "on tcp://127.0.0.1:8102", True),
     ],
