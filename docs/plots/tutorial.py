@@ -256,7 +256,7 @@ def be_lost(desk: Desk) -> None:
     desk.drag(desk.at(pose["x"], pose["y"]), desk.at(*BACK))
     desk.page.keyboard.press("e")
     expect(desk.page.locator("#unsure")).to_be_visible()
-    desk.wait(1.0)
+    desk.wait(8.0)  # until the words about the walls on its way are gone
 
 
 def tell_the_place(desk: Desk) -> None:
