@@ -8,6 +8,12 @@ from typing import Final
 from pioneer3.errors import ConfigError
 from pioneer3.links.urls import HOST_AND_PORT, TCP_PORT
 
+
+def _by_word(rows: Mapping[str, str]) -> Mapping[str, str]:
+    """Return the meanings of words, of rows that have several words of one meaning."""
+    return MappingProxyType({word: row for row, words in rows.items() for word in words.split()})
+
+
 SIMULATOR: Final = "sim"
 """The command that takes MobileSim's options; all others take ARIA's."""
 NAMING: Final = (["robot", "show"], ["robot", "edit"])
@@ -27,103 +33,70 @@ SIMULATOR_LONG: Final = frozenset(
 """Options of MobileSim that are one word; others with one dash are short ones that are joined."""
 END: Final = "--"
 """Word after which none is an option."""
-LASER_KINDS: Final[Mapping[str, str]] = MappingProxyType(
+LASER_KINDS: Final = _by_word(
     {
-        "lms2xx": "lms-200",
-        "lms1xx": "lms-111",
-        "lms5xx": "lms-511",
-        "tim3xx": "tim551",
-        "tim5xx": "tim551",
-        "tim551": "tim551",
+        "lms-200": "lms2xx",
+        "lms-111": "lms1xx",
+        "lms-511": "lms5xx",
+        "tim551": "tim3xx tim5xx tim551",
         "tim561": "tim561",
         "tim571": "tim571",
-        "urg": "urg-04lx",
-        "urg2.0": "urg-04lx",
+        "urg-04lx": "urg urg2.0",
     }
 )
 """Our lasers by the types of ARIA's `-laserType`."""
-VALUES: Final[Mapping[str, str]] = MappingProxyType(
+VALUES: Final = _by_word(
     {
-        "remotehost": "host",
-        "rh": "host",
-        "remoterobottcpport": "tcp",
-        "rrtp": "tcp",
-        "robotport": "--port",
-        "rp": "--port",
-        "robotbaud": "--baud",
-        "rb": "--baud",
-        "laserport": "laser",
-        "lp": "laser",
-        "lasertype": "kind",
-        "lt": "kind",
+        "host": "remotehost rh",
+        "tcp": "remoterobottcpport rrtp",
+        "--port": "robotport rp",
+        "--baud": "robotbaud rb",
+        "laser": "laserport lp",
+        "kind": "lasertype lt",
     }
 )
 """Our options, or parts of them, that the values of ARIA's options become."""
 LASER_PARTS: Final = frozenset(("laser", "kind"))
 """Values of which each laser has its own."""
-NO_EFFECT: Final[Mapping[str, str]] = MappingProxyType(
+NO_EFFECT: Final = _by_word(
     {
-        **dict.fromkeys(
-            ("connectlaser", "cl"), "the laser of a simulator is used; --laser names another"
-        ),
-        **dict.fromkeys(("connectsonar", "cs"), "sonars come with the robot"),
-        **dict.fromkeys(("remoteissim", "ris", "remoteisnotsim", "rins"), "the robot tells that"),
-        **dict.fromkeys(
-            (
-                *("robotlogpacketsreceived", "rlpr", "robotlogpacketssent", "rlps"),
-                *("robotlogmovementreceived", "rlmr", "robotlogmovementsent", "rlms"),
-                *("robotlogvelocitiesreceived", "rlvr", "robotlogactions", "rla"),
-                *("sonarlogpacketsreceived", "slpr", "sonarlogpacketssent", "slps"),
-                *("batterylogpacketsreceived", "blpr", "batterylogpacketssent", "blps"),
-                *("lcdlogpacketsreceived", "lcdlpr", "lcdlogpacketssent", "lcdlps"),
-            ),
-            "--record FILE writes every byte and every decision",
+        "the laser of a simulator is used; --laser names another": "connectlaser cl",
+        "sonars come with the robot": "connectsonar cs",
+        "the robot tells that": "remoteissim ris remoteisnotsim rins",
+        "--record FILE writes every byte and every decision": (
+            "robotlogpacketsreceived rlpr robotlogpacketssent rlps robotlogmovementreceived rlmr "
+            "robotlogmovementsent rlms robotlogvelocitiesreceived rlvr robotlogactions rla "
+            "sonarlogpacketsreceived slpr sonarlogpacketssent slps batterylogpacketsreceived blpr "
+            "batterylogpacketssent blps lcdlogpacketsreceived lcdlpr lcdlogpacketssent lcdlps"
         ),
     }
 )
 """The reasons why options of ARIA without a value change nothing."""
-VALUE_WITHOUT_EFFECT: Final[Mapping[str, str]] = MappingProxyType(
+VALUE_WITHOUT_EFFECT: Final = _by_word(
     {
-        **dict.fromkeys(
-            ("laserstartingbaud", "lsb", "laserautobaud", "lab"), "the laser's speed is found"
+        "the laser's speed is found": "laserstartingbaud lsb laserautobaud lab",
+        "the laser measures as its type does": (
+            "laserincrement li laserincrementbydegrees libd laserunits lu lasermaxrange lmr "
+            "laserreflectorbits lrb"
         ),
-        **dict.fromkeys(
-            (
-                *("laserincrement", "li", "laserincrementbydegrees", "libd", "laserunits", "lu"),
-                *("lasermaxrange", "lmr", "laserreflectorbits", "lrb"),
-            ),
-            "the laser measures as its type does",
-        ),
-        **dict.fromkeys(
-            ("laserpowercontrolled", "lpc"), "a laser is waited for until it has power and answers"
-        ),
+        "a laser is waited for until it has power and answers": "laserpowercontrolled lpc",
     }
 )
 """The reasons why options of ARIA with a value change nothing."""
-REFUSED: Final[Mapping[str, str]] = MappingProxyType(
+REFUSED: Final = _by_word(
     {
-        **dict.fromkeys(
-            ("laserflipped", "lf"), "give --laser-pose x,y,heading,upside-down, such as 16cm,0,0"
+        "give --laser-pose x,y,heading,upside-down, such as 16cm,0,0": "laserflipped lf",
+        "give --laser-mask with the sectors to leave out, such as -180:-90,90:180": (
+            "laserdegrees ld laserdegreesstart lds laserdegreesend lde "
+            "laseradditionalignorereadings lair"
         ),
-        **dict.fromkeys(
-            (
-                *("laserdegrees", "ld", "laserdegreesstart", "lds", "laserdegreesend", "lde"),
-                *("laseradditionalignorereadings", "lair"),
-            ),
-            "give --laser-mask with the sectors to leave out, such as -180:-90,90:180",
+        "give --laser with a URL, such as tim551@tcp://192.168.0.1:2112": (
+            "laserporttype lpt remotelasertcpport rltp"
         ),
-        **dict.fromkeys(
-            ("laserporttype", "lpt", "remotelasertcpport", "rltp"),
-            "give --laser with a URL, such as tim551@tcp://192.168.0.1:2112",
-        ),
-        **dict.fromkeys(
-            (
-                *("ptz", "ptztype", "gpsport", "gpstype", "gpsbaud", "remotegpstcphost"),
-                *("remotegpstcpport", "compassport", "compasstype", "ptzserialport", "ptzinverted"),
-                *("ptzrobotauxserialport", "ptzaddress", "ptztcpport", "ptzusername"),
-                "ptzpassword",
-            ),
-            "programs use robot.devices",
+        "programs use robot.devices": (
+            "ptz ptztype gpsport gpstype gpsbaud remotegpstcphost remotegpstcpport compassport "
+            "compasstype ptzserialport ptzinverted ptzrobotauxserialport ptzaddress ptztcpport "
+            "ptzusername ptzpassword"
         ),
     }
 )

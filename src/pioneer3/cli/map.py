@@ -19,6 +19,12 @@ if TYPE_CHECKING:
     from pioneer3.sim.map_check import MapProblem
     from pioneer3.sim.map_convert import MapInfo
 
+Lines = Annotated[
+    tuple[str, ...], Parameter(metavar="LINE", allow_leading_hyphen=True, negative=())
+]
+Boxes = Annotated[tuple[str, ...], Parameter(metavar="BOX", allow_leading_hyphen=True, negative=())]
+Places = Annotated[tuple[str, ...], Parameter(metavar="NAME=PLACE", negative=())]
+
 map_app = App(
     name="map",
     help="""Make, show, check, edit and convert maps and worlds.
@@ -59,7 +65,6 @@ def list_maps(folder: Path = Path()) -> int:
     Args:
         folder: Looked into, without the folders below.
     """
-    from pioneer3.cli.process import write_line
     from pioneer3.maps import shipped_maps
     from pioneer3.sim.worldfile import maps_in, shipped_worlds
 
@@ -133,21 +138,13 @@ def convert(
 def edit(
     file: Path,
     *,
-    erase: Annotated[
-        tuple[str, ...], Parameter(metavar="BOX", allow_leading_hyphen=True, negative=())
-    ] = (),
-    wall: Annotated[
-        tuple[str, ...], Parameter(metavar="LINE", allow_leading_hyphen=True, negative=())
-    ] = (),
-    goal: Annotated[tuple[str, ...], Parameter(metavar="NAME=PLACE", negative=())] = (),
-    dock: Annotated[tuple[str, ...], Parameter(metavar="NAME=PLACE", negative=())] = (),
-    home: Annotated[tuple[str, ...], Parameter(metavar="NAME=PLACE", negative=())] = (),
-    forbid_line: Annotated[
-        tuple[str, ...], Parameter(metavar="LINE", allow_leading_hyphen=True, negative=())
-    ] = (),
-    forbid_area: Annotated[
-        tuple[str, ...], Parameter(metavar="BOX", allow_leading_hyphen=True, negative=())
-    ] = (),
+    erase: Boxes = (),
+    wall: Lines = (),
+    goal: Places = (),
+    dock: Places = (),
+    home: Places = (),
+    forbid_line: Lines = (),
+    forbid_area: Boxes = (),
     rename: Annotated[tuple[str, ...], Parameter(metavar="OLD=NEW", negative=())] = (),
     remove: Annotated[tuple[str, ...], Parameter(metavar="NAME", negative=())] = (),
 ) -> int:
@@ -183,12 +180,8 @@ def edit(
     for words in rename:
         old, _, new = words.partition("=")
         line_map = edit.renamed(line_map, edit.find_object(line_map, old), new)
-    places: tuple[tuple[edit.NewRole, tuple[str, ...]], ...] = (
-        ("goal", goal),
-        ("dock", dock),
-        ("home", home),
-    )
-    for role, given in places:
+    places: dict[edit.NewRole, Places] = {"goal": goal, "dock": dock, "home": home}
+    for role, given in places.items():
         for words in given:
             name, _, place = words.partition("=")
             x, y, *heading = _numbers(words, place, 2, 3)

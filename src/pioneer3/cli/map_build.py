@@ -208,12 +208,13 @@ class _Keeper:
 async def _drive(keeper: _Keeper, begin: _Begin, connect: "Connect", speed: float) -> None:
     from math import inf
 
+    from pioneer3.navigation.connect import prepare_navigation
     from pioneer3.tasks import running
     from pioneer3.teleop.keyboard import Keyboard
     from pioneer3.teleop.keyboard_drive import KeyboardDriver
     from pioneer3.teleop.terminal import keys, raw_terminal
 
-    await _prepare()
+    await prepare_navigation()
     with raw_terminal() as terminal:
         async with connect() as robot:
             _require_laser(robot)
@@ -234,9 +235,10 @@ async def _drive(keeper: _Keeper, begin: _Begin, connect: "Connect", speed: floa
 
 
 async def _explore(keeper: _Keeper, begin: _Begin, connect: "Connect", speed: float) -> None:
+    from pioneer3.navigation.connect import prepare_navigation
     from pioneer3.tasks import running
 
-    await _prepare()
+    await prepare_navigation()
     async with connect() as robot:
         _require_laser(robot)
         tell_cuts(robot.info.limits, speed, None)
@@ -257,12 +259,6 @@ async def _explore(keeper: _Keeper, begin: _Begin, connect: "Connect", speed: fl
         write_line(f"not explored: ({x:.1f}, {y:.1f}): {each.why}")
 
 
-async def _prepare() -> None:
-    from pioneer3.navigation.connect import prepare_navigation
-
-    await prepare_navigation()
-
-
 def _require_laser(robot: "Robot") -> None:
     if not robot.laser.presence.there:
         raise DeviceError(f"a map needs a laser: {robot.laser.presence}")
@@ -275,7 +271,6 @@ def _from_file(
     settings: "NavigationSettings",
     sources: tuple[str | None, str | None],
 ) -> int:
-    from pioneer3.errors import ConfigError
     from pioneer3.navigation.connect import require_navigation
     from pioneer3.navigation.log_files import SourceChoice, chosen_log, is_recording
     from pioneer3.robot.lasers.spec import parse_mounting
@@ -320,13 +315,13 @@ def _play(
     made: "list[LogMap]",
 ) -> int:
     """Add the map of a recording to `made`; return the exit code."""
-    from pioneer3.navigation.connect import require_navigation
+    from pioneer3.navigation.connect import prepare_navigation, require_navigation
 
     require_navigation()
     from pioneer3.navigation.map_logs import FastTimeLoop, map_recording
 
     async def play() -> None:
-        await _prepare()
+        await prepare_navigation()
         made.append(await map_recording(source, progress, link.lasers.laser, settings))
 
     return run_until_told_to_leave(play(), FastTimeLoop)
@@ -368,9 +363,8 @@ def _target(output: Path | None, old: Path | None, *, force: bool) -> Path:
     files = files_of(target)
     if not target.parent.is_dir():
         raise ConfigError(f"{target}: there is no folder {target.parent}")
-    kept = () if force or target == old else files
-    for path in kept:
-        if path.exists():
+    for path in files:
+        if path.exists() and not (force or target == old):
             raise ConfigError(
                 f"{path}: is there already; --continue goes on with it, --force writes over it"
             )

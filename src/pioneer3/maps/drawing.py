@@ -1,11 +1,10 @@
 """Drawings of maps: lines of several kinds, and markers of places; as SVG."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from enum import StrEnum
 from html import escape
 from math import cos, sin
-from types import MappingProxyType
 
 import numpy as np
 
@@ -24,44 +23,32 @@ SHOWN = ' style="width:100%;max-width:48em;max-height:36em"'
 
 
 class Layer(StrEnum):
-    """A layer of a drawing; later ones are drawn over earlier ones."""
+    """A layer of a drawing, and its colour; later ones are drawn over earlier ones."""
 
-    CARPET = "carpet"
-    HEIGHTFIELD = "heightfield"
-    STEP = "step"
-    RAMP = "ramp"
-    TABLE = "table"
-    WALL = "wall"
-    FORBIDDEN = "forbidden"
-    PERSON = "person"
-    BOX = "box"
-    BLACK = "black"
-    GLASS = "glass"
-    REFLECTOR = "reflector"
-    DOCK = "dock"
-    GOAL = "goal"
-    HOME = "home"
+    colour: str
 
+    def __new__(cls, word: str, colour: str = "") -> "Layer":
+        """Return a layer whose value is its word."""
+        layer = str.__new__(cls, word)
+        layer._value_, layer.colour = word, colour
+        return layer
 
-COLOURS: Mapping[Layer, tuple[int, int, int]] = MappingProxyType(
-    {
-        Layer.CARPET: (196, 160, 190),
-        Layer.HEIGHTFIELD: (150, 170, 110),
-        Layer.STEP: (128, 140, 160),
-        Layer.RAMP: (70, 130, 140),
-        Layer.TABLE: (200, 170, 120),
-        Layer.WALL: (32, 32, 32),
-        Layer.FORBIDDEN: (214, 39, 40),
-        Layer.PERSON: (148, 103, 189),
-        Layer.BOX: (188, 120, 0),
-        Layer.BLACK: (0, 0, 0),
-        Layer.GLASS: (110, 190, 235),
-        Layer.REFLECTOR: (235, 90, 200),
-        Layer.DOCK: (140, 86, 75),
-        Layer.GOAL: (31, 119, 180),
-        Layer.HOME: (44, 160, 44),
-    }
-)
+    CARPET = "carpet", "#c4a0be"
+    HEIGHTFIELD = "heightfield", "#96aa6e"
+    STEP = "step", "#808ca0"
+    RAMP = "ramp", "#46828c"
+    TABLE = "table", "#c8aa78"
+    WALL = "wall", "#202020"
+    FORBIDDEN = "forbidden", "#d62728"
+    PERSON = "person", "#9467bd"
+    BOX = "box", "#bc7800"
+    BLACK = "black", "#000000"
+    GLASS = "glass", "#6ebeeb"
+    REFLECTOR = "reflector", "#eb5ac8"
+    DOCK = "dock", "#8c564b"
+    GOAL = "goal", "#1f77b4"
+    HOME = "home", "#2ca02c"
+
 
 DARK = (Layer.WALL, Layer.BLACK)
 """Layers in the colour of text, where that is not known to be dark."""
@@ -132,13 +119,13 @@ def _svg_lines(drawing: MapDrawing, *, on_page: bool) -> Iterator[str]:
             path = "".join(
                 f"M{a:.3f} {-b:.3f}L{c:.3f} {-d:.3f}" for a, b, c, d in segments.tolist()
             )
-            colour = _hex(layer) if on_page or layer not in DARK else "currentColor"
+            colour = layer.colour if on_page or layer not in DARK else "currentColor"
             style = f'stroke="{colour}" stroke-width="0.05" stroke-linecap="round" fill="none"'
             yield f'<path class="{layer}" {style} d="{path}"/>'
 
 
 def _svg_marker(marker: Marker, size: float) -> str:
-    x, y, colour = marker.pose.x, -marker.pose.y, _hex(marker.layer)
+    x, y, colour = marker.pose.x, -marker.pose.y, marker.layer.colour
     dot = f'<circle class="{marker.layer}" cx="{x:.3f}" cy="{y:.3f}" r="{DOT}" fill="{colour}"/>'
     if marker.has_heading:
         a, b, c, d = marker.stroke[0].tolist()
@@ -153,10 +140,6 @@ def framed(bounds: Extent) -> Extent:
     """Return a box with a margin around it."""
     x0, y0, x1, y1 = bounds
     return Extent(x0 - MARGIN, y0 - MARGIN, x1 + MARGIN, y1 + MARGIN)
-
-
-def _hex(layer: Layer) -> str:
-    return "#{:02x}{:02x}{:02x}".format(*COLOURS[layer])
 
 
 def _clean(text: str) -> str:

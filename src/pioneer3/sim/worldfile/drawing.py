@@ -8,7 +8,6 @@ import numpy as np
 from pioneer3.arrays import Bool, Float
 from pioneer3.geometry import Pose2
 from pioneer3.maps.drawing import (
-    COLOURS,
     DOT,
     Layer,
     MapDrawing,
@@ -84,7 +83,7 @@ def to_picture(drawing: MapDrawing) -> bytes:
         segments += [marker.stroke for marker in markers if marker.has_heading]
         segments += [_cross(marker) for marker in markers]
         painted = _thick(touched(np.concatenate(segments), bounds, cell))
-        pixels[painted] = COLOURS[layer]
+        pixels[painted] = list(bytes.fromhex(layer.colour[1:]))
     return to_png(pixels[::-1])
 
 
