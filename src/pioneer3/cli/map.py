@@ -208,11 +208,7 @@ def _box(text: str) -> "Extent":
 
 
 def _numbers(text: str, numbers: str, least: int, most: int) -> list[float]:
-    """Return the lengths of a list [m], and the heading that is the third of three [rad].
-
-    Raises:
-        ConfigError: They are too few or too many, or one of them is no number.
-    """
+    """Return the lengths of a list [m], and the heading that is the third of three [rad]."""
     words = numbers.split(",")
     if not least <= len(words) <= most:
         raise ConfigError(f"{text}: expected {'x,y,x,y' if least == 4 else 'NAME=x,y[,heading]'}")

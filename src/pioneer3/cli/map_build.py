@@ -349,11 +349,7 @@ def _save(line_map: "LineMap", mapper: "Mapper", target: Path) -> bool:
 
 
 def _target(output: Path | None, old: Path | None, *, force: bool) -> Path:
-    """Return the name of the new map.
-
-    Raises:
-        ConfigError: A file is there that must not be written over, or the name is no map's.
-    """
+    """Return the name of the new map."""
     from datetime import datetime
 
     from pioneer3.navigation.map_files import files_of

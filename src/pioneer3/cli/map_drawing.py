@@ -16,23 +16,6 @@ from pioneer3.maps.grid import samples
 
 ARROWS: Final = "→↗↑↖←↙↓↘"
 SIGNS: Final[Mapping[Layer, str]] = {Layer.GOAL: "●", Layer.DOCK: "■", Layer.HOME: "▲"}
-STYLES: Final[Mapping[Layer, str]] = {
-    Layer.CARPET: "dim magenta",
-    Layer.HEIGHTFIELD: "dim green",
-    Layer.STEP: "blue",
-    Layer.RAMP: "cyan",
-    Layer.TABLE: "dim yellow",
-    Layer.WALL: "",
-    Layer.FORBIDDEN: "red",
-    Layer.PERSON: "magenta",
-    Layer.BOX: "yellow",
-    Layer.BLACK: "dim",
-    Layer.GLASS: "bright_cyan",
-    Layer.REFLECTOR: "bright_magenta",
-    Layer.DOCK: "bold yellow",
-    Layer.GOAL: "bold cyan",
-    Layer.HOME: "bold green",
-}
 ROUND: Final = (1, 2, 5)
 
 
@@ -47,13 +30,13 @@ class CharacterCanvas(Braille):
         super().__init__(
             min(columns, int(width / self.scale) // 2 + 1),
             min(rows, int(height / self.scale) // 4 + 1),
-            [*STYLES.values()],
+            [layer.style for layer in Layer],
         )
         self._bounds = bounds
         for layer in Layer:
             self._draw_lines(layer, drawing.lines.get(layer, np.empty((0, 4))))
         for marker in drawing.markers:
-            self.write(*self._place(marker), _sign(marker), STYLES[marker.layer])
+            self.write(*self._place(marker), _sign(marker), marker.layer.style)
         for marker in drawing.markers:
             self._name(marker)
 
@@ -74,7 +57,7 @@ class CharacterCanvas(Braille):
         across = np.rint(x).astype(np.int64).clip(0, 2 * self.columns - 1)
         down = np.rint(y).astype(np.int64).clip(0, 4 * self.rows - 1)
         for dot in set(zip(across.tolist(), down.tolist(), strict=True)):
-            self.dot(*dot, STYLES[layer])
+            self.dot(*dot, layer.style)
 
     def _place(self, marker: Marker) -> tuple[int, int]:
         """Return row and column of a sign."""
@@ -88,7 +71,7 @@ class CharacterCanvas(Braille):
         row, column = self._place(marker)
         for first in (column + 1, column - len(name)):
             if self.is_free(row, first, len(name)):
-                self.write(row, first, name, STYLES[marker.layer])
+                self.write(row, first, name, marker.layer.style)
                 return
 
 
@@ -106,7 +89,7 @@ def legend(bounds: Extent, drawing: MapDrawing) -> Text:
     for layer in Layer:
         if layer in used and layer is not Layer.WALL:
             sign = "→" if layer is Layer.HOME else SIGNS.get(layer, "⣿")
-            text.append(f"{sign} {layer}  ", STYLES[layer])
+            text.append(f"{sign} {layer}  ", layer.style)
     across, up = (bounds.x_min, bounds.x_max), (bounds.y_min, bounds.y_max)
     x, y = (f"{low:z.1f} to {high:z.1f}" for low, high in (across, up))
     corners = f"x {x}, y {y} m"

@@ -146,11 +146,7 @@ def edit(name: Name) -> int:
 
 
 def _checked(path: Path) -> "RobotModel | None":
-    """Return the model of an own file; `None` if it has only what differs from the robot's type.
-
-    Raises:
-        ConfigError: It is wrong.
-    """
+    """Return the model of an own file; `None` if it has only what differs from the robot's type."""
     from pioneer3.errors import ConfigError
     from pioneer3.models import load_model
     from pioneer3.models.own import read_own
@@ -166,11 +162,7 @@ def _checked(path: Path) -> "RobotModel | None":
 
 
 def _path(name: str) -> Path:
-    """Return the path of the own file of a robot.
-
-    Raises:
-        ConfigError: There is none.
-    """
+    """Return the path of the own file of a robot."""
     from pioneer3.errors import ConfigError
     from pioneer3.models.own import own_folder, path_of
 

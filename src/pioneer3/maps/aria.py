@@ -128,13 +128,9 @@ class AriaFile:
 
         Walls are the LINES of all sensors, the outline of their DATA points and the outlines of
         solid objects, in this order. Counts and boxes in the file are not trusted.
-
-        Raises:
-            ConfigError: A resolution is wrong.
         """
         objects = tuple(place.item for place in self.places)
-        parts: list[Float] = []
-        lines: list[Float] = []
+        parts, lines = list[Float](), list[Float]()
         grids: list[OccupancyGrid] = []
         for section in self.sections:
             rows, grid = section.rows * MM, None
@@ -267,11 +263,7 @@ def _read(
 
 
 def resolution_mm(entry: AriaEntry) -> float | None:
-    """Return the side of a cell that an entry tells [mm]; `None` for 0 or less.
-
-    Raises:
-        ConfigError: It is no such number.
-    """
+    """Return the side of a cell that an entry tells [mm]; `None` for 0 or less."""
     words = entry.value.split()
     if len(words) != 1:
         raise entry.line.wrong(entry.key, f"expected one number, not {shown(entry.value)}")

@@ -34,13 +34,10 @@ _YES, _NO = ("yes", "true"), ("no", "false", "0")
 
 @dataclass(frozen=True, slots=True)
 class ObjectTypes:
-    """The object types that the MapInfo lines of a map declare.
+    """The object types that the MapInfo lines of a map declare, with their class as `GoalType`.
 
-    Attributes:
-        lines: Types whose four numbers are the ends of a line; all others are areas.
-        solids: Types whose outline becomes walls.
-        declared: The class of each type that a MapInfo declares, such as `GoalType`.
-        turned_to: Types whose MapInfo says `Heading=Required` or `Optional`.
+    Four numbers of `lines` are their ends, of others the corners of areas; `solids` become walls;
+    of those `turned_to` the MapInfo says `Heading=Required` or `Optional`.
     """
 
     lines: frozenset[str] = STANDARD_LINES
@@ -85,11 +82,7 @@ def object_types(infos: Iterable[str]) -> ObjectTypes:
 
 
 def parse_object(line: TextLine, value: str, types: ObjectTypes) -> MapObject:
-    """Return the object that a `Cairn:` line describes, of which `value` is the rest.
-
-    Raises:
-        ConfigError: Fields are missing, left over or not numbers.
-    """
+    """Return the object that a `Cairn:` line describes, of which `value` is the rest."""
     fields = words(value)
     if len(fields) not in (7, 11):
         raise line.wrong("Cairn", f"{len(fields)} fields instead of 7 or 11 in {shown(value)}")

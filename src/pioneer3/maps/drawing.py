@@ -23,31 +23,32 @@ SHOWN = ' style="width:100%;max-width:48em;max-height:36em"'
 
 
 class Layer(StrEnum):
-    """A layer of a drawing, and its colour; later ones are drawn over earlier ones."""
+    """A layer of a drawing, its colour, and its style in a terminal; later ones come on top."""
 
     colour: str
+    style: str
 
-    def __new__(cls, word: str, colour: str = "") -> "Layer":
+    def __new__(cls, word: str, colour: str = "", style: str = "") -> "Layer":
         """Return a layer whose value is its word."""
         layer = str.__new__(cls, word)
-        layer._value_, layer.colour = word, colour
+        layer._value_, layer.colour, layer.style = word, colour, style
         return layer
 
-    CARPET = "carpet", "#c4a0be"
-    HEIGHTFIELD = "heightfield", "#96aa6e"
-    STEP = "step", "#808ca0"
-    RAMP = "ramp", "#46828c"
-    TABLE = "table", "#c8aa78"
-    WALL = "wall", "#202020"
-    FORBIDDEN = "forbidden", "#d62728"
-    PERSON = "person", "#9467bd"
-    BOX = "box", "#bc7800"
-    BLACK = "black", "#000000"
-    GLASS = "glass", "#6ebeeb"
-    REFLECTOR = "reflector", "#eb5ac8"
-    DOCK = "dock", "#8c564b"
-    GOAL = "goal", "#1f77b4"
-    HOME = "home", "#2ca02c"
+    CARPET = "carpet", "#c4a0be", "dim magenta"
+    HEIGHTFIELD = "heightfield", "#96aa6e", "dim green"
+    STEP = "step", "#808ca0", "blue"
+    RAMP = "ramp", "#46828c", "cyan"
+    TABLE = "table", "#c8aa78", "dim yellow"
+    WALL = "wall", "#202020", ""
+    FORBIDDEN = "forbidden", "#d62728", "red"
+    PERSON = "person", "#9467bd", "magenta"
+    BOX = "box", "#bc7800", "yellow"
+    BLACK = "black", "#000000", "dim"
+    GLASS = "glass", "#6ebeeb", "bright_cyan"
+    REFLECTOR = "reflector", "#eb5ac8", "bright_magenta"
+    DOCK = "dock", "#8c564b", "bold yellow"
+    GOAL = "goal", "#1f77b4", "bold cyan"
+    HOME = "home", "#2ca02c", "bold green"
 
 
 DARK = (Layer.WALL, Layer.BLACK)

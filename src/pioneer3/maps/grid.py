@@ -102,11 +102,7 @@ def raster_outline(occupied: Bool) -> Float:
 
 
 def walls_of(grid: OccupancyGrid) -> Float:
-    """Return the outline of the occupied cells of a grid, as walls of its map [m], shape (W, 4).
-
-    Raises:
-        OverflowError: As for :func:`raster_outline`.
-    """
+    """Return the outline of the occupied cells of a grid, as walls of its map [m], shape (W, 4)."""
     edges, origin = raster_outline(grid.states == OCCUPIED) * grid.resolution, grid.origin
     c, s = cos(origin.theta), sin(origin.theta)
     x, y = edges[:, ::2], edges[:, 1::2]
@@ -119,7 +115,7 @@ def _row_runs(edges: Bool) -> tuple[Int, Int, Int]:
     """Return line, first and last corner of each run of edges along the rows, shape (R,) each."""
     changes = np.diff(np.pad(edges, ((0, 0), (1, 1))).view(np.int8), axis=1)
     if np.count_nonzero(changes) > 2 * MOST_WALLS:
-        raise OverflowError
+        raise OverflowError(f"more than {MOST_WALLS / 1e6:.0f} million edges; not a map")
     line, start = np.nonzero(changes == 1)
     return line, start, np.nonzero(changes == -1)[1]
 

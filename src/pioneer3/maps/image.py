@@ -58,11 +58,9 @@ _DAMAGED = (
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ShadeImage:
-    """Pixels; row 0 is the top.
+    """Pixels (H, W), row 0 the top: 0 black to 255 white, colours averaged.
 
-    Attributes:
-        shades: 0 black to 255 white, colours averaged, shape (H, W).
-        alpha: 0 transparent to 255 opaque, same shape; `None` where all are opaque.
+    Their alpha is 0 transparent to 255 opaque; `None` where all are opaque.
     """
 
     shades: UInt8
@@ -81,11 +79,7 @@ def read_image(path: Path, *, reds: bool = False) -> ShadeImage:
 
 
 def parse_image(path: Path, raw: bytes, *, reds: bool = False) -> ShadeImage:
-    """Read the bytes of a picture file; `path` is for messages.
-
-    Raises:
-        ConfigError: As for :func:`read_image`.
-    """
+    """Read the bytes of a picture file; `path` is for messages."""
     kind = next((name for start, name in SIGNATURES.items() if raw.startswith(start)), None)
     if kind is None:
         names = ", ".join(dict.fromkeys(SIGNATURES.values())).upper()

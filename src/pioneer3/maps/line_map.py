@@ -3,9 +3,10 @@
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pioneer3.arrays import Float, UInt8
 from pioneer3.geometry import Extent, Pose2
@@ -13,6 +14,7 @@ from pioneer3.maps.drawing import Layer, MapDrawing, Marker, bounds_of, to_svg
 from pioneer3.maps.materials import BLACK, GLASS, REFLECTOR, Codes
 
 States = UInt8
+Numbers = NDArray[np.floating[Any]]
 Role = Literal["goal", "dock", "home", "place", "line", "area"]
 
 _SPEED = re.compile(r"\d+(\.\d*)?|\.\d+")
@@ -132,6 +134,18 @@ class OccupancyGrid:
     states: States
     resolution: float
     origin: Pose2
+
+    def states_at(self, x: Numbers, y: Numbers) -> States:
+        """Return the states of the cells at places [m], of one shape; unknown outside the grid."""
+        dx, dy = x - self.origin.x, y - self.origin.y
+        c, s = np.cos(self.origin.theta), np.sin(self.origin.theta)
+        column = np.floor((c * dx + s * dy) / self.resolution).astype(np.int64)
+        row = np.floor((c * dy - s * dx) / self.resolution).astype(np.int64)
+        height, width = self.states.shape
+        within = (column >= 0) & (column < width) & (row >= 0) & (row < height)
+        found = np.full(within.shape, UNKNOWN, dtype=np.uint8)
+        found[within] = self.states[row[within], column[within]]
+        return found
 
     def coarser(self, most: int) -> "OccupancyGrid":
         """Return the grid with at most `most` cells, by joining squares of cells.

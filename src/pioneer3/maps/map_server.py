@@ -20,7 +20,7 @@ import numpy as np
 from pioneer3.arrays import Float
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2, wrap
-from pioneer3.maps.grid import MOST_WALLS, walls_of
+from pioneer3.maps.grid import walls_of
 from pioneer3.maps.image import ShadeImage, read_image
 from pioneer3.maps.line_map import (
     FREE,
@@ -102,16 +102,10 @@ class YamlField:
 
 @dataclass(frozen=True, slots=True)
 class MapServerFile:
-    """The contents of a YAML file.
+    """The contents of a YAML file, every key among its fields.
 
-    Attributes:
-        fields: Every key in it.
-        resolution: Side of a pixel [m].
-        origin: Lower left corner of the picture, and how it is turned, in the map frame.
-        negate: Bright is occupied.
-        occupied_thresh: Above it [0 to 1] a pixel is a wall.
-        free_thresh: Below it [0 to 1] a pixel is known to be free.
-        mode: One of :data:`MODES`.
+    The origin is the lower left corner of the picture, and its turn, in the map frame; a pixel,
+    `resolution` [m] wide, is a wall above `occupied_thresh` and free below `free_thresh` [0 to 1].
     """
 
     path: Path
@@ -125,18 +119,13 @@ class MapServerFile:
     mode: str
 
     def line_map(self) -> LineMap:
-        """Read the picture and return the outline of its occupied cells, named after the file.
-
-        Raises:
-            ConfigError: The picture cannot be read.
-        """
+        """Read the picture and return the outline of its occupied cells, named after the file."""
         states = self._states(read_image(self.image))[::-1]
         grid = OccupancyGrid(states=states, resolution=self.resolution, origin=self.origin)
         try:
             walls = walls_of(grid)
-        except OverflowError:
-            most = f"{MOST_WALLS / 1e6:.0f} million"
-            raise wrong(self.image, f" pixels: more than {most} edges; not a map") from None
+        except OverflowError as error:
+            raise wrong(self.image, f" pixels: {error}") from None
         return LineMap(name=self.path.stem, walls=walls, grids=(grid,), lines=np.empty((0, 4)))
 
     def _states(self, image: ShadeImage) -> States:
@@ -182,6 +171,9 @@ def parse_map_server(path: Path, text: str) -> MapServerFile:
     if free > occupied:
         problem = f"{free:g} is above occupied_thresh, {occupied:g}"
         raise fields["free_thresh"].wrong(problem)
+    mode = fields["mode"].string() if "mode" in fields else MODES[0]
+    if mode not in MODES:
+        raise fields["mode"].wrong(f"expected {', '.join(MODES)}, not {shown(mode)}")
     return MapServerFile(
         path=path,
         fields=MappingProxyType(fields),
@@ -191,7 +183,7 @@ def parse_map_server(path: Path, text: str) -> MapServerFile:
         negate="negate" in fields and fields["negate"].flag(),
         occupied_thresh=occupied,
         free_thresh=free,
-        mode=_mode(fields.get("mode")),
+        mode=mode,
     )
 
 
@@ -234,15 +226,6 @@ def _field(path: Path, key: "Node", value: "Node") -> YamlField:
 
 def _threshold(fields: Mapping[str, YamlField], key: str, default: float) -> float:
     return fields[key].number(0.0, 1.0) if key in fields else default
-
-
-def _mode(field: YamlField | None) -> str:
-    if field is None:
-        return MODES[0]
-    mode = field.string()
-    if mode not in MODES:
-        raise field.wrong(f"expected {', '.join(MODES)}, not {shown(mode)}")
-    return mode
 
 
 def _image_path(path: Path, field: YamlField) -> Path:

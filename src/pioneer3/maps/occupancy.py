@@ -1,7 +1,6 @@
 """A map as one grid of occupied, free and unknown cells."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pioneer3.geometry import Pose2
 from pioneer3.maps.grid import shape_of, touched
@@ -30,24 +29,9 @@ def occupancy_of(
     bounds = framed(line_map.bounds, resolution)
     states = np.full(shape_of(bounds, resolution), UNKNOWN if known else FREE, dtype=np.uint8)
     low = Pose2(bounds.x_min, bounds.y_min)
+    rows, columns = np.indices(states.shape)
+    x, y = low.x + (columns + 0.5) * resolution, low.y + (rows + 0.5) * resolution
     for grid in known:
-        _copy_free(grid, states, low, resolution)
+        states[grid.states_at(x, y) == FREE] = FREE
     states[touched(line_map.walls, bounds, resolution)] = OCCUPIED
     return OccupancyGrid(states=states, resolution=resolution, origin=low)
-
-
-def _copy_free(
-    grid: OccupancyGrid, states: NDArray[np.uint8], low: Pose2, resolution: float
-) -> None:
-    """Mark the cells whose middles are free in `grid`; the first cell's corner is `low`."""
-    rows, columns = np.indices(states.shape)
-    dx = low.x + (columns + 0.5) * resolution - grid.origin.x
-    dy = low.y + (rows + 0.5) * resolution - grid.origin.y
-    c, s = np.cos(grid.origin.theta), np.sin(grid.origin.theta)
-    column = np.floor((c * dx + s * dy) / grid.resolution).astype(np.int64)
-    row = np.floor((c * dy - s * dx) / grid.resolution).astype(np.int64)
-    height, width = grid.states.shape
-    within = (column >= 0) & (column < width) & (row >= 0) & (row < height)
-    free = np.zeros(states.shape, dtype=np.bool_)
-    free[within] = grid.states[row[within], column[within]] == FREE
-    states[free] = FREE

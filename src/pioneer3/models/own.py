@@ -56,11 +56,9 @@ def own_path(name: str, ending: str = TOML) -> Path | None:
 
 
 def find_own(names: Sequence[str], kin: RobotModel | None) -> OwnFile | None:
-    """Return the own file of a robot, or `None` if it has none.
+    """Return the own file of a robot, or `None` if none has its name or its serial number.
 
-    Args:
-        names: Its name, its serial number; the first with a file counts.
-        kin: The model of the type that it says, if that is known.
+    `kin` is the model of the type that it says, if that is known.
 
     Raises:
         ConfigError: The file cannot be read, or is wrong.
@@ -70,11 +68,7 @@ def find_own(names: Sequence[str], kin: RobotModel | None) -> OwnFile | None:
 
 
 def path_of(names: Sequence[str]) -> Path | None:
-    """Return the path of the first own file that there is by one of these names.
-
-    Raises:
-        ConfigError: The folder cannot be read.
-    """
+    """Return the path of the first own file that there is by one of these names."""
     paths = (own_path(name, ending) for name in names for ending in (TOML, ARIA))
     return next((path for path in paths if path and _is_there(path)), None)
 

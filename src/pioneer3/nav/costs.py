@@ -232,11 +232,5 @@ def _unknown(line_map: LineMap, raster: Raster) -> Bool:
     x = raster.x + (columns + 0.5) * raster.cell
     y = raster.y + (rows + 0.5) * raster.cell
     for grid in grids:
-        c, s = np.cos(grid.origin.theta), np.sin(grid.origin.theta)
-        dx, dy = x - grid.origin.x, y - grid.origin.y
-        column = np.floor((c * dx + s * dy) / grid.resolution).astype(int)
-        row = np.floor((c * dy - s * dx) / grid.resolution).astype(int)
-        height, width = grid.states.shape
-        within = (column >= 0) & (column < width) & (row >= 0) & (row < height)
-        unknown[within] &= grid.states[row[within], column[within]] == UNKNOWN
+        unknown &= grid.states_at(x, y) == UNKNOWN
     return unknown

@@ -5,9 +5,9 @@ from typing import Self
 
 import numpy as np
 
-from pioneer3.arrays import Bool, Float, Int32
+from pioneer3.arrays import Float, Int32
 from pioneer3.jit import fast
-from pioneer3.maps import LineMap, OccupancyGrid
+from pioneer3.maps import LineMap
 from pioneer3.maps.line_map import OCCUPIED
 from pioneer3.maps.materials import GLASS
 from pioneer3.nav.beams import Beams
@@ -204,20 +204,8 @@ def free_sides(walls: Float, line_map: LineMap) -> Float:
         half = grid.resolution / 2
         # the middle of a long side may lie on the edge of a cell
         middle = middles + 0.1 * half * (along / np.maximum(length, 1e-9)[:, None])
-        left, right = (_occupied(grid, middle + sign * half * normals) for sign in (1, -1))
+        beside = ((middle + sign * half * normals).T for sign in (1, -1))
+        left, right = (grid.states_at(x, y) == OCCUPIED for x, y in beside)
         sides[right & ~left] = normals[right & ~left]
         sides[left & ~right] = -normals[left & ~right]
     return sides
-
-
-def _occupied(grid: OccupancyGrid, points: Float) -> Bool:
-    """Return whether `points` (N, 2) [m] are in occupied cells, shape (N,)."""
-    c, s = np.cos(grid.origin.theta), np.sin(grid.origin.theta)
-    off = points - (grid.origin.x, grid.origin.y)
-    columns = np.floor((c * off[:, 0] + s * off[:, 1]) / grid.resolution).astype(np.intp)
-    rows = np.floor((c * off[:, 1] - s * off[:, 0]) / grid.resolution).astype(np.intp)
-    height, width = grid.states.shape
-    inside = (rows >= 0) & (rows < height) & (columns >= 0) & (columns < width)
-    occupied = np.zeros(len(points), dtype=np.bool_)
-    occupied[inside] = grid.states[rows[inside], columns[inside]] == OCCUPIED
-    return occupied

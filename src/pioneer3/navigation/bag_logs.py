@@ -145,11 +145,7 @@ class Bag:
         return Sources(tuple(lasers), tuple(odometry))
 
     def entries(self, laser: str, odometry: str) -> Iterator[Entry]:
-        """Yield the readings of a laser and of odometry, in the order of time.
-
-        Raises:
-            ConfigError: Nothing in it can be read.
-        """
+        """Yield the readings of a laser and of odometry, in the order of time."""
         edge = self._edge(laser) if odometry == TF else None
         if odometry == TF and edge is None:
             raise wrong(self._path, f": no transform moves what carries {laser}")
@@ -268,11 +264,7 @@ class Bag:
 
 
 def _faults(path: Path) -> tuple[type[Exception], ...]:
-    """Return all that the library raises about damaged files.
-
-    Raises:
-        ConfigError: The library is missing.
-    """
+    """Return all that the library raises about damaged files."""
     try:
         import rosbags.rosbag1
         import rosbags.rosbag2

@@ -121,9 +121,6 @@ class ChosenLog:
     """A log that is open, and the laser and odometry that are read of it.
 
     `source` tells people its format, and what is read of it.
-
-    Raises:
-        ConfigError: What is chosen is not in it.
     """
 
     def __init__(self, path: Path, log: Log, choice: SourceChoice) -> None:
@@ -246,11 +243,7 @@ def opened_log(path: Path, given: Mounting | None = None) -> Iterator[Log]:
 
 
 def is_recording(path: Path) -> bool:
-    """Whether a file is a recording of this program.
-
-    Raises:
-        ConfigError: It cannot be read.
-    """
+    """Whether a file is a recording of this program."""
     return not path.is_dir() and _unpacked(path)[: len(RECORDING)] == RECORDING.encode()
 
 
@@ -322,11 +315,7 @@ def _first(lines: Iterable[str]) -> Iterator[str]:
 
 
 def _begin(path: Path, size: int = HEAD) -> bytes:
-    """Return the first bytes of a file as they are.
-
-    Raises:
-        ConfigError: It cannot be read.
-    """
+    """Return the first bytes of a file as they are."""
     with _raw(path) as raw:
         return raw.read(size)
 

@@ -110,9 +110,15 @@ NONE: Float = np.empty((0, 4))
 
 def rectangle(pose: Pose2, size: tuple[float, float]) -> Float:
     """Return the sides of a rectangle around `pose` [m], shape (4, 4)."""
-    c, s = cos(pose.theta), sin(pose.theta)
     half = np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]) * size / 2
-    return ring(half @ np.array([(c, s), (-s, c)]) + (pose.x, pose.y))
+    return ring(placed(half, pose))
+
+
+def placed(points: Float, pose: Pose2) -> Float:
+    """Return points (P, 2) of the frame of a pose in that of the map [m]."""
+    c, s = cos(pose.theta), sin(pose.theta)
+    moved: Float = points @ np.array([(c, s), (-s, c)]) + (pose.x, pose.y)
+    return moved
 
 
 def ring(corners: Float) -> Float:

@@ -18,16 +18,10 @@ LONGEST_NAME = 40
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class WorldOverrides:
-    """Options of a command line; they override the world file.
+    """Options of a command line; they override the world file, except for its equipment.
 
-    Attributes:
-        robots: In place of the world's.
-        starts: One for all robots, or one for each.
-        equipment: Of all robots, in addition to their own.
-        keep_session: Sessions outlive their programs, even if the world says no.
-        physics: Robots have mass, motors and tires, even if the world says no.
-        own_ports: Robots keep the ports that the world file gives them.
-        factory: The model of the robot that every client of one port gets; empty for none.
+    There is one start for all robots, or one for each. With `own_ports` robots keep those of the
+    world file. `factory` is the model that every client of one port gets; empty for none.
     """
 
     robots: tuple[RobotSpec, ...] = ()

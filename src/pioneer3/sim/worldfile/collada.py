@@ -22,11 +22,7 @@ DEEPEST = 50
 
 
 def read_collada(path: Path) -> Float:
-    """Return the triangles of the scene of a file [m], shape (T, 3, 3).
-
-    Raises:
-        ConfigError: It cannot be read, or is damaged; names the file.
-    """
+    """Return the triangles of the scene of a file [m], shape (T, 3, 3)."""
     root = SdfFiles().root(path)
     try:
         with np.errstate(all="ignore"):  # numbers too large, which are told below

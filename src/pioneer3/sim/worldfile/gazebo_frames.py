@@ -80,11 +80,7 @@ class SdfFrames:
         self.moved = moved
 
     def of(self, element: SdfElement, within: tuple[str, ...] = ()) -> Float:
-        """Return the pose of an element in the frame of the model or world, a matrix (4, 4).
-
-        Raises:
-            ConfigError: It is relative to itself, or to a frame that is not there.
-        """
+        """Return the pose of an element in the frame of the model or world, a matrix (4, 4)."""
         name = named(element)
         if name in self.moved and element.tag in ("model", "include"):
             return self.moved[name]

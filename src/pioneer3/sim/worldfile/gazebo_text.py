@@ -79,11 +79,7 @@ class SdfElement:
         return child.text if child else self.attributes.get(key, "").strip()
 
     def numbers(self, key: str, count: int, most: float = FARTHEST) -> tuple[float, ...]:
-        """Return `count` numbers of a child or attribute, none where it is missing or empty.
-
-        Raises:
-            ConfigError: They are others, or beyond `most`.
-        """
+        """Return `count` numbers of a child or attribute, none where it is missing or empty."""
         child = self.first(key)
         return (child or self).read(key, self.told(key), count, most)
 
@@ -121,11 +117,7 @@ class SdfFiles:
         self._elements = 0
 
     def root(self, path: Path) -> SdfElement:
-        """Return the root of a file.
-
-        Raises:
-            ConfigError: It cannot be read, or is too large; names file and line.
-        """
+        """Return the root of a file."""
         key = path.resolve()
         if key not in self._roots:
             if len(self._roots) >= MOST_FILES:

@@ -54,11 +54,7 @@ def load_world(name_or_path: str | Path) -> WorldFile:
 
 
 def read_foreign(path: Path) -> WorldFile:
-    """Read a world of Gazebo, which is XML or ends in `.sdf`, or else of Stage.
-
-    Raises:
-        ConfigError: It cannot be read, or is wrong; names file and line.
-    """
+    """Read a world of Gazebo, which is XML or ends in `.sdf`, or else of Stage."""
     start = read_bytes(path, LARGEST_SDF, "world")[:1000].lstrip(b"\xef\xbb\xbf \t\r\n")
     is_sdf = start.startswith(b"<") or path.suffix.lower() == ".sdf"
     return read_gazebo(path) if is_sdf else read_stage(path)

@@ -36,12 +36,9 @@ class _Leg(NamedTuple):
 class Person:
     """A person who walks along a path at constant speed, for ever, through everything.
 
-    Attributes:
-        path: Points `(x, y)` [m]; a person with one point stands still.
-        radius: Of the circle that the outline is drawn around [m].
-        loop: From the last point straight to the first; else back along the path.
-        pause: Time at each point before walking on [s].
-        patience: Who has waited so long for a robot turns round [s].
+    With one point [m] they stand still. Round a `loop` they go from the last point to the first,
+    else back along the path, with a `pause` [s] at each point. After waiting for a robot for as
+    long as their `patience` [s] they turn round. The outline is around a circle of the `radius`.
     """
 
     path: Annotated[

@@ -82,15 +82,11 @@ _IN_NO_FILE = FieldForm()
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RobotSpec:
-    """A robot of a world.
+    """A robot of a world: its model's name or file, and its place on the network.
 
-    Attributes:
-        model: A model's name, or the path of its file.
-        name: For people; empty for its model's name. To programs the robot is `MobileSim`, by
-            which ARIA knows a simulator (protocol.md 2.6). One that has a laser with a port of
-            its own tells its own name.
-        port: TCP port; `None` for the next one, 0 for a free one.
-        host: Address of this machine to listen at; empty for that of all robots.
+    Its name is for people; to programs it is `MobileSim`, by which ARIA knows a simulator
+    (protocol.md 2.6), unless it has a laser with a port of its own. A TCP port of `None` is the
+    next one, 0 a free one; an empty host is that of all robots.
     """
 
     model: str = "p3at-sh"
@@ -103,16 +99,10 @@ class RobotSpec:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Box:
-    """A box on the floor.
+    """A box: size along its x and y axis, height, and that of its foot [m].
 
-    Attributes:
-        size: Length along its x axis, width along its y axis [m].
-        movable: People and programs may move it, so it is not a wall of the map.
-        material: Of its sides.
-        height: [m]; `None` for :data:`BOX_HEIGHT` if it is movable, else for that of walls.
-        z: Height of its foot [m].
-        mass: Of a movable one [kg].
-        friction: Of a movable one.
+    If it is movable, people and programs may move it, so it is not a wall of the map: then it has a
+    mass [kg] and friction. A height of `None` is :data:`BOX_HEIGHT` then, else that of walls.
     """
 
     table: ClassVar[str] = "box"
@@ -202,7 +192,7 @@ class Place:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class WorldFile:
-    """A map with robots, boxes, walls, solids, places and people.
+    """A map with robots, boxes, walls, solids, places and people, in file order.
 
     Attributes:
         map: A shipped map's name, `empty`, the path of a map file, or the map itself.
@@ -211,9 +201,7 @@ class WorldFile:
             on a serial line.
         physics_step: Of MuJoCo [s].
         wall_height: Of walls of which nothing else is said [m].
-        boxes: In file order, as robots and people; only the fixed ones become walls.
-        walls: In addition to the map's, as `places`.
-        solids: By kind in the order of :data:`~pioneer3.sim.relief.SOLIDS`, each in file order.
+        solids: By kind in the order of :data:`~pioneer3.sim.relief.SOLIDS`.
         source: Its file, for messages; empty without.
     """
 
@@ -239,11 +227,7 @@ class WorldFile:
         object.__setattr__(self, "solids", tuple(ordered))
 
     def base_map(self) -> LineMap:
-        """Return the map that the world builds on.
-
-        Raises:
-            ConfigError: It cannot be read.
-        """
+        """Return the map that the world builds on."""
         if isinstance(self.map, LineMap):
             return self.map
         if self.map == "empty":
@@ -280,11 +264,7 @@ class WorldFile:
         )
 
     def relief(self, line_map: LineMap) -> Relief:
-        """Return the heights of all that stands still; files of solids are not needed from now on.
-
-        Raises:
-            ConfigError: The file of a solid cannot be read.
-        """
+        """Return the heights of all that stands still; files of solids are not needed later."""
         heights = [self._height(wall.height) for wall in self.walls for _ in wall.segments]
         # a box on the floor is four walls around a block, as walls have materials
         for box in self._fixed:

@@ -17,7 +17,7 @@ from pioneer3.geometry import ORIGIN, Pose2, wrap
 from pioneer3.maps.grid import MOST_WALLS, raster_outline
 from pioneer3.maps.image import read_image
 from pioneer3.sim.relief import WALL_HEIGHT
-from pioneer3.sim.relief.shapes import rectangle
+from pioneer3.sim.relief.shapes import placed, rectangle
 from pioneer3.sim.relief.solids import SENSOR_HEIGHT
 from pioneer3.sim.worldfile.spec import Box, WorldFile
 from pioneer3.sim.worldfile.stage_text import StageEntity, StageText
@@ -148,7 +148,7 @@ class _StageReader:
                 f"with it the world has more than {MOST_WALLS / 1e6:.0f} million walls"
             )
         points = _fitted(edges.reshape(-1, 2), size)
-        self._found.segments.append(_placed(points, place).reshape(-1, 4))
+        self._found.segments.append(placed(points, place).reshape(-1, 4))
         if height is not None:
             self._heights.append(height)
         return True
@@ -162,7 +162,7 @@ class _StageReader:
         foot: float,
     ) -> None:
         """Take the blocks of a model as closed walls, those that robots pass below left out."""
-        points = _placed(_fitted(np.concatenate([block for block, _ in blocks]), size), place)
+        points = placed(_fitted(np.concatenate([block for block, _ in blocks]), size), place)
         ends = np.cumsum([len(block) for block, _ in blocks])[:-1]
         for corners, (_, low) in zip(np.split(points, ends), blocks, strict=True):
             if foot + low >= SENSOR_HEIGHT:
@@ -251,9 +251,8 @@ def _edges(picture: Path) -> Float:
     """Return the outlines of the dark pixels of a picture [pixels], shape (E, 4)."""
     try:
         edges = raster_outline(read_image(picture, reds=True).shades[::-1] <= DARK)
-    except OverflowError:
-        most = f"{MOST_WALLS / 1e6:.0f} million"
-        raise wrong(picture, f" pixels: more than {most} edges; not a map") from None
+    except OverflowError as error:
+        raise wrong(picture, f" pixels: {error}") from None
     if not len(edges):
         raise wrong(picture, " pixels: none is dark, so there is no wall")
     return edges
@@ -265,10 +264,3 @@ def _fitted(points: Float, size: tuple[float, ...]) -> Float:
     extent = np.maximum(high - low, np.finfo(np.float64).eps)
     fitted: Float = (points - (low + high) / 2) * (np.array(size[:2]) / extent)
     return fitted
-
-
-def _placed(points: Float, place: Pose2) -> Float:
-    """Return points (P, 2) of the frame of a pose in that of the map."""
-    c, s = np.cos(place.theta), np.sin(place.theta)
-    placed: Float = points @ np.array([(c, s), (-s, c)]) + (place.x, place.y)
-    return placed

@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field
-from math import isfinite
+from math import inf, isfinite, nan
 from pathlib import Path, PureWindowsPath
 from typing import NamedTuple
 
@@ -60,40 +60,32 @@ class StageProperty:
 
     def numbers(self) -> tuple[float, ...]:
         """Return the values as numbers: lengths and angles."""
-        for word, value in zip(
-            self.values, found := tuple(map(self._number, self.values)), strict=True
-        ):
-            if abs(value) > FARTHEST:
-                raise self.wrong(f"{shown(word)} is not within {FARTHEST:g}")
-        return found
+        return tuple(self._number(word, FARTHEST) for word in self.values)
 
     def number(self) -> float:
         """Return the first value as a number of any size."""
-        return self._number(self.values[0] if self.values else "")
+        return self._number(self.values[0] if self.values else "", inf)
 
     def wrong(self, problem: str) -> ConfigError:
         """Return the error about this property."""
         return self.line.wrong(self.key, problem)
 
-    def _number(self, word: str) -> float:
-        try:
+    def _number(self, word: str, most: float) -> float:
+        value = nan
+        with suppress(ValueError):
             value = float(word)
-        except ValueError:
-            raise self.wrong(f"{shown(word)} is not a number") from None
         if not isfinite(value):
             raise self.wrong(f"{shown(word)} is not a number")
+        if abs(value) > most:
+            raise self.wrong(f"{shown(word)} is not within {most:g}")
         return value
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StageEntity:
-    """An entity: a model, a sensor, a block, a window.
+    """An entity, such as a model, a sensor or a block, with its properties by their names.
 
-    Attributes:
-        kinds: The word before its brackets; that of a macro, then those that it stands for.
-        line: Where it begins.
-        properties: By their names.
-        children: The entities in it.
+    `kinds` is the word before its brackets; that of a macro, then those that it stands for.
     """
 
     kinds: tuple[str, ...]
@@ -115,15 +107,9 @@ class StageEntity:
 
 
 class StageText:
-    """A world of Stage, with what it includes.
+    """A world of Stage, with what it includes; `world` is all outside of macros, as one entity.
 
-    Attributes:
-        world: All that stands outside of macros, as one entity.
-        macros: The macros by their names.
-        missing: Sentences on files that are not where a line names them.
-
-    Raises:
-        ConfigError: It cannot be read, or is wrong; names file and line.
+    `missing` are sentences on files that are not where a line names them.
     """
 
     def __init__(self, path: Path) -> None:
@@ -137,11 +123,7 @@ class StageText:
         self._fill(self.world, 0)
 
     def resolved(self, entity: StageEntity) -> StageEntity:
-        """Return an entity with all that the macros in its name bring.
-
-        Raises:
-            ConfigError: A macro is defined by itself, or macros multiply.
-        """
+        """Return an entity with all that the macros in its name bring."""
         self._uses += 1
         if self._uses > MOST_USES:
             raise entity.line.wrong(entity.kinds[0], f"more than {MOST_USES} entities")
@@ -236,7 +218,10 @@ class StageText:
                 name, parent = self._next(token.line), self._next(token.line)
                 macro = self._entity(parent, depth)
                 self.macros.setdefault(name.text, macro)
-            elif self._tokens[self._at : self._at + 1] and self._is_mark("("):
+            elif self._tokens[self._at : self._at + 1] and self._tokens[self._at][:2] == (
+                "mark",
+                "(",
+            ):
                 entity.children.append(self._entity(token, depth))
             else:
                 values = self._values(token)
@@ -268,10 +253,6 @@ class StageText:
                 )
             values.append(token.text)
         return tuple(values)
-
-    def _is_mark(self, mark: str) -> bool:
-        token = self._tokens[self._at]
-        return token.kind == "mark" and token.text == mark
 
     def _next(self, line: TextLine) -> _Token:
         if self._at >= len(self._tokens):

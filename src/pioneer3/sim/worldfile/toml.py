@@ -129,7 +129,7 @@ def to_toml(world: WorldFile, folder: Path) -> str:
         return path.as_posix() if path.is_absolute() else Path(relpath(path, folder)).as_posix()
 
     map_name = relative(world.map) if isinstance(world.map, Path) else world.map
-    solids: dict[str, Any] = {
+    many: dict[str, Any] = {key: _places(world, key) for key in KINDS} | {
         kind.table: tuple(
             replace(solid, file=Path(relative(solid.file)))
             if isinstance(solid, HeightField | Mesh)
@@ -144,11 +144,8 @@ def to_toml(world: WorldFile, folder: Path) -> str:
         robot=tuple(_with_model(robot, relative) for robot in world.robots),
         box=world.boxes,
         wall=world.walls,
-        goal=_places(world, "goal"),
-        dock=_places(world, "dock"),
-        home=_places(world, "home"),
         person=world.people,
-        **solids,
+        **many,
     )
     return written(table_of(tables))
 
