@@ -21,7 +21,7 @@ CONTROLS = """() => {
     const hit = document.elementFromPoint(x, y);
     return [control, ...(control.labels ?? [])].some((one) => one.contains(hit));
   };
-  const all = [...document.querySelectorAll("button, select, input, summary, a[href]")];
+  const all = [...document.querySelectorAll("button, select, input, summary")];
   return all.filter((one) => one.offsetParent && !one.disabled).map((one) => {
     const scrolled = one.closest("#sheet-body, #people, #legend");
     if (scrolled) one.scrollIntoView({ block: "center" });
