@@ -68,7 +68,7 @@ def run(code: str) -> str:
 def test_the_code_in_the_readme_runs(url: str) -> None:
     blocks = blocks_of("README.md", url)
     assert len(blocks) == 1
-    assert run(blocks[0]).endswith(") None\n")
+    assert run(blocks[0]).endswith(") Nothing is asked of it.\n")
 
 
 def test_the_code_about_notebooks_runs_but_for_its_views(url: str) -> None:
