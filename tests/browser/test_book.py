@@ -263,7 +263,7 @@ QUESTIONS = {
     "not sure where it is": "troubleshooting/not-sure-where-it-is/",
 }
 """Questions of people, and the page with the answer."""
-FIRST = 3
+FIRST = 4
 """Results that a reader looks at."""
 
 
