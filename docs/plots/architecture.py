@@ -1,16 +1,17 @@
-"""Draw the pictures of docs/explanation/architecture.md.
+"""Draws the pictures of docs/explanation/architecture.md.
 
-    uv run python -m docs.plots.architecture
-
-Writes docs/images/architecture-*.svg. The layers are those that import-linter keeps.
+The layers are those that import-linter keeps.
 """
 
 import tomllib
 from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path
-from typing import Final
+from typing import TYPE_CHECKING, Final
 from xml.sax.saxutils import escape
+
+if TYPE_CHECKING:
+    from docs.plots.studio import Studio
 
 ROOT: Final = Path(__file__).parents[2]
 IMAGES: Final = ROOT / "docs/images"
@@ -372,5 +373,8 @@ def main() -> None:
         (IMAGES / f"architecture-{way.name}.svg").write_text(draw_way(way))
 
 
-if __name__ == "__main__":
+async def architecture(studio: "Studio") -> None:
+    """Draw the layers, and the three ways through them."""
     main()
+    for name in ("layers", *(way.name for way in WAYS)):
+        studio.kept(f"architecture-{name}")

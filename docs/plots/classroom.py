@@ -1,21 +1,17 @@
-"""Take the pictures of a class for docs/images: `python docs/plots/classroom.py docs/images`."""
+"""Holds a class of robots that pages and programs drive, and looks at it."""
 
 import asyncio
-import re
-import shutil
-import sys
-from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager, suppress
+from contextlib import suppress
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from playwright.async_api import Browser, Page, ViewportSize, async_playwright
+from playwright.async_api import Page
 
+from docs.plots.studio import PHONE, Size, Studio, product, until
 from pioneer3 import PioneerError, connect_async
 from pioneer3.tasks import running
 
-DESKTOP: ViewportSize = {"width": 1280, "height": 800}
-PHONE: ViewportSize = {"width": 390, "height": 844}
+DESK: Size = (1280, 800)
 NAMES = (
     *("Anna", "Ben", "Carla", "Dmitri", "Elif", "Fay", "Gustav", "Hana", "Ivo"),
     *("Jo", "Kim", "Lea", "Max", "Noor", "Olu", "Pia", "Quinn"),
@@ -27,56 +23,32 @@ DRIVING = 12.0
 """Long enough for trails [s]."""
 
 
-async def pictures(folder: Path) -> None:
-    """Hold a class, and look at it."""
-    async with class_of(ROBOTS) as address, async_playwright() as playwright:
-        browser = await playwright.chromium.launch(
-            executable_path=shutil.which("chromium-headless-shell") or shutil.which("chromium"),
-            args=["--no-sandbox", "--disable-gpu"],
-        )
-        desk = await browser.new_page(viewport=DESKTOP, color_scheme="dark")
-        await desk.goto(f"{address}/class")
-        await desk.click("#invitation-small")
-        link = await desk.evaluate("window.pioneer3.state.class.join_url")
-        pages = [await join(browser, link, name) for name in NAMES]
-        await desk.wait_for_timeout(1000)
-        await desk.screenshot(path=folder / "class-link.png")
-        await desk.click("#projector-close")
-        urls = await desk.evaluate("window.pioneer3.state.class.seats.map(({ url }) => url)")
-        async with running(*(drive(urls[number - 1]) for number in PROGRAMS)):
-            await wander([page for n, page in enumerate(pages, 1) if n not in PROGRAMS])
-            await record(pages[0])
-            await desk.wait_for_timeout(500 * DRIVING)
-            await desk.screenshot(path=folder / "class.png")
-            await pages[1].screenshot(path=folder / "class-phone.png")
-        await browser.close()
-
-
-@asynccontextmanager
-async def class_of(robots: int) -> AsyncIterator[str]:
-    """Run a class; yield the address of its pages."""
+async def classroom(studio: Studio) -> None:
+    """Let students join a class, and drive robots by pages and programs."""
     with TemporaryDirectory() as folder:
-        process = await asyncio.create_subprocess_exec(
-            *(sys.executable, "-m", "pioneer3", "class", "--students", str(robots)),
-            *("--web-port", "0", "--sim-port", "0", "--folder", folder),
-            stdout=asyncio.subprocess.PIPE,
-        )
-        assert process.stdout is not None
-        try:
-            async for line in process.stdout:
-                if found := re.search(r"(http://\S+)/class", line.decode()):
-                    yield found[1]
-                    break
-        finally:
-            process.terminate()
-            await process.wait()
+        command = "class", "--students", str(ROBOTS), "--folder", folder
+        async with product(*command, folder=Path(folder)) as address:
+            desk = await studio.open(f"{address}/class", size=DESK)
+            await desk.click("#invitation-small")
+            link = await desk.evaluate("window.pioneer3.state.class.join_url")
+            pages = [await join(studio, link, name) for name in NAMES]
+            await until(desk, f"state.class.seats.length === {ROBOTS}", "a seat for each robot")
+            await desk.wait_for_timeout(1000)
+            await studio.take(desk, "class-link")
+            await desk.click("#projector-close")
+            urls = await desk.evaluate("window.pioneer3.state.class.seats.map(({ url }) => url)")
+            async with running(*(circle(urls[number - 1]) for number in PROGRAMS)):
+                await wander([page for n, page in enumerate(pages, 1) if n not in PROGRAMS])
+                await pages[0].click("#details")
+                await pages[0].click("#recording-begin")
+                await desk.wait_for_timeout(500 * DRIVING)
+                await studio.take(desk, "class")
+                await studio.take(pages[1], "class-phone")
 
 
-async def join(browser: Browser, link: str, name: str) -> Page:
+async def join(studio: Studio, link: str, name: str) -> Page:
     """Join the class with a phone; return its page."""
-    context = await browser.new_context(viewport=PHONE, color_scheme="light", has_touch=True)
-    page = await context.new_page()
-    await page.goto(link)
+    page = await studio.open(link, size=PHONE)
     await page.fill("#name", name)
     await page.click("#join")
     await page.wait_for_url("**/")
@@ -90,20 +62,11 @@ async def wander(pages: list[Page]) -> None:
     await pages[0].wait_for_timeout(500 * DRIVING)
 
 
-async def record(page: Page) -> None:
-    """Begin to record."""
-    await page.click("#details")
-    await page.click("#recording-begin")
-
-
-async def drive(url: str) -> None:
+async def circle(url: str) -> None:
     """Drive in circles, as a student's program, until cancelled."""
     while True:
         with suppress(PioneerError):  # the robot touched something, or the computer is busy
             async with connect_async(url) as robot:
                 async for _ in robot.snapshots():
                     robot.drive(0.15, 0.4)
-
-
-if __name__ == "__main__":
-    asyncio.run(pictures(Path(sys.argv[1])))
+        await asyncio.sleep(0.5)

@@ -1,147 +1,185 @@
-"""Take the pictures of the page for docs/images: `python docs/plots/page.py docs/images`."""
+"""Looks at the page of simulated robots, and drives them by it as a person does."""
 
-import asyncio
-import shutil
-import sys
-from collections.abc import AsyncIterator
-from contextlib import AsyncExitStack, asynccontextmanager
-from math import pi
+from math import ceil
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
-from playwright.async_api import Browser, ViewportSize, async_playwright
+from PIL import Image, ImageDraw
+from playwright.async_api import Page
 
-from pioneer3.geometry import Pose2
-from pioneer3.navigation.connect import connect_async
-from pioneer3.sim.server.start import simulator
-from pioneer3.sim.worldfile import RobotSpec, WorldFile, parse_equipment
-from pioneer3.web.page import Page
-from pioneer3.web.scene import RobotScene
-from pioneer3.web.server import serve
+from docs.plots.studio import PHONE, Size, Studio, run, seen, until
+from pioneer3.maps import LineMap, read_map
 
-DESKTOP: ViewportSize = {"width": 1440, "height": 900}
-PHONE: ViewportSize = {"width": 390, "height": 844}
-ONE = WorldFile(name="office", map="office", robots=(RobotSpec(port=0),))
-THREE = WorldFile(
-    name="three",
-    map="office",
-    robots=(
-        RobotSpec(model="p3at-sh", name="ann", port=0),
-        RobotSpec(model="p3dx-sh", name="bob", start=Pose2(2.6, 7.0), port=0),
-        RobotSpec(model="p3dx-sh", name="cid", start=Pose2(16.0, 7.4, pi), port=0),
-    ),
-)
-WITH_LASER = WorldFile(
-    name="office",
-    map="office",
-    robots=(RobotSpec(port=0, equipment=parse_equipment("laser=utm-30lx")),),
-)
-PLACES = (7.0, 5.1), (9.0, 7.05), (18.0, 7.0)
-"""Where each of three is sent [m]."""
-EXPLORING = 90.0
-"""A few rooms have to be on the map [s]."""
+DRIVES = "Math.abs(state.snapshot.twist.v) > 0.25"
+"""Condition: the selected robot drives."""
+STANDS = "state.snapshot.mode === null && state.snapshot.twist.v === 0"
+"""Condition: the selected robot stands."""
 WANDERING = 45.0
-"""Something has to be seen in the plots [s]."""
+"""Time until the plots have something to show [s]."""
+KNOWN_EARLY = 90.0
+"""Ground that is on the map while it is made [m²]."""
+EXPLORING = 1500.0
+"""Longest time in which the robot sees all of the office [s]."""
+PIXELS_PER_METRE = 66.0
+"""Of a map that is drawn."""
+MARGIN = 0.4
+"""Around a map that is drawn [m]."""
+THREE: Size = (1280, 800)
+"""Of pictures of several robots [px]."""
 
 
-async def pictures(folder: Path) -> None:
-    """Look at one robot that wanders in the simulated office, and at three on their ways."""
-    async with async_playwright() as playwright:
-        browser = await playwright.chromium.launch(
-            executable_path=shutil.which("chromium"), args=["--no-sandbox", "--disable-gpu"]
+async def first(studio: Studio) -> None:
+    """Look at one robot, and offer the kitchen to it."""
+    async with run() as address:
+        desk = await studio.live(address)
+        await studio.take(desk, "page")
+        await offer(desk, "Kitchen")
+        await studio.take(desk, "page-way")
+
+
+async def look(studio: Studio) -> None:
+    """Let one robot wander, and open the views one after another; stop it, for a phone."""
+    async with run() as address:
+        desk = await studio.live(address)
+        await desk.click(".views [data-view=modes]")
+        await desk.select_option("#wander-preset", "aria")
+        await desk.click("#wander-start")
+        await until(desk, f"{DRIVES} && state.pose.x > 3.8", "a robot that wanders")
+        await studio.take(desk, "page-modes")
+        await desk.click(".views [data-view=plots]")
+        if studio.wants("page-plots"):
+            await desk.wait_for_timeout(1000 * WANDERING)
+            await studio.take(desk, "page-plots")
+        await desk.click(".views [data-view=robot]")
+        await desk.wait_for_timeout(1500)
+        await studio.take(desk, "page-robot")
+        phone = await studio.live(address, size=PHONE)
+        await desk.keyboard.press("k")
+        await phone.click("#details")
+        await phone.wait_for_timeout(1500)
+        await studio.take(phone, "page-phone-stopped")
+
+
+async def laser(studio: Studio) -> None:
+    """Take a picture of the map with the scan of a laser that sees far."""
+    async with run("--fit", "laser=utm-30lx") as address:
+        desk = await studio.live(address)
+        await until(desk, "state.scans[0] > 500", "a scan of the laser")
+        await studio.take(desk, "page-laser")
+
+
+async def camera(studio: Studio) -> None:
+    """Open the view of a simulated camera."""
+    async with run("--physics", "--fit", "camera=vcc4", "--start", "2.5,7,0") as address:
+        desk = await studio.live(address)
+        await desk.click(".views [data-view=camera]")
+        await seen(desk.get_by_text("pixels,"), "a picture of the camera")
+        await desk.wait_for_timeout(3000)  # until their number a second is known
+        await studio.take(desk, "page-camera")
+
+
+async def several(studio: Studio) -> None:
+    """Send two of three robots to places, and offer one to the third."""
+    robots = *("-r", "p3at-sh:ann", "-r", "p3dx-sh:bob", "-r", "p3dx-sh:cid"), "--start", "home"
+    async with run(*robots, "--start", "2.6m,7m,0", "--start", "16m,7.4m,180deg") as address:
+        desk = await studio.live(address)
+        await desk.click("#layers")
+        await desk.check("#layer-laser")
+        await desk.click("#legend-close")
+        for number, place in enumerate(("Lab", "Middle", "East end"), start=1):
+            await desk.keyboard.press(str(number))
+            await offer(desk, place)
+            if number < 3:
+                await desk.click("#goto-go")
+                await until(desk, DRIVES, f"robot {number} on its way")
+        await desk.wait_for_timeout(2000)  # until trails are there to be seen
+        await studio.take(desk, "map", "#canvas")
+
+
+async def solid(studio: Studio) -> None:
+    """Show three robots in three dimensions."""
+    robots = "-r", "p3dx-sh:alice", "-r", "p3at-sh:bob", "-r", "p3dx-sh:carol"
+    starts = "--start", "home", "--start", "4.3m,4.6m,0", "--start", "2.6m,4.8m,-90deg"
+    async with run("--map", "office", *robots, *starts) as address:
+        desk = await studio.live(address, size=THREE)
+        await desk.click("#in-3d")
+        await until(desk, "state.solid && state.solid.frames > 3", "robots in three dimensions")
+        await desk.keyboard.down("ArrowUp")
+        await until(desk, "state.pose.x > 3.6", "a robot that drives")
+        await desk.keyboard.up("ArrowUp")
+        await until(desk, STANDS, "a robot that stands")
+        await desk.wait_for_timeout(2000)
+        await studio.take(desk, "page-3d")
+
+
+async def together(studio: Studio) -> None:
+    """Let five robots form a wedge, and drive it by an arrow."""
+    robots = [option for number in range(1, 6) for option in ("-r", f"p3at-sh:p3at-{number}")]
+    starts = [option for y in range(-2, 3) for option in ("--start", f"0m,{1.3 * y:g}m,0")]
+    async with run("--map", "empty", *robots, *starts) as address:
+        desk = await studio.live(address, size=THREE)
+        await desk.click("#robots-row button:has-text('p3at-3')")
+        for number in (1, 2, 4, 5):
+            await desk.keyboard.press(f"Shift+Digit{number}")
+        await desk.click(".views [data-view=modes]")
+        await desk.select_option("#group-leader", label="p3at-3")
+        await desk.click("#form-start")
+        formed = (
+            "state.chosen.length === 1 && state.robots.filter(r => r.snapshot.mode).length === 4"
         )
-        async with serving(ONE) as address:
-            await look(browser, address, folder)
-        async with serving(WITH_LASER) as address:
-            await look_at_the_laser(browser, address, folder)
-        async with serving(ONE) as address:
-            await look_at_a_map_that_is_made(browser, address, folder)
-        async with serving(THREE) as address:
-            await look_at_the_map(browser, address, folder)
-        await browser.close()
+        await until(desk, formed, "four robots that form up behind the third")
+        await desk.click("#sheet-close")
+        await desk.click("#fit")
+        await desk.keyboard.down("ArrowUp")
+        await until(desk, f"{DRIVES} && state.pose.x > 2.5", "a wedge that drives")
+        await studio.take(desk, "page-together")
+        await desk.keyboard.up("ArrowUp")
 
 
-@asynccontextmanager
-async def serving(world: WorldFile) -> AsyncIterator[str]:
-    """Run the world and its page; yield the address."""
-    async with AsyncExitStack() as stack:
-        running = await stack.enter_async_context(simulator(map_name=world, port=0))
-        page, several = Page(), len(world.robots) > 1
-        for one in running.robots:
-            lasers = [one.laser.url] if one.laser else []
-            robot = await stack.enter_async_context(connect_async(one.url, lasers=lasers))
-            await stack.enter_async_context(
-                page.hosting(robot, RobotScene.of(running, one), one.name if several else "")
-            )
-        served = await stack.enter_async_context(serve(page, port=0))
-        yield served.http
+async def explore(studio: Studio) -> None:
+    """Let a robot explore the office, and draw the map that it saves."""
+    with TemporaryDirectory() as folder:
+        async with run("--fit", "laser=utm-30lx", folder=Path(folder)) as address:
+            desk = await studio.live(address)
+            await desk.click(".views [data-view=modes]")
+            await desk.click("#map-begin")
+            await desk.click("#map-explore:enabled")
+            known = f"parseFloat(document.getElementById('map-state').textContent) > {KNOWN_EARLY}"
+            await until(desk, known, "a map of a few rooms", EXPLORING)
+            await studio.take(desk, "page-making-a-map")
+            if not studio.wants("map-built"):
+                return
+            await until(desk, STANDS, "the end of exploring", EXPLORING)
+            await desk.click("#map-save")
+            await seen(desk.get_by_text("Saved lab.map"), "a map that is saved")
+        studio.keep("map-built", drawn(read_map(Path(folder) / "lab.map")))
 
 
-async def look_at_the_map(browser: Browser, address: str, folder: Path) -> None:
-    """Send two robots to places, and offer one to the third."""
-    desk = await browser.new_page(viewport=DESKTOP, color_scheme="dark")
-    await desk.goto(address)
-    await desk.wait_for_timeout(2000)
-    await desk.click("#layers")
-    await desk.check("#layer-laser")
-    await desk.click("#legend-close")
-    canvas = desk.locator("#canvas")
-    for number, (x, y) in enumerate(PLACES, start=1):
-        await desk.keyboard.press(str(number))
-        place = await desk.evaluate("([x, y]) => window.pioneer3.toScreen(x, y)", [x, y])
-        await canvas.click(position=place)
-        if number < len(PLACES):
-            await desk.click("#goto-go")
-    await desk.wait_for_timeout(4000)
-    await canvas.screenshot(path=folder / "map.png")
+def drawn(line_map: LineMap) -> Image.Image:
+    """Return a picture of the walls of a map, with a cross at its home."""
+    least_x, least_y, most_x, most_y = line_map.bounds
+
+    def pixel(x: float, y: float) -> tuple[float, float]:
+        return (
+            PIXELS_PER_METRE * (x - least_x + MARGIN),
+            PIXELS_PER_METRE * (most_y + MARGIN - y),
+        )
+
+    width, height = pixel(most_x + MARGIN, least_y - MARGIN)
+    picture = Image.new("RGB", (ceil(width), ceil(height)), "white")
+    pen = ImageDraw.Draw(picture)
+    for x0, y0, x1, y1 in line_map.walls:
+        pen.line([pixel(x0, y0), pixel(x1, y1)], "black", 2)
+    for home in line_map.homes:
+        ahead, left = home.x + 0.5, home.y + 0.12
+        pen.line([pixel(home.x - 0.12, home.y), pixel(ahead, home.y)], "green", 3)
+        pen.line([pixel(home.x, home.y - 0.12), pixel(home.x, left)], "green", 3)
+    return picture
 
 
-async def look_at_the_laser(browser: Browser, address: str, folder: Path) -> None:
-    """Take a picture of the map with the scan of a laser."""
-    desk = await browser.new_page(viewport=DESKTOP, color_scheme="dark")
-    await desk.goto(address)
-    await desk.wait_for_timeout(3000)
-    await desk.screenshot(path=folder / "page-laser.png")
-
-
-async def look_at_a_map_that_is_made(browser: Browser, address: str, folder: Path) -> None:
-    """Let the robot explore, and take a picture of what it has seen."""
-    desk = await browser.new_page(viewport=DESKTOP, color_scheme="dark")
-    await desk.goto(address)
-    await desk.wait_for_timeout(2000)
-    await desk.click(".views [data-view=modes]")
-    await desk.click("#map-begin")
-    await desk.wait_for_timeout(3000)
-    await desk.click("#map-explore")
-    await desk.wait_for_timeout(1000 * EXPLORING)
-    await desk.screenshot(path=folder / "page-making-a-map.png")
-    await desk.click("#map-discard")
-
-
-async def look(browser: Browser, address: str, folder: Path) -> None:
-    """Open the views one after another, and take a picture of each."""
-    desk = await browser.new_page(viewport=DESKTOP, color_scheme="dark")
-    await desk.goto(address)
-    await desk.wait_for_timeout(2000)
-    await desk.screenshot(path=folder / "page.png")
-    await desk.click(".views [data-view=modes]")
-    await desk.select_option("#wander-preset", "aria")
-    await desk.click("#wander-start")
-    await desk.wait_for_timeout(3000)
-    await desk.screenshot(path=folder / "page-modes.png")
-    await desk.click(".views [data-view=plots]")
-    await desk.wait_for_timeout(1000 * WANDERING)
-    await desk.screenshot(path=folder / "page-plots.png")
-    await desk.click(".views [data-view=robot]")
-    await desk.wait_for_timeout(1500)
-    await desk.screenshot(path=folder / "page-robot.png")
-    phone = await browser.new_page(viewport=PHONE, color_scheme="light", has_touch=True)
-    await phone.goto(address)
-    await phone.wait_for_timeout(2000)
-    await desk.keyboard.press("k")
-    await phone.click("#details")
-    await phone.wait_for_timeout(1500)
-    await phone.screenshot(path=folder / "page-phone-stopped.png")
-
-
-if __name__ == "__main__":
-    asyncio.run(pictures(Path(sys.argv[1])))
+async def offer(desk: Page, place: str) -> None:
+    """Offer a place of the map to the selected robot, and wait for the way to it."""
+    await desk.click("#goto")
+    await desk.select_option("#goto-place", label=place)
+    way = f"state.proposal && state.proposal.name === '{place}' && state.proposal.way?.length"
+    await until(desk, way, f"a way to {place}")

@@ -1,14 +1,12 @@
-"""Measure what a simulated sonar hears of a wall that it looks at slantingly; draw it.
+"""Measures what a simulated sonar hears of a wall that it looks at slantingly; draws it.
 
-    uv run --with matplotlib docs/plots/sonar_angle.py
-
-Prints the table of docs/explanation/realism.md and writes docs/images/sonar-angle.svg.
+:func:`table` is the table of docs/explanation/realism.md.
 """
 
-import sys
 from dataclasses import replace
 from math import cos, radians
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +18,9 @@ from pioneer3.sim.body import Body
 from pioneer3.sim.realism import Realism, SonarErrors
 from pioneer3.sim.sensors import SONAR_RANGE
 from pioneer3.sim.world import World
+
+if TYPE_CHECKING:
+    from docs.plots.studio import Studio
 
 Float = NDArray[np.float64]
 
@@ -70,9 +71,19 @@ def table() -> str:
     return "\n".join(lines)
 
 
-def draw() -> None:
-    """Draw both curves over the angle."""
-    from matplotlib import pyplot
+async def sonar_angle(studio: "Studio") -> None:
+    """Draw both curves over the angle.
+
+    Raises:
+        PictureError: There is no matplotlib.
+    """
+    from docs.plots.studio import PictureError
+
+    try:
+        from matplotlib import pyplot
+    except ImportError as error:
+        how = "uv run --with matplotlib python -m docs.plots sonar-angle"
+        raise PictureError(f"sonar-angle needs matplotlib: {how}") from error
 
     pyplot.rcParams["svg.hashsalt"] = "sonar"
 
@@ -90,10 +101,5 @@ def draw() -> None:
     above.set(ylabel="median range [m]", ylim=(0, 2.2), xlim=(0, 80))
     above.legend(fontsize="small", ncols=2, loc="lower left")
     below.set(xlabel="angle between axis and the wall's normal [°]", ylabel="missed [%]")
-    PICTURE.parent.mkdir(exist_ok=True)
     figure.savefig(PICTURE, metadata={"Date": None})
-
-
-if __name__ == "__main__":
-    sys.stdout.write(table() + "\n")
-    draw()
+    studio.kept("sonar-angle")

@@ -38,7 +38,7 @@ def test_the_pictures_are_up_to_date(tmp_path: Path, monkeypatch: pytest.MonkeyP
     architecture.main()
     made = {path.name: path.read_text() for path in tmp_path.iterdir()}
     kept = {path.name: path.read_text() for path in IMAGES.glob("architecture-*.svg")}
-    assert made == kept, "run: uv run python -m docs.plots.architecture"
+    assert made == kept, "run: python -m docs.plots architecture-layers"
     assert [name for name in made if name not in PAGE] == []
 
 

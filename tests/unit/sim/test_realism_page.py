@@ -1,12 +1,12 @@
 """docs/explanation/realism.md says what the code does: every parameter, every number."""
 
-import runpy
 from dataclasses import fields
 from math import degrees
 from pathlib import Path
 
 import pytest
 
+from docs.plots import sonar_angle
 from pioneer3.cli.sim import ErrorOptions
 from pioneer3.maps.materials import MATERIALS, REMISSION
 from pioneer3.sim.equipment import Equipment
@@ -77,6 +77,5 @@ def test_gyro_and_compass_are_exact_unless_told_otherwise() -> None:
 
 
 def test_the_sonar_table_is_what_the_simulator_computes() -> None:
-    script = runpy.run_path(str(ROOT / "docs/plots/sonar_angle.py"))
-    assert script["table"]() in PAGE
-    assert (ROOT / "docs/images" / script["PICTURE"].name).is_file()
+    assert sonar_angle.table() in PAGE
+    assert (ROOT / "docs/images" / sonar_angle.PICTURE.name).is_file()
