@@ -1,7 +1,5 @@
 """The table of all pictures: a row for each."""
 
-from itertools import chain
-
 from docs.plots.architecture import WAYS, architecture
 from docs.plots.by_reader import by_hand, reading
 from docs.plots.classroom import DESK, classroom
