@@ -12,6 +12,7 @@ from pioneer3.maps.load import looks_like_map
 from pioneer3.sim.map_convert import convert
 from pioneer3.sim.relief import Cylinder
 from pioneer3.sim.relief.mesh_file import Triangles, read_mesh
+from pioneer3.sim.relief.shapes import MANY, outer
 from pioneer3.sim.worldfile import WorldFile, gazebo, load_world
 
 BOX = "<geometry><box><size>2 1 1</size></box></geometry>"
@@ -186,6 +187,37 @@ def test_a_mesh_is_cut_at_the_height_of_sensors(tmp_path: Path) -> None:
     line_map = load(tmp_path, solid(mesh, "1 0 0 0 0 0")).line_map()
     assert len(line_map.walls) == 3
     assert line_map.bounds == pytest.approx((1, 0, 2, 2))
+
+
+def test_meshes_that_are_outlined_from_above_use_up_their_share(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(gazebo, "MOST_CUT", 4 * gazebo.SLOWER)
+    (tmp_path / "low.stl").write_text(WALL_STL.replace("0 0 1\n", "1 1 0.15\n", 1))
+    mesh = solid("<mesh><uri>low.stl</uri></mesh>")
+    assert load(tmp_path, mesh * 3).walls
+    with pytest.raises(ConfigError, match="the meshes have more than"):
+        load(tmp_path, mesh * 6)
+
+
+def test_a_tilted_polygon_with_a_notch_is_cut_as_its_hull(tmp_path: Path) -> None:
+    corners = [(-1, -1), (1, -1), (0, 0), (1, 1), (-1, 1)]
+    points = "".join(f"<point>{x} {y}</point>" for x, y in corners)
+    shape = f"<polyline>{points}<height>2</height></polyline>"
+    (wall,) = load(tmp_path, solid(shape, f"0 0 0.2 {pi / 4} 0 0")).walls
+    x, y = np.array(wall.points).T
+    assert (x.min(), x.max(), y.max() - y.min()) == pytest.approx((-1, 1, 2**0.5), abs=0.1)
+    assert len(wall.points) == 4
+
+
+def test_the_hull_of_many_points_is_that_of_a_plain_reference() -> None:
+    points = np.random.default_rng(1).integers(-40, 40, (4000, 2)) / 7
+    turned = [(x, y) for x, y in outer(points).tolist()]
+    assert len(points) > MANY
+    for (ax, ay), (bx, by) in zip(turned, turned[1:] + turned[:1], strict=True):
+        left = (bx - ax) * (points[:, 1] - ay) - (by - ay) * (points[:, 0] - ax)
+        assert left.min() > -1e-6
+        assert len(np.unique(points[abs(left) < 1e-6], axis=0)) >= 2
 
 
 POINTS = "0 0 0  4 0 0  4 4 0  0 4 0  0 0 2  4 0 2  4 4 2  0 4 2"

@@ -106,6 +106,8 @@ class SolidPart:
 
 
 NONE: Float = np.empty((0, 4))
+MANY = 200
+"""Points of which most are looked at all at once."""
 
 
 def rectangle(pose: Pose2, size: tuple[float, float]) -> Float:
@@ -128,15 +130,25 @@ def ring(corners: Float) -> Float:
 
 def outer(points: Float) -> Float:
     """Return the corners of the convex hull of `points` (P, 2), counter-clockwise, (C, 2)."""
-    ordered = np.unique(points.round(9), axis=0).tolist()
+    rounded = points.round(9)
+    rounded = rounded[np.lexsort(rounded.T[::-1])]
+    differs = (rounded[1:] != rounded[:-1]).any(axis=1)
+    ordered = np.concatenate([rounded[:1], rounded[1:][differs]])
     lower, upper = (_chain(way) for way in (ordered, ordered[::-1]))
     return np.array(lower[:-1] + upper[:-1])
 
 
-def _chain(points: list[list[float]]) -> list[list[float]]:
+def _chain(points: Float) -> list[list[float]]:
     """Return the right-hand side of the hull on the way along sorted points."""
+    while len(points) > MANY:
+        # what is not on the right of the line between its neighbours is no corner
+        (ax, ay), (bx, by), (cx, cy) = points[:-2].T, points[1:-1].T, points[2:].T
+        turns = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax) > 0
+        if turns.mean() > 0.9:
+            break
+        points = points[np.concatenate([[True], turns, [True]])]
     kept: list[list[float]] = []
-    for x, y in points:
+    for x, y in points.tolist():
         while len(kept) > 1:
             (ax, ay), (bx, by) = kept[-2:]
             if (bx - ax) * (y - ay) - (by - ay) * (x - ax) > 0:
