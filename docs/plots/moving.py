@@ -95,6 +95,9 @@ async def followed(desk: Page) -> list[Frame]:
         if clock() - began > LONGEST:
             raise PictureError(f"kitchen: the robot has not arrived after {LONGEST:.0f} s")
         await asyncio.sleep(max(0.0, frames[-1][0] + FASTER * PERIOD - clock()))
+    ended = await desk.evaluate("window.pioneer3.state.snapshot.ended")
+    if not ended["done"]:
+        raise PictureError(f"kitchen: the drive ended: {ended['why']}")
     return [*frames, (clock(), frames[-1][1])]
 
 

@@ -45,6 +45,7 @@ async def look(studio: Studio) -> None:
         await desk.select_option("#wander-preset", "aria")
         await desk.click("#wander-start")
         await until(desk, f"{DRIVES} && state.pose.x > 3.8", "a robot that wanders")
+        await desk.evaluate("document.querySelectorAll('*').forEach((one) => (one.scrollTop = 0))")
         await studio.take(desk, "page-modes")
         await desk.click(".views [data-view=plots]")
         if studio.wants("page-plots"):
@@ -79,20 +80,23 @@ async def camera(studio: Studio) -> None:
 
 
 async def several(studio: Studio) -> None:
-    """Send two of three robots to places, and offer one to the third."""
-    robots = *("-r", "p3at-sh:ann", "-r", "p3dx-sh:bob", "-r", "p3dx-sh:cid"), "--start", "home"
-    async with run(*robots, "--start", "2.6m,7m,0", "--start", "16m,7.4m,180deg") as address:
+    """Drive two of three robots, and offer a place to the third."""
+    robots = "-r", "p3at-sh:ann", "-r", "p3dx-sh:bob", "-r", "p3dx-sh:cid"
+    starts = "--start", "home", "--start", "2.6m,7m,0", "--start", "16m,7.4m,180deg"
+    async with run(*robots, *starts, "--fit", "laser=utm-30lx") as address:
         desk = await studio.live(address)
         await desk.click("#layers")
         await desk.check("#layer-laser")
         await desk.click("#legend-close")
-        for number, place in enumerate(("Lab", "Middle", "East end"), start=1):
+        for number, east in enumerate((4.2, 6.0), start=1):
             await desk.keyboard.press(str(number))
-            await offer(desk, place)
-            if number < 3:
-                await desk.click("#goto-go")
-                await until(desk, DRIVES, f"robot {number} on its way")
-        await desk.wait_for_timeout(2000)  # until trails are there to be seen
+            await until(desk, f"state.robot === {number}", f"robot {number}")
+            await desk.keyboard.down("ArrowUp")
+            await until(desk, f"state.pose.x > {east}", f"robot {number} that drives")
+            await desk.keyboard.up("ArrowUp")
+        await desk.keyboard.press("3")
+        await until(desk, "state.robot === 3", "robot 3")
+        await offer(desk, "Kitchen")
         await studio.take(desk, "map", "#canvas")
 
 
@@ -102,13 +106,12 @@ async def solid(studio: Studio) -> None:
     starts = "--start", "home", "--start", "4.3m,4.6m,0", "--start", "2.6m,4.8m,-90deg"
     async with run("--map", "office", *robots, *starts) as address:
         desk = await studio.live(address, size=THREE)
-        await desk.click("#in-3d")
-        await until(desk, "state.solid && state.solid.frames > 3", "robots in three dimensions")
         await desk.keyboard.down("ArrowUp")
         await until(desk, "state.pose.x > 3.6", "a robot that drives")
         await desk.keyboard.up("ArrowUp")
         await until(desk, STANDS, "a robot that stands")
-        await desk.wait_for_timeout(2000)
+        await desk.click("#in-3d")
+        await until(desk, "state.solid && state.solid.frames > 9", "robots in three dimensions")
         await studio.take(desk, "page-3d")
 
 

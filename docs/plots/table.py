@@ -127,7 +127,7 @@ ROWS = (
     ),
     of_page(
         "map",
-        "three robots: two on their ways, and the third with the offer of one",
+        "three robots, of which the third has the offer of a place",
         several,
         "#goto-go",
         size=(1055, 832),
