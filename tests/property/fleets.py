@@ -6,9 +6,8 @@ from types import MappingProxyType
 
 from hypothesis import strategies as st
 
-from pioneer3.fleet.inventory import Defaults, Fleet, FleetRobot, OperatorComputer
 from pioneer3.fleet.network import FleetNetwork
-from pioneer3.fleet.spec import usual_node
+from pioneer3.fleet.spec import Defaults, Fleet, FleetRobot, OperatorComputer, usual_node
 
 PATH = Path("lab/fleet.toml")
 LABELS = st.from_regex(r"\A[a-z0-9]([a-z0-9-]{0,8}[a-z0-9])?\Z").filter(

@@ -7,7 +7,8 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from pioneer3.errors import ConfigError
-from pioneer3.fleet.inventory import Fleet, parse_fleet, to_toml
+from pioneer3.fleet.inventory import parse_fleet, to_toml
+from pioneer3.fleet.spec import Fleet
 from tests.property.fleets import PATH, fleets
 
 COMMENTS = st.lists(

@@ -23,13 +23,10 @@ STANDING_MM_S: Final = 5
 
 
 class Braking:
-    """One stop at a time, from when it is wanted until the robot stands.
+    """One stop at a time, `active` from when it is wanted until the robot stands.
 
-    Attributes:
-        active: Whether a stop is not confirmed yet.
-        powerless: Whether the last report said that the motors have no power.
-        at_rest: Whether it said that the wheels stand.
-        deadline: Time of the next call of :meth:`tick` [s, monotonic, as every `now`].
+    By the last report the motors may be `powerless`, and the wheels `at_rest`. :meth:`tick` must be
+    called at the deadline [s, monotonic, as every `now`].
     """
 
     def __init__(self) -> None:

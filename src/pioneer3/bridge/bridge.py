@@ -194,9 +194,7 @@ class Bridge:
         """Record the bytes between the holder and the robot to a new file, which replays.
 
         A session that goes on already begins with the handshake and the settings that its host got.
-
-        Raises:
-            ConfigError: the file cannot be written; one that exists is left alone.
+        Raises ConfigError if the file cannot be written; one that exists is left alone.
         """
         self.stop_recording()
         self._recording = begun(path, self._clock)

@@ -11,12 +11,7 @@ from pioneer3.arcos.packet import PacketReader, encode
 
 
 class HostPort(Protocol):
-    """The connection of one host.
-
-    Attributes:
-        name: Name of the host, for people.
-        gives_way: Whether another host may take the robot from it.
-    """
+    """The connection of one host, with a name for people; it may give way to another host."""
 
     name: str
     gives_way: bool

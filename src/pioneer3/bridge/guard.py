@@ -46,9 +46,7 @@ class HeldBack(Enum):
 class Guard:
     """Follows what one host commands, and holds back what must not move the robot.
 
-    Attributes:
-        holds: The reasons to hold back, in no order.
-        withheld: Number of packets held back so far.
+    `holds` are the reasons to hold back, and so many packets were `withheld`.
     """
 
     def __init__(self) -> None:

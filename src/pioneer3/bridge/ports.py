@@ -29,12 +29,9 @@ class PortServer(Protocol):
 
 
 class SocketPort(asyncio.Protocol):
-    """A host at the far end of a socket; `ports` has it while it is connected.
+    """A host at the far end of a socket, by its address; `ports` has it while it is connected.
 
-    Attributes:
-        name: Its address.
-        gives_way: Never: it cannot know.
-        sent: Number of all bytes sent to it, those that wait included.
+    It cannot know whether to give way. So many bytes were `sent` to it, those that wait included.
     """
 
     gives_way = False

@@ -58,14 +58,10 @@ def is_routine(packets: Sequence[bytes]) -> bool:
 class Relay:
     """Hosts on the one side, a robot on the other; the options are those of a `Bridge`.
 
-    Attributes:
-        robot: The robot's side.
-        holder: The host that has the robot, or will have it next.
-        clients: All hosts.
-        paused: Whether the robot stands, whatever the holder commands.
-        reserved_for: Name of the only host that may have the robot; empty for any.
-        changed: Called when the holder or a watcher comes or goes, and at the beginning and the
-            end of a session.
+    The `holder` has the robot, or will have it next. While it is `paused` the robot stands,
+    whatever the holder commands; the only host that may have it is the one it is reserved for,
+    unless that is empty. `changed` is called when the holder or a watcher comes or goes, and at the
+    beginning and the end of a session.
     """
 
     def __init__(

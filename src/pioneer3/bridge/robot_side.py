@@ -43,11 +43,8 @@ class RobotSideState(Enum):
 class RobotSide:
     """The sessions with one robot, one after the other.
 
-    Attributes:
-        state: State of the session.
-        identity: Payload of the robot's answer to SYNC2; empty before it.
-        config: Payload of its last CONFIG; empty before it.
-        failure: The reason that the handshake failed; empty if it did not.
+    `identity` is the payload of the robot's answer to SYNC2 and `config` of its last CONFIG, empty
+    before; `failure` is the reason that the handshake failed, empty if it did not.
     """
 
     def __init__(self, timing: Timing | None = None) -> None:

@@ -59,15 +59,8 @@ def init(
         yes: Ask nothing; a file that is there is an error.
     """
     from pioneer3.fleet.edit import Change, text_of
-    from pioneer3.fleet.inventory import (
-        FILE,
-        Defaults,
-        OperatorComputer,
-        draft,
-        here,
-        robot_of,
-        to_toml,
-    )
+    from pioneer3.fleet.inventory import FILE, draft, here, robot_of, to_toml
+    from pioneer3.fleet.spec import Defaults, OperatorComputer
     from pioneer3.links.urls import TCP_PORT
 
     path = fleet or Path(FILE)

@@ -16,7 +16,7 @@ from pioneer3.cli.process import (
 from pioneer3.distribution import how_to_get
 
 if TYPE_CHECKING:
-    from pioneer3.fleet.inventory import Fleet
+    from pioneer3.fleet.spec import Fleet
 
 
 def discover(

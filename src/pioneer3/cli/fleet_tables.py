@@ -15,8 +15,8 @@ from pioneer3.errors import ConfigError
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from pioneer3.fleet.inventory import Fleet, FleetRobot
     from pioneer3.fleet.live import Live, Questions
+    from pioneer3.fleet.spec import Fleet, FleetRobot
 
 GOOD = {True: "green", False: "red", None: ""}
 ASKED_EVERY = 5.0

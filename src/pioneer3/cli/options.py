@@ -19,7 +19,7 @@ from pioneer3.errors import ConfigError, MotionError
 from pioneer3.units import ANGLE, DURATION, LENGTH, SPEED, TURN_RATE, Quantity
 
 if TYPE_CHECKING:
-    from pioneer3.fleet.inventory import Fleet
+    from pioneer3.fleet.spec import Fleet
     from pioneer3.geometry import Pose2
     from pioneer3.models import GivenModel
     from pioneer3.nav.settings import NavigationSettings

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from functools import partial
 from typing import Final
 
-from pioneer3.doctor.facts import FAILED, FORBIDDEN, UNREACHABLE, Finding, Level, LinkFacts
+from pioneer3.doctor.facts import FORBIDDEN, UNREACHABLE, Finding, Level, LinkFacts
 from pioneer3.doctor.ports import PortHolder, SerialPort, latency_file
 from pioneer3.doctor.recognition import DeviceKind, OtherDevice
 from pioneer3.errors import (
@@ -98,7 +98,6 @@ def _busy(holders: tuple[PortHolder, ...], where: str) -> Finding:
         found=f"{where} is in use by {who or 'another program'}",
         meaning="Two programs on one port each get half of the robot's bytes.",
         advice=_how_to_free(holders, where),
-        code=FAILED,
     )
 
 

@@ -110,11 +110,7 @@ def list_ports() -> tuple[SerialPort, ...]:
 
 
 def find_port(url: str) -> SerialPort | None:
-    """Return the serial port that `url` names; `None` for other links.
-
-    Raises:
-        ConfigError: `url` names no port.
-    """
+    """Return the serial port of `url`, `None` for other links; ConfigError if it names no port."""
     scheme, path = split_url(url)
     if scheme != "serial":
         return None

@@ -40,6 +40,14 @@ class ProbeVerdict(StrEnum):
     NOT_PROBED = "not probed"
 
 
+_REFUSALS: Final = {
+    PortPermissionError: ProbeVerdict.NO_PERMISSION,
+    PortBusyError: ProbeVerdict.BUSY,
+    PortNotFoundError: ProbeVerdict.NOBODY,
+}
+"""Verdicts about links that do not open; other errors are failures."""
+
+
 @dataclass(frozen=True, slots=True)
 class Probed:
     """One port, and the result of probing it.
@@ -79,15 +87,12 @@ async def probe_port(port: SerialPort, timing: Timing = QUICK) -> Probed:
 
 
 async def probe(url: str, port: SerialPort | None = None, timing: Timing = QUICK) -> Probed:
-    """Return the result for `url`; sends bytes to it. Never raises a link's error.
-
-    Raises:
-        ConfigError: `url` names no port.
-    """
+    """Return the result for `url`; sends bytes to it, and raises ConfigError alone, for no port."""
     try:
         session = ProbeSession(await open_link(url), timing)
     except LinkError as error:
-        return Probed(url, _refusal(error), str(error), port)
+        verdicts = (verdict for kind, verdict in _REFUSALS.items() if isinstance(error, kind))
+        return Probed(url, next(verdicts, ProbeVerdict.FAILED), str(error), port)
     try:
         if await session.handshake() and session.info is not None:
             return _robot(url, port, session.info)
@@ -124,18 +129,6 @@ async def probe_all(
         *(judged(port.path, probe_port(port)) for port in ports),
         *(judged(url, probe(url)) for url in urls),
     )
-
-
-def _refusal(error: LinkError) -> ProbeVerdict:
-    match error:
-        case PortPermissionError():
-            return ProbeVerdict.NO_PERMISSION
-        case PortBusyError():
-            return ProbeVerdict.BUSY
-        case PortNotFoundError():
-            return ProbeVerdict.NOBODY
-        case _:
-            return ProbeVerdict.FAILED
 
 
 def _robot(url: str, port: SerialPort | None, info: RobotInfo) -> Probed:

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from functools import partial
 from typing import Final
 
-from pioneer3.doctor.facts import FAILED, Finding, Heard, Level, LinkFacts
+from pioneer3.doctor.facts import Finding, Heard, Level, LinkFacts
 from pioneer3.errors import Symptom
 from pioneer3.links.serial import SPEEDS
 from pioneer3.robot.supervisor import RobotInfo
@@ -76,7 +76,6 @@ def check_type(facts: LinkFacts) -> Iterator[Finding]:
         " it, and what it reports is in units that may be wrong.",
         advice="Say what it is at every command, as in pioneer3 doctor --model FILE.p: a model that"
         " ships (pioneer3 model show), or the parameter file that ARIA has for it.",
-        code=FAILED,
         symptom=Symptom.UNKNOWN_ROBOT,
     )
 
@@ -122,7 +121,6 @@ def check_reports(facts: LinkFacts) -> Iterator[Finding]:
             found=f"the session broke off: {heard.ended}",
             meaning="The robot was switched off, the cable pulled, or the battery is empty.",
             advice="Look at the cable and the battery, then try again.",
-            code=FAILED,
         )
     elif share >= SLOW:
         yield _ok("reports", found)
@@ -133,7 +131,6 @@ def check_reports(facts: LinkFacts) -> Iterator[Finding]:
             found=found,
             meaning="Reports get lost, or the line is too slow for them.",
             advice="Look at the checksums below; avoid radio bridges and USB hubs.",
-            code=0 if share >= VERY_SLOW else FAILED,
         )
 
 
@@ -154,7 +151,6 @@ def check_checksums(facts: LinkFacts) -> Iterator[Finding]:
         found=lost,
         meaning="Bytes change or vanish between robot and computer; such frames are thrown away.",
         advice=_remedy(facts),
-        code=FAILED if share > VERY_NOISY else 0,
     )
 
 
@@ -193,7 +189,6 @@ def _stop_button(now: Snapshot) -> Finding:
         meaning="The motors have no power: the robot will not move, whatever it is told.",
         advice="Turn or pull the red button until it comes out.",
         symptom=Symptom.EMERGENCY_STOP,
-        code=FAILED,
     )
 
 
@@ -231,7 +226,6 @@ def battery_finding(now: Snapshot, info: RobotInfo) -> Finding:
             meaning=f"At {shutdown:g} V the robot shuts down.",
             advice="Charge it, or put charged batteries in, one after the other.",
             symptom=Symptom.IT_BEEPS,
-            code=FAILED,
         )
     if now.battery.low:
         return _warning(

@@ -91,11 +91,7 @@ class Bundler:
         self._making = asyncio.Lock()
 
     async def bundle(self, platform: Platform) -> Bundle:
-        """Return the archive for a platform.
-
-        Raises:
-            ConfigError: A package is missing here, or there is none for that platform.
-        """
+        """Return the archive for a platform; ConfigError if a package is missing here or there."""
         async with self._making:
             if platform not in self._made:
                 self._made[platform] = await asyncio.to_thread(self._make, platform)

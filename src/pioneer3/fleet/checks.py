@@ -76,11 +76,7 @@ def refuse_doubles(
 def groups(
     source: Source, tables: Mapping[str, object], robots: Sequence[FleetRobot]
 ) -> dict[str, tuple[str, ...]]:
-    """Return the groups.
-
-    Raises:
-        ConfigError: A group is no list of robots, or its name is one of something else.
-    """
+    """Return the groups; ConfigError if one is no list of robots, or its name means another."""
     names = tuple(robot.name for robot in robots)
     found: dict[str, tuple[str, ...]] = {}
     for name, members in tables.items():

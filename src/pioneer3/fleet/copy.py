@@ -58,10 +58,7 @@ async def push(
     """Copy files and folders to all computers at once.
 
     The destination there is relative to the user's home. It is a folder if it ends in a slash, is
-    one already, or there are several `files`.
-
-    Raises:
-        ConfigError: A file is missing here.
+    one already, or there are several `files`. Raises ConfigError if a file is missing here.
     """
     pieces = tuple(_pieces(files))
     total = sum(piece.path.stat().st_size for piece in pieces)
@@ -84,11 +81,7 @@ async def push(
 
 
 async def put_file(connection: "asyncssh.SSHClientConnection", source: Path, target: str) -> None:
-    """Copy one file over an open connection, whole or not at all.
-
-    Raises:
-        RemoteError: It did not arrive; the file before it is unchanged.
-    """
+    """Copy one file over an open connection, whole, or else not at all and with a RemoteError."""
     async with _sftp(connection) as sftp:
         await _put(connection, sftp, source, target)
 

@@ -6,7 +6,7 @@ use. A version that does not start gives way to the one before it.
 
 import tempfile
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -118,14 +118,6 @@ class _Target:
     def base(self) -> str:
         return f"{self.home}/{BASE}"
 
-    @property
-    def ctl(self) -> str:
-        return "sudo -n systemctl" if self.with_root else "systemctl --user"
-
-    @property
-    def journal(self) -> str:
-        return "sudo -n journalctl" if self.with_root else "journalctl --user"
-
 
 async def deploy(
     fleet: Fleet,
@@ -152,16 +144,16 @@ async def deploy(
                     bundle = await bundler.bundle(target.platform)
                 except ConfigError as error:
                     raise RemoteError(str(error)) from None
-                is_new = await _install(connection, target, bundle)
-                said = bundle.name if is_new else f"{bundle.name} was there"
+                file = Path(folder) / robot.name
+                here = _Installation(connection=connection, target=target, bundle=bundle, file=file)
+                said = bundle.name if await here.unpack() else f"{bundle.name} was there"
                 if service:
                     python = f"{target.base}/current/bin/python"
                     unit = unit_of(robot, fleet, python, with_root=target.with_root)
-                    file = Path(folder) / robot.name
-                    said += await _serve(connection, target, bundle, unit, file, user=robot.user)
+                    said += await here.serve(unit, user=robot.user)
                 else:
-                    await _run(connection, _SWITCH, target, bundle)
-                await _run(connection, _PRUNE, target, bundle)
+                    await here.run(_SWITCH)
+                await here.run(_PRUNE)
             return Done(said=said)
 
         return await on_each(robots, work)
@@ -192,118 +184,97 @@ async def _ask(connection: "asyncssh.SSHClientConnection") -> _Target:
     )
 
 
-async def _run(
-    connection: "asyncssh.SSHClientConnection", script: str, target: _Target, bundle: Bundle
-) -> str:
-    words = {
-        "@BASE@": BASE,
-        "@NAME@": bundle.name,
-        "@PYTHON@": target.python,
-        "@PACKAGES@": bundle.platform.packages,
-        "@CTL@": target.ctl,
-        "@JOURNAL@": target.journal,
-        "@SERVICE@": SERVICE,
-        "@WATCHED@": str(WATCHED),
-        "@FROM@": str(KEPT + 1),
-    }
-    for word, value in words.items():
-        script = script.replace(word, value)
-    return await output_of(connection, script)
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Installation:
+    """A version on its way to one computer; `file` holds its unit here."""
 
+    connection: "asyncssh.SSHClientConnection"
+    target: _Target
+    bundle: Bundle
+    file: Path
 
-async def _install(
-    connection: "asyncssh.SSHClientConnection", target: _Target, bundle: Bundle
-) -> bool:
-    """Put a version beside the others, if it is not there; return whether it was not."""
-    marker = f"{BASE}/releases/{bundle.name}/complete"
-    there = await output_of(connection, f"test -e {marker} && echo yes || echo no")
-    if there == "yes":
-        return False
-    await put_file(connection, bundle.path, f"{target.base}/{bundle.name}.tar.gz")
-    await _run(connection, _UNPACK, target, bundle)
-    return True
+    async def run(self, script: str) -> str:
+        """Return the output of a script, with values in the place of its words."""
+        bundle, target = self.bundle, self.target
+        words = {
+            "@BASE@": BASE,
+            "@NAME@": bundle.name,
+            "@PYTHON@": target.python,
+            "@PACKAGES@": bundle.platform.packages,
+            "@CTL@": "sudo -n systemctl" if target.with_root else "systemctl --user",
+            "@JOURNAL@": "sudo -n journalctl" if target.with_root else "journalctl --user",
+            "@SERVICE@": SERVICE,
+            "@WATCHED@": str(WATCHED),
+            "@FROM@": str(KEPT + 1),
+        }
+        for word, value in words.items():
+            script = script.replace(word, value)
+        return await output_of(self.connection, script)
 
+    async def unpack(self) -> bool:
+        """Put the version beside the others, if it is not there; return whether it was not."""
+        marker = f"{BASE}/releases/{self.bundle.name}/complete"
+        there = await output_of(self.connection, f"test -e {marker} && echo yes || echo no")
+        if there == "yes":
+            return False
+        archive = f"{self.target.base}/{self.bundle.name}.tar.gz"
+        await put_file(self.connection, self.bundle.path, archive)
+        await self.run(_UNPACK)
+        return True
 
-async def _serve(
-    connection: "asyncssh.SSHClientConnection",
-    target: _Target,
-    bundle: Bundle,
-    unit: SystemdUnit,
-    file: Path,
-    *,
-    user: str,
-) -> str:
-    """Let the service run this version; return a word about that.
+    async def serve(self, unit: SystemdUnit, *, user: str) -> str:
+        """Let the service run this version; return a word about that.
 
-    If it does not start, the version before it runs again, and this raises RemoteError.
-    """
-    if not target.has_systemd:
-        await _run(connection, _SWITCH, target, bundle)
-        return "; no systemd there: nothing starts it"
-    path = WITH_ROOT if target.with_root else f"{target.home}/{USER_UNIT}"
-    before = await output_of(connection, f"cat {path} 2>/dev/null || true")
-    state = await _run(
-        connection, _MANAGER + "ctl is-active @SERVICE@ 2>/dev/null || true", target, bundle
-    )
-    unchanged = before.rstrip("\n") == unit.text().rstrip("\n")
-    if unchanged and target.current == f"releases/{bundle.name}" and state == "active":
-        return ", and runs"
-    await _write_unit(connection, target, unit.text(), file)
-    await _run(connection, _SWITCH, target, bundle)
-    try:
-        await _run(connection, _MANAGER + _START, target, bundle)
-    except RemoteError as error:
-        said = await _run(connection, _MANAGER + _WHY, target, bundle)
-        why = "; ".join(said.splitlines())
-        told = "That version was there before"
-        if not (unchanged and target.current == f"releases/{bundle.name}"):
-            told = await _roll_back(connection, target, bundle, before, file)
-        raise RemoteError(f"{bundle.name} does not start: {error}; {why}. {told}") from None
-    if target.with_root:
-        return ", and drives the robot from the start"
-    if await output_of(connection, _LINGER) == "yes":
-        return ", and drives the robot from the start"
-    return (
-        ", and runs; to let it run from the start an administrator has to run there: "
-        f"sudo loginctl enable-linger {user}"
-    )
+        If it does not start, the version before it runs again, and this raises RemoteError.
+        """
+        target, name = self.target, self.bundle.name
+        if not target.has_systemd:
+            await self.run(_SWITCH)
+            return "; no systemd there: nothing starts it"
+        path = WITH_ROOT if target.with_root else f"{target.home}/{USER_UNIT}"
+        before = await output_of(self.connection, f"cat {path} 2>/dev/null || true")
+        state = await self.run(_MANAGER + "ctl is-active @SERVICE@ 2>/dev/null || true")
+        same_unit = before.rstrip("\n") == unit.text().rstrip("\n")
+        unchanged = same_unit and target.current == f"releases/{name}"
+        if unchanged and state == "active":
+            return ", and runs"
+        await self._write_unit(unit.text())
+        await self.run(_SWITCH)
+        try:
+            await self.run(_MANAGER + _START)
+        except RemoteError as error:
+            why = "; ".join((await self.run(_MANAGER + _WHY)).splitlines())
+            told = "That version was there before" if unchanged else await self._roll_back(before)
+            raise RemoteError(f"{name} does not start: {error}; {why}. {told}") from None
+        if target.with_root or await output_of(self.connection, _LINGER) == "yes":
+            return ", and drives the robot from the start"
+        return (
+            ", and runs; to let it run from the start an administrator has to run there: "
+            f"sudo loginctl enable-linger {user}"
+        )
 
+    async def _write_unit(self, text: str) -> None:
+        self.file.write_text(text, encoding="utf-8")
+        self.file.chmod(0o644)
+        if not self.target.with_root:
+            await put_file(self.connection, self.file, f"{self.target.home}/{USER_UNIT}")
+            return
+        staged = f"{self.target.base}/{SERVICE}.service"
+        await put_file(self.connection, self.file, staged)
+        install = f"sudo -n install -o root -g root -m 644 {staged} {WITH_ROOT} && rm {staged}"
+        await output_of(self.connection, install)
 
-async def _write_unit(
-    connection: "asyncssh.SSHClientConnection", target: _Target, text: str, file: Path
-) -> None:
-    _write(file, text)
-    if not target.with_root:
-        await put_file(connection, file, f"{target.home}/{USER_UNIT}")
-        return
-    staged = f"{target.base}/{SERVICE}.service"
-    await put_file(connection, file, staged)
-    await output_of(
-        connection, f"sudo -n install -o root -g root -m 644 {staged} {WITH_ROOT} && rm {staged}"
-    )
-
-
-def _write(file: Path, text: str) -> None:
-    file.write_text(text, encoding="utf-8")
-    file.chmod(0o644)
-
-
-async def _roll_back(
-    connection: "asyncssh.SSHClientConnection",
-    target: _Target,
-    bundle: Bundle,
-    unit: str,
-    file: Path,
-) -> str:
-    """Go back to the version before; return a word about that."""
-    if target.current == "none" or not unit:
-        await _run(connection, _MANAGER + _SWITCH_OFF, target, bundle)
-        return "The service is switched off again; nothing ran there before"
-    await _write_unit(connection, target, unit + "\n", file)
-    old = Bundle(target.current.rpartition("/")[2], bundle.path, bundle.platform)
-    try:
-        await _run(connection, _SWITCH, target, old)
-        await _run(connection, _MANAGER + _START, target, old)
-    except RemoteError as error:
-        return f"The version before, {old.name}, does not start any more either: {error}"
-    return f"The version before, {old.name}, runs again"
+    async def _roll_back(self, unit: str) -> str:
+        """Go back to the version before; return a word about that."""
+        if self.target.current == "none" or not unit:
+            await self.run(_MANAGER + _SWITCH_OFF)
+            return "The service is switched off again; nothing ran there before"
+        await self._write_unit(unit + "\n")
+        name = self.target.current.rpartition("/")[2]
+        old = replace(self, bundle=replace(self.bundle, name=name))
+        try:
+            await old.run(_SWITCH)
+            await old.run(_MANAGER + _START)
+        except RemoteError as error:
+            return f"The version before, {name}, does not start any more either: {error}"
+        return f"The version before, {name}, runs again"

@@ -68,11 +68,7 @@ class Found:
 
 
 def addresses_in(words: Iterable[str]) -> tuple[str, ...]:
-    """Return the addresses that `192.168.1.113` and `192.168.1.0/24` stand for.
-
-    Raises:
-        ConfigError: A word is neither, or they are too many.
-    """
+    """Return the addresses in words as `192.168.1.0/24`; ConfigError for others, or too many."""
     found: dict[str, None] = {}
     for word in words:
         try:

@@ -93,11 +93,7 @@ def text_of(path: Path) -> str:
 
 
 def with_block(text: str, lines: list[str]) -> str:
-    """Return `text` with our block of lines; an earlier one is replaced where it stands.
-
-    Raises:
-        ConfigError: The block of `text` has no end.
-    """
+    """Return `text` with our block, in place of an earlier one; ConfigError if that has no end."""
     block = "".join(f"{line}\n" for line in (BEGIN, *lines, END))
     if found := _BLOCK.search(text):
         rest = _BLOCK.sub("", text[found.end() :])  # one that a hand has doubled

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Final
 from urllib.parse import urlsplit
 
-from pioneer3.doctor.facts import FAILED, FORBIDDEN, Finding, Level
+from pioneer3.doctor.facts import FORBIDDEN, Finding, Level
 from pioneer3.fleet.host_facts import ROS_VARIABLES, HostFacts
 from pioneer3.fleet.key import WITHOUT_PASSWORDS
 from pioneer3.fleet.ros_graph import MASTER_PORT
@@ -46,7 +46,6 @@ def check_clock(patient: Patient) -> Iterator[Finding]:
             meaning="ROS compares times of two computers: transforms and scans are refused.",
             advice="On it run: sudo apt-get install -y chrony; without internet let it follow this "
             "computer (server ADDRESS iburst in /etc/chrony/chrony.conf).",
-            code=FAILED if wrong else 0,
         )
     else:
         yield Finding(check="clock", level=Level.OK, found=f"{found} (to {error:.2f} s)")
@@ -64,7 +63,6 @@ def check_serial(patient: Patient) -> Iterator[Finding]:
             found=f"{port} does not exist",
             meaning="The cable or its adapter is not plugged in, or has another name there.",
             advice="On it run: pioneer3 find-port; then mend port in the fleet file.",
-            code=FAILED,
         )
     elif not facts.device_allowed:
         yield Finding(
@@ -193,7 +191,6 @@ def check_firewall(patient: Patient) -> Iterator[Finding]:
             meaning="ROS nodes and robots' ports are on ports of any number."
             + (" Its firewall ufw is on." if facts.firewall else ""),
             advice=f"On it run: sudo ufw allow from {source}",
-            code=FAILED,
         )
 
 
@@ -209,7 +206,6 @@ def check_disk(patient: Patient) -> Iterator[Finding]:
         found=f"{free / 1e9:.1f} GB free",
         meaning="" if level is Level.OK else "Recordings and installations fail soon.",
         advice="" if level is Level.OK else "On it run: du -xh ~ | sort -h | tail",
-        code=FAILED if level is Level.FAIL else 0,
     )
 
 
@@ -247,7 +243,6 @@ def check_service(patient: Patient) -> Iterator[Finding]:
             level=Level.FAIL,
             found="the service that drives the robot has failed",
             advice=f"pioneer3 fleet logs --on {patient.robot.name}",
-            code=FAILED,
         )
     elif patient.facts.version and state:
         yield Finding(check="service", level=Level.OK, found=f"the service is {state}")

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Final
 
-from pioneer3.doctor.facts import FAILED, Finding, Level
+from pioneer3.doctor.facts import Finding, Level
 from pioneer3.fleet.edit import with_block
 from pioneer3.fleet.spec import Fleet
 from pioneer3.links.hosts import is_loopback
@@ -58,10 +58,8 @@ def entries(fleet: Fleet) -> tuple[HostsEntry, ...]:
 def with_entries(text: str, fleet: Fleet) -> str:
     """Return the text of a hosts file with the entries of a fleet as a block.
 
-    The fleet's names are taken from other lines, and a line without names becomes a comment.
-
-    Raises:
-        ConfigError: An earlier block has lost its end.
+    The fleet's names are taken from other lines, and a line without names becomes a comment. Raises
+    ConfigError if an earlier block has lost its end.
     """
     wanted = entries(fleet)
     names = {name.lower() for entry in wanted for name in entry.names}
@@ -97,7 +95,6 @@ def _own_name(here: HostsSituation) -> Iterator[Finding]:
             found=f"line {local[0]}: {here.name} means this computer itself, and nothing else",
             meaning="ROS tells others the address behind the own name: they would call themselves.",
             advice=f"{mine.address} must be its address: pioneer3 fleet hosts --apply",
-            code=FAILED,
         )
 
 
@@ -113,7 +110,6 @@ def _missing(here: HostsSituation) -> Iterator[Finding]:
                 found=f"{' and '.join(absent)} at {entry.address}",
                 meaning="A computer that cannot be found by its name gets no messages of ROS.",
                 advice="pioneer3 fleet hosts --apply",
-                code=FAILED,
             )
         elif found and found[0].names[0].lower() not in map(str.lower, entry.names):
             yield Finding(
@@ -141,7 +137,6 @@ def _elsewhere(here: HostsSituation) -> Iterator[Finding]:
                     found=f"line {at}: {name} is {address}; in the fleet {entry.address}",
                     meaning="The first line with a name counts.",
                     advice="pioneer3 fleet hosts --apply, or mend the fleet file",
-                    code=FAILED,
                 )
 
 

@@ -14,22 +14,10 @@ from typing import Any, Final
 from pioneer3.errors import ConfigError
 from pioneer3.fleet import checks
 from pioneer3.fleet.network import FleetNetwork, check_networks
-from pioneer3.fleet.spec import ALL, Defaults, Fleet, FleetRobot, OperatorComputer, usual
+from pioneer3.fleet.spec import Defaults, Fleet, FleetRobot, OperatorComputer, usual
 from pioneer3.links.hosts import SOMEWHERE, address_towards
 from pioneer3.tables import Source, converted, keys, load, table_of, written
 from pioneer3.text import decoded, read_bytes, shown
-
-__all__ = [
-    "ALL",
-    "Defaults",
-    "Fleet",
-    "FleetRobot",
-    "OperatorComputer",
-    "find_fleet",
-    "parse_fleet",
-    "read_fleet",
-    "to_toml",
-]
 
 FILE: Final = "fleet.toml"
 VARIABLE: Final = "PIONEER3_FLEET"
@@ -62,11 +50,7 @@ def find_fleet(
 
 
 def read_fleet(path: Path) -> Fleet:
-    """Read a fleet file.
-
-    Raises:
-        ConfigError: It cannot be read, or is wrong; names file, line and key.
-    """
+    """Read a fleet file; ConfigError, with file, line and key, if it is wrong or cannot be read."""
     return parse_fleet(path, decoded(read_bytes(path, LARGEST_FLEET, kind="fleet")))
 
 
@@ -140,11 +124,7 @@ def _table(robot: FleetRobot, defaults: Defaults) -> dict[str, object]:
 
 
 def robot_of(word: str, defaults: Defaults) -> FleetRobot:
-    """Read `NAME=ADDRESS`, such as `p3at-1=192.168.1.113`.
-
-    Raises:
-        ConfigError: It is not that.
-    """
+    """Read `NAME=ADDRESS`, such as `p3at-1=192.168.1.113`; ConfigError if it is not that."""
     name, equals, address = (part.strip() for part in word.partition("="))
     if not (name and equals and address):
         raise ConfigError(f"{shown(word)}: expected NAME=ADDRESS, such as p3at-1=192.168.1.113")

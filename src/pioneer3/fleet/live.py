@@ -4,10 +4,10 @@ import asyncio
 import logging
 from collections.abc import Awaitable, Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from struct import unpack
 from types import MappingProxyType
-from typing import Final
+from typing import Final, TypeVar
 
 from pioneer3.arcos.host_events import Timing
 from pioneer3.arcos.reports.sip import SipFlag
@@ -20,6 +20,7 @@ from pioneer3.links.stream import open_tcp
 from pioneer3.units import DECIVOLT
 
 log = logging.getLogger(__name__)
+T = TypeVar("T")
 TIMEOUT: Final = 3.0
 """For each answer [s]."""
 LEEWAY: Final = 0.5
@@ -36,6 +37,10 @@ class SshAnswer:
     said: str
 
 
+NOT_ASKED: Final = SshAnswer(None, "")
+UP: Final = SshAnswer(True, "yes")
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Live:
     """The answers of a robot and its computer, which took some `seconds`.
@@ -47,10 +52,10 @@ class Live:
     """
 
     robot: str
-    up: SshAnswer
-    ssh: SshAnswer
-    driver: SshAnswer
-    ros: SshAnswer
+    up: SshAnswer = NOT_ASKED
+    ssh: SshAnswer = NOT_ASKED
+    driver: SshAnswer = NOT_ASKED
+    ros: SshAnswer = NOT_ASKED
     battery: float | None = None
     motors: bool | None = None
     stopped: bool | None = None
@@ -74,6 +79,9 @@ class OnTopics:
     nodes: int = 1
 
 
+AskTopics = Callable[[FleetRobot, float], Awaitable[OnTopics]]
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Questions:
     """How robots are asked, with a timeout for each answer [s].
@@ -86,7 +94,7 @@ class Questions:
     timeout: float = TIMEOUT
     masters: tuple[NodeAddress, ...] = ()
     addresses: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
-    ros2: Callable[[FleetRobot, float], Awaitable[OnTopics]] | None = None
+    ros2: AskTopics | None = None
     clock: Callable[[FleetRobot], Awaitable[float]] | None = None
     ssh_port: int = SSH_PORT
     master_port: int = MASTER_PORT
@@ -102,37 +110,16 @@ async def look_at(robot: FleetRobot, questions: Questions) -> Live:
     clock = asyncio.get_running_loop().time
     began = clock()
     (up, ssh), told, ahead = await asyncio.gather(
-        _ssh(robot, questions), _driver(robot, questions), _clock(robot, questions)
+        _ssh(robot, questions),
+        _driver(robot, questions),
+        _within(questions.timeout, (questions.clock or _unknown)(robot)),
     )
     if ahead is not None:
-        up = ssh = SshAnswer(True, "yes")  # at another port, or by way of another computer
+        up = ssh = UP  # at another port, or by way of another computer
     if not up.ok and (told.driver.ok or (told.ros.ok and robot.ros == "1")):
-        up = SshAnswer(True, "yes")  # a firewall that lets ssh go unanswered
-    return Live(
-        robot=robot.name,
-        up=up,
-        ssh=ssh,
-        driver=told.driver,
-        ros=told.ros,
-        battery=told.battery,
-        motors=told.motors,
-        stopped=told.stopped,
-        age=None if told.age is None else told.age + (ahead or 0.0),
-        clock=ahead,
-        seconds=clock() - began,
-    )
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Told:
-    """The answer of the robot's port or node."""
-
-    driver: SshAnswer
-    ros: SshAnswer = SshAnswer(None, "")
-    battery: float | None = None
-    motors: bool | None = None
-    stopped: bool | None = None
-    age: float | None = None
+        up = UP  # a firewall that lets ssh go unanswered
+    age = None if told.age is None else told.age + (ahead or 0.0)
+    return replace(told, up=up, ssh=ssh, age=age, clock=ahead, seconds=clock() - began)
 
 
 async def _ssh(robot: FleetRobot, questions: Questions) -> tuple[SshAnswer, SshAnswer]:
@@ -141,7 +128,7 @@ async def _ssh(robot: FleetRobot, questions: Questions) -> tuple[SshAnswer, SshA
         async with asyncio.timeout(questions.timeout):
             reader, writer = await asyncio.open_connection(robot.address, questions.ssh_port)
     except ConnectionRefusedError:
-        return SshAnswer(True, "yes"), SshAnswer(False, "refused")
+        return UP, SshAnswer(False, "refused")
     except TimeoutError:
         return SshAnswer(False, "no answer"), SshAnswer(False, "")
     except OSError as error:
@@ -150,48 +137,48 @@ async def _ssh(robot: FleetRobot, questions: Questions) -> tuple[SshAnswer, SshA
         async with asyncio.timeout(questions.timeout):
             banner = await reader.read(LONGEST_BANNER)
     except TimeoutError:
-        return SshAnswer(True, "yes"), SshAnswer(False, "silent")
+        return UP, SshAnswer(False, "silent")
     except OSError:
         banner = b""
     finally:
         writer.transport.abort()
     if banner.startswith(b"SSH-"):
-        return SshAnswer(True, "yes"), SshAnswer(True, "yes")
-    return SshAnswer(True, "yes"), SshAnswer(False, "hung up" if not banner else "not ssh")
+        return UP, UP
+    return UP, SshAnswer(False, "hung up" if not banner else "not ssh")
 
 
-async def _driver(robot: FleetRobot, questions: Questions) -> _Told:
+async def _driver(robot: FleetRobot, questions: Questions) -> Live:
     """Ask the ROS node of the robot, or else its own port; a node has the port to itself."""
     if robot.ros == "1":
         return await _node(robot, questions)
-    if robot.ros == "2":
-        return await _topics(robot, questions)
-    if robot.endpoint is not None:
+    if robot.ros == "2" and questions.ros2 is not None:
+        return await _topics(robot, questions.ros2, questions.timeout)
+    if robot.endpoint is not None and not robot.ros:
         return await _port(robot, robot.endpoint, questions)
-    return _Told(driver=SshAnswer(None, ""))  # a device of its computer
+    return Live(robot=robot.name)  # a device of its computer
 
 
-async def _topics(robot: FleetRobot, questions: Questions) -> _Told:
+async def _topics(robot: FleetRobot, ask: AskTopics, patience: float) -> Live:
     """Ask the robot's topics of ROS 2."""
-    if questions.ros2 is None:
-        return _Told(driver=SshAnswer(None, ""))
+    name = robot.name
     try:
-        async with asyncio.timeout(questions.timeout + LEEWAY):
-            told = await questions.ros2(robot, questions.timeout)
+        async with asyncio.timeout(patience + LEEWAY):
+            told = await ask(robot, patience)
     except NoRobotError as error:
-        return _Told(driver=SshAnswer(False, "no node"), ros=SshAnswer(False, str(error)))
+        return _without_driver(name, "no node", SshAnswer(False, str(error)))
     except TimeoutError:
-        return _Told(driver=SshAnswer(False, "no network"), ros=SshAnswer(False, "silent"))
+        return _without_driver(name, "no network", SshAnswer(False, "silent"))
     except PioneerError as error:
-        return _Told(driver=SshAnswer(False, "no network"), ros=SshAnswer(False, str(error)))
+        return _without_driver(name, "no network", SshAnswer(False, str(error)))
     except Exception as error:  # the others are to be told of all the same
-        log.exception("%s: failed", robot.name)
-        return _Told(driver=SshAnswer(False, "failed"), ros=SshAnswer(False, type(error).__name__))
+        log.exception("%s: failed", name)
+        return _without_driver(name, "failed", SshAnswer(False, type(error).__name__))
     if told.nodes > 1:
         driver = SshAnswer(False, f"{told.nodes} nodes")
     else:
         driver = SshAnswer(False, "silent") if told.age is None else SshAnswer(True, robot.node)
-    return _Told(
+    return Live(
+        robot=name,
         driver=driver,
         ros=SshAnswer(True, told.network),
         battery=told.battery,
@@ -201,20 +188,24 @@ async def _topics(robot: FleetRobot, questions: Questions) -> _Told:
     )
 
 
-async def _port(robot: FleetRobot, endpoint: tuple[str, int], questions: Questions) -> _Told:
+def _without_driver(robot: str, said: str, ros: SshAnswer = NOT_ASKED) -> Live:
+    return Live(robot=robot, driver=SshAnswer(False, said), ros=ros)
+
+
+async def _port(robot: FleetRobot, endpoint: tuple[str, int], questions: Questions) -> Live:
     host, number = endpoint
     address = questions.addresses.get(host.lower(), host)
     try:
         async with asyncio.timeout(questions.timeout):
             told = await asked_port(address, number, questions.timeout)
     except TimeoutError:
-        return _Told(driver=SshAnswer(False, "silent"))
+        return _without_driver(robot.name, "silent")
     except ConnectionResetError:
-        return _Told(driver=SshAnswer(False, "busy"))
+        return _without_driver(robot.name, "busy")
     except LinkError:
-        return _Told(driver=SshAnswer(False, "refused"))
-    says = f"{number} in use" if told.motors else f"{number} answers"
-    return _Told(driver=SshAnswer(True, says), battery=told.battery, motors=told.motors)
+        return _without_driver(robot.name, "refused")
+    says = SshAnswer(True, f"{number} in use" if told.motors else f"{number} answers")
+    return Live(robot=robot.name, driver=says, battery=told.battery, motors=told.motors)
 
 
 @dataclass(frozen=True, slots=True)
@@ -255,7 +246,7 @@ async def asked_port(address: str, number: int, patience: float) -> AtPort:
         await session.close()
 
 
-async def _node(robot: FleetRobot, questions: Questions) -> _Told:
+async def _node(robot: FleetRobot, questions: Questions) -> Live:
     """Ask the masters for the robot's node, all at once; the first that knows it counts."""
     own = NodeAddress(robot.address, questions.master_port)
     graphs = [
@@ -269,32 +260,29 @@ async def _node(robot: FleetRobot, questions: Questions) -> _Told:
     )
 
 
-async def _on_graph(robot: FleetRobot, graph: MasterGraph, patience: float) -> _Told:
+async def _on_graph(robot: FleetRobot, graph: MasterGraph, patience: float) -> Live:
     place = f"{graph.master.host}:{graph.master.port}"
     name = f"/{robot.node.lstrip('/')}"
     try:
         async with asyncio.timeout(patience):
             node = await graph.node(name)
     except TimeoutError:
-        return _Told(driver=SshAnswer(False, "no master"), ros=SshAnswer(False, "silent"))
+        return _without_driver(robot.name, "no master", SshAnswer(False, "silent"))
     except OSError as error:
         why = "no ROS" if isinstance(error, RosGraphError) else "no master"
-        return _Told(driver=SshAnswer(False, why), ros=SshAnswer(False, why))
+        return _without_driver(robot.name, why, SshAnswer(False, why))
     here = SshAnswer(True, place)
     if node is None:
-        return _Told(driver=SshAnswer(False, "no node"), ros=here)
-    try:
-        async with asyncio.timeout(patience):
-            alive = await graph.answers(node)
-    except TimeoutError:
-        alive = False
+        return _without_driver(robot.name, "no node", here)
+    alive = await _within(patience, graph.answers(node))
     if not alive:
-        return _Told(driver=SshAnswer(False, "node silent"), ros=here)
+        return _without_driver(robot.name, "node silent", here)
     battery, motors = await asyncio.gather(
-        _message(graph, node, f"{name}/battery_voltage", "std_msgs/Float64", patience),
-        _message(graph, node, f"{name}/motors_state", "std_msgs/Bool", patience),
+        _within(patience, graph.message(node, f"{name}/battery_voltage", "std_msgs/Float64")),
+        _within(patience, graph.message(node, f"{name}/motors_state", "std_msgs/Bool")),
     )
-    return _Told(
+    return Live(
+        robot=robot.name,
         driver=SshAnswer(True, robot.node),
         ros=here,
         battery=unpack("<d", battery)[0] if battery and len(battery) == 8 else None,
@@ -302,21 +290,15 @@ async def _on_graph(robot: FleetRobot, graph: MasterGraph, patience: float) -> _
     )
 
 
-async def _message(
-    graph: MasterGraph, node: NodeAddress, topic: str, kind: str, patience: float
-) -> bytes | None:
-    with suppress(TimeoutError, OSError):
-        async with asyncio.timeout(patience):
-            return await graph.message(node, topic, kind)
-    return None
+async def _unknown(robot: FleetRobot) -> None:
+    """Tell nothing of a robot's clock."""
 
 
-async def _clock(robot: FleetRobot, questions: Questions) -> float | None:
-    if questions.clock is None:
-        return None
+async def _within(patience: float, answer: Awaitable[T]) -> T | None:
+    """Return an answer; `None` if none came in time."""
     with suppress(TimeoutError, OSError, PioneerError):
-        async with asyncio.timeout(questions.timeout):
-            return await questions.clock(robot)
+        async with asyncio.timeout(patience):
+            return await answer
     return None
 
 

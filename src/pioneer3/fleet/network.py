@@ -111,10 +111,8 @@ def check_networks(source: Source, networks: Sequence[FleetNetwork]) -> None:
 def network_of(networks: Iterable[FleetNetwork], name: str) -> FleetNetwork:
     """Return the network of this name; the first one if the name is empty.
 
-    A file without any means the network of this computer's own variables.
-
-    Raises:
-        ConfigError: There is no such network.
+    A file without any means the network of this computer's own variables. Raises ConfigError if
+    there is no such network.
     """
     known = list(networks)
     found = (

@@ -38,11 +38,7 @@ class NodeAddress:
 
     @classmethod
     def of(cls, uri: str) -> "NodeAddress":
-        """Return the place that a URI names, such as `http://p3at-1:11311/`.
-
-        Raises:
-            RosGraphError: It names none.
-        """
+        """Return the place in a URI such as `http://p3at-1:11311/`; RosGraphError for none."""
         try:
             parts = urlsplit(uri)
             host, port = parts.hostname, parts.port or MASTER_PORT
@@ -119,12 +115,7 @@ class MasterGraph:
 async def _call(
     place: NodeAddress, method: str, *arguments: str | list[list[str]]
 ) -> tuple[int, str, object]:
-    """Return code, text and value of a call.
-
-    Raises:
-        RosGraphError: The answer is not one of ROS.
-        OSError: There is no connection.
-    """
+    """Return code, text and value of a call; RosGraphError if they are none of ROS, or OSError."""
     body = dumps(arguments, method).encode()
     request = (
         f"POST /RPC2 HTTP/1.0\r\nHost: {place.host}:{place.port}\r\n"
@@ -166,11 +157,7 @@ async def _connected(
 
 
 async def _block(reader: asyncio.StreamReader) -> bytes:
-    """Return the next length and its bytes.
-
-    Raises:
-        RosGraphError: The other side hung up, or sends too much.
-    """
+    """Return the next length and its bytes; RosGraphError at the end, or for too many."""
     try:
         (length,) = unpack("<I", await reader.readexactly(4))
         if length > LARGEST_ANSWER:

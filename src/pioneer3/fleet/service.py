@@ -43,10 +43,7 @@ _NAMES_THAT_CHANGE: Final = ("/dev/ttyUSB", "/dev/ttyACM")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ServiceState:
-    """The state of the service, as systemd tells it; `lines` are the last ones of its output.
-
-    `starts` is false where it does not start with the computer.
-    """
+    """The state of the service: whether it `starts` with the computer, its last `lines`."""
 
     path: Path
     active: str
@@ -134,7 +131,11 @@ class LocalService:
             FilePermissionError: This user may not do it.
             RemoteError: systemd refuses it.
         """
-        self._require_systemd()
+        if not BOOTED.is_dir():
+            raise ConfigError(
+                "systemd does not run this system, and nothing else is known here that starts"
+                " programs with the computer; --print shows the unit"
+            )
         self._require_right()
         there = self.found()
         if there is not None and (there.path != self.path or not there.is_ours):
@@ -229,14 +230,6 @@ class LocalService:
         if self.with_root and os.geteuid() != 0:
             again = shlex.join(sys.argv[1:])
             raise FilePermissionError(f"{self.path} needs root; run: sudo {_program()} {again}")
-
-    @staticmethod
-    def _require_systemd() -> None:
-        if not BOOTED.is_dir():
-            raise ConfigError(
-                "systemd does not run this system, and nothing else is known here that starts"
-                " programs with the computer; --print shows the unit"
-            )
 
     def _ctl(self, *words: str) -> list[str]:
         done = self._called("systemctl", *self._manager, *words)

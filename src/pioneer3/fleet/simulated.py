@@ -20,10 +20,7 @@ def simulated(
 
     A row listens where others look for it, if this computer has that address: on loopback, and
     elsewhere if `network` allows it; other rows at `bind`. Of rows that would listen at the same
-    place, the later ones get the next port.
-
-    Raises:
-        ConfigError: The fleet has no robot.
+    place, the later ones get the next port. Raises ConfigError if the fleet has no robot.
     """
     if not fleet.robots:
         raise ConfigError(f"{fleet.path}: it has no robot to simulate; add one as [[robot]]")

@@ -164,11 +164,7 @@ class Fleet:
         return tuple(robot for robot in self.robots if robot.name in wanted)
 
     def robot(self, name: str) -> FleetRobot:
-        """Return one robot by its name.
-
-        Raises:
-            ConfigError: There is no such robot; gives the nearest name.
-        """
+        """Return one robot by its name; ConfigError, with the nearest name, if there is none."""
         for robot in self.robots:
             if robot.name == name:
                 return robot

@@ -65,11 +65,7 @@ def known_hosts_file() -> Path:
 
 
 def asyncssh_module() -> Any:
-    """Import asyncssh.
-
-    Raises:
-        HostError: It is not installed; says how to get it.
-    """
+    """Import asyncssh; HostError says how to get it if it is not installed."""
     try:
         import asyncssh
     except ImportError:
@@ -113,10 +109,8 @@ async def connect(
 async def offered_host_key(robot: FleetRobot, login: Login = LOGIN) -> str | None:
     """Return the host key that `robot`'s computer shows, if it is not known yet, else `None`.
 
-    It is a line in OpenSSH's format, without a host name. Nothing but the key is exchanged.
-
-    Raises:
-        HostError: It cannot be reached, or has another key than before.
+    It is a line in OpenSSH's format, without a host name. Nothing but the key is exchanged. Raises
+    HostError if it cannot be reached, or has another key than before.
     """
     ssh = asyncssh_module()
     attempt = _Attempt(robot, login)

@@ -121,11 +121,7 @@ def unit_of(robot: FleetRobot, fleet: Fleet, python: str, *, with_root: bool) ->
 
 
 def check_unit(robot: FleetRobot, fleet: Fleet) -> None:
-    """Refuse a robot that no unit can drive.
-
-    Raises:
-        ConfigError: Its network of ROS 2 has files, of which the robot needs its own.
-    """
+    """Raise ConfigError for a robot without a unit: its network needs files of the robot's own."""
     network = fleet.network(robot)
     if robot.ros == "2" and any(getattr(network, key) for key in FILES):
         raise ConfigError(

@@ -32,10 +32,8 @@ def addresses(master: str | None, environment: Mapping[str, str] = os.environ) -
     """Return the addresses by an option, or the variables that all of ROS 1 goes by.
 
     Without an option the master is that of ROS_MASTER_URI, else on this computer. With a master on
-    this computer nothing listens beyond it, unless ROS_IP or ROS_HOSTNAME says so.
-
-    Raises:
-        ConfigError: the address is none, or no way leads there.
+    this computer nothing listens beyond it, unless ROS_IP or ROS_HOSTNAME says so. Raises
+    ConfigError if the address is none, or no way leads there.
     """
     uri = master or environment.get("ROS_MASTER_URI") or f"http://{LOCAL}:{PORT}"
     parts = urlsplit(uri)

@@ -41,11 +41,7 @@ def launcher(python: str, *arguments: str) -> str:
 
 
 def rendered(package: str, name: str, values: Mapping[str, str]) -> str:
-    """Return a template of `pioneer3.ros.{package}` with a value in the place of each `@key@`.
-
-    Raises:
-        KeyError: a value is missing.
-    """
+    """Return a template of `pioneer3.ros.{package}` with values for each `@key@`; else KeyError."""
     path = files(f"pioneer3.ros.{package}").joinpath("templates", f"{name}.in")
     return PLACEHOLDER.sub(lambda found: values[found[1]], path.read_text(encoding="utf-8"))
 
@@ -65,11 +61,7 @@ def urdf_files(folder: Path) -> dict[Path, str]:
 
 
 def write_files(contents: Mapping[Path, str], programs: Collection[Path], folder: Path) -> None:
-    """Write texts to their paths in `folder`; those in `programs` can be executed.
-
-    Raises:
-        ConfigError: they cannot be written there.
-    """
+    """Write texts to their paths, `programs` executable; ConfigError if they cannot be there."""
     try:
         for path, text in contents.items():
             path.parent.mkdir(parents=True, exist_ok=True)

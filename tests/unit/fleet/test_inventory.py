@@ -5,15 +5,9 @@ from pathlib import Path
 import pytest
 
 from pioneer3.errors import ConfigError
-from pioneer3.fleet.inventory import (
-    FleetRobot,
-    OperatorComputer,
-    find_fleet,
-    parse_fleet,
-    read_fleet,
-    to_toml,
-)
+from pioneer3.fleet.inventory import find_fleet, parse_fleet, read_fleet, to_toml
 from pioneer3.fleet.network import FleetNetwork
+from pioneer3.fleet.spec import FleetRobot, OperatorComputer
 
 LAB = """\
 # The lab's robots.

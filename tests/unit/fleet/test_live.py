@@ -13,7 +13,6 @@ import pytest
 
 from pioneer3.errors import ConfigError, NoRobotError
 from pioneer3.fleet.columns import TableCell, shown
-from pioneer3.fleet.inventory import Fleet, FleetRobot
 from pioneer3.fleet.live import (
     Live,
     OnTopics,
@@ -24,6 +23,7 @@ from pioneer3.fleet.live import (
     look_at,
 )
 from pioneer3.fleet.ros_graph import NodeAddress
+from pioneer3.fleet.spec import Fleet, FleetRobot
 from pioneer3.sim.server.start import simulator
 from tests.e2e.processes import free_port
 

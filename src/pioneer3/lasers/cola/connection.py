@@ -200,31 +200,11 @@ class ColaConnection:
         code = self._unit.set_scan(ScanConfig.parse(words))
         return f"{code:X} {self._unit.settings.scan.answer()}"
 
-    def _store(self, words: TelegramWords, now: float) -> str:
-        words.end()
-        self._unit.store()
-        return "1"
-
-    def _start(self, words: TelegramWords, now: float) -> str:
-        words.end()
-        self._unit.measure(on=True)
-        return "0"
-
-    def _stop(self, words: TelegramWords, now: float) -> str:
-        words.end()
-        self._unit.measure(on=False)
-        return "0"
-
     def _set_date(self, words: TelegramWords, now: float) -> str:
         numbers = [words.number(U16) for _ in range(6)]
         micros = words.number(999_999)
         words.end()
         return f"{self._unit.set_date(numbers, micros, now):d}"
-
-    def _reboot(self, words: TelegramWords, now: float) -> str:
-        words.end()
-        self._owner.switch_on(now)
-        return ""
 
 
 def _write_echo_filter(unit: ColaUnit, words: TelegramWords) -> None:
@@ -234,6 +214,19 @@ def _write_echo_filter(unit: ColaUnit, words: TelegramWords) -> None:
 
 
 Handler = Callable[[ColaConnection, TelegramWords, float], str]
+
+
+def _without_words(act: Callable[[ColaConnection, float], None], answer: str) -> Handler:
+    """Return the handler of a method that has no words."""
+
+    def handle(connection: ColaConnection, words: TelegramWords, now: float) -> str:
+        words.end()
+        act(connection, now)
+        return answer
+
+    return handle
+
+
 HANDLERS: Final[Mapping[str, Handler]] = {
     "sRN": ColaConnection._read,
     "sWN": ColaConnection._write,
@@ -249,11 +242,11 @@ METHODS: Final[Mapping[str, Handler]] = {
     "SetAccessMode": ColaConnection._set_access,
     "Run": ColaConnection._run,
     "mLMPsetscancfg": ColaConnection._set_scan,
-    "mEEwriteall": ColaConnection._store,
-    "LMCstartmeas": ColaConnection._start,
-    "LMCstopmeas": ColaConnection._stop,
+    "mEEwriteall": _without_words(lambda host, now: host._unit.store(), "1"),
+    "LMCstartmeas": _without_words(lambda host, now: host._unit.measure(on=True), "0"),
+    "LMCstopmeas": _without_words(lambda host, now: host._unit.measure(on=False), "0"),
     "LSPsetdatetime": ColaConnection._set_date,
-    "mSCreboot": ColaConnection._reboot,
+    "mSCreboot": _without_words(lambda host, now: host._owner.switch_on(now), ""),
 }
 OPEN_METHODS: Final = frozenset({"SetAccessMode", "Run"})
 """Methods that need no login."""

@@ -27,10 +27,8 @@ class ColaDevice:
 
     The server calls :meth:`ColaConnection.outgoing` of each connection after every other call, and
     sends its bytes in one piece: some programs put no pieces together (cola.md 5.2). `spin_up` is
-    the time from power-on until it measures [s].
-
-    Raises:
-        ConfigError: the model does not speak CoLa-A.
+    the time from power-on until it measures [s]. Raises ConfigError if the model does not speak
+    CoLa-A.
     """
 
     def __init__(

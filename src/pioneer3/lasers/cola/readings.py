@@ -23,10 +23,7 @@ def raw_scan(
     """Return `scan` in metres, dated as if it had arrived at once.
 
     It came at `arrival` [s, monotonic]; every `interval`-th scan is sent; `limits` are the shortest
-    and the longest range of the laser [m].
-
-    Raises:
-        TelegramError: it has no ranges.
+    and the longest range of the laser [m]. Raises TelegramError if it has no ranges.
     """
     near, far = limits
     distances = scan.channel("DIST1")

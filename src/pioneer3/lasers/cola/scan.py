@@ -29,6 +29,18 @@ MAX_COUNT: Final = 4096
 _CONTENT: Final = re.compile(r"(?:DIST|RSSI)[1-5]")
 _HEX_DIGITS: Final = b"0123456789ABCDEF"
 _from_hex = partial(int, base=16)
+_REALS: Final = ("x", "y", "z", "x_rotation", "y_rotation", "z_rotation")
+"""Parts of a position before the last."""
+_MOMENT: Final = {
+    "year": U16,
+    "month": 12,
+    "day": 31,
+    "hour": 23,
+    "minute": 59,
+    "second": 60,
+    "microsecond": 999_999,
+}
+"""Parts of a date and time, and the most that each is."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,11 +149,7 @@ class ScanData:
 
 
 def decode(words: TelegramWords) -> ScanData:
-    """Return the scan whose words, those after the name, are `words`.
-
-    Raises:
-        TelegramError: the words are not those of a scan.
-    """
+    """Return the scan of the words after the name; TelegramError if they are not those of one."""
     scan = ScanData(
         version=words.number(U16),
         device=words.number(U16),
@@ -222,27 +230,11 @@ def _values(words: Sequence[str], most: int) -> tuple[int, ...]:
 
 
 def _position(words: TelegramWords) -> Position:
-    return Position(
-        x=words.real(),
-        y=words.real(),
-        z=words.real(),
-        x_rotation=words.real(),
-        y_rotation=words.real(),
-        z_rotation=words.real(),
-        rotation=words.number(U8),
-    )
+    return Position(**{name: words.real() for name in _REALS}, rotation=words.number(U8))
 
 
 def _moment(words: TelegramWords) -> Moment:
-    return Moment(
-        year=words.number(U16),
-        month=words.number(12),
-        day=words.number(31),
-        hour=words.number(23),
-        minute=words.number(59),
-        second=words.number(60),
-        microsecond=words.number(999_999),
-    )
+    return Moment(**{name: words.number(most) for name, most in _MOMENT.items()})
 
 
 def _event(words: TelegramWords) -> InputEvent:
@@ -283,23 +275,15 @@ def _channel_words(channel: ReadingChannel) -> list[str]:
 
 def _last_words(scan: ScanData) -> list[str]:
     """Return the blocks after the channels: 1 and its words for each that there is, else 0."""
-    words: list[str] = []
-    if (at := scan.position) is not None:
-        reals = (at.x, at.y, at.z, at.x_rotation, at.y_rotation, at.z_rotation)
-        words += ["1", *map(real_word, reals), hex_word(at.rotation)]
-    else:
-        words.append("0")
-    for text in (scan.name, scan.comment):
-        words += ["0"] if text is None else ["1", text_words(text)]
-    if (when := scan.moment) is not None:
-        day = (when.year, when.month, when.day)
-        words += ["1", *map(hex_word, (*day, when.hour, when.minute, when.second))]
-        words.append(hex_word(when.microsecond))
-    else:
-        words.append("0")
-    if (event := scan.event) is not None:
-        words += ["1", event.kind, hex_word(event.encoder), hex_word(event.time_us)]
-        words.append(hex_word(event.angle_tick))
-    else:
-        words.append("0")
-    return words
+    at, when, event = scan.position, scan.moment, scan.event
+    blocks: list[list[str] | None] = [
+        None
+        if at is None
+        else [*(real_word(getattr(at, name)) for name in _REALS), hex_word(at.rotation)],
+        *(None if text is None else [text_words(text)] for text in (scan.name, scan.comment)),
+        None if when is None else [hex_word(getattr(when, name)) for name in _MOMENT],
+        None
+        if event is None
+        else [event.kind, *map(hex_word, (event.encoder, event.time_us, event.angle_tick))],
+    ]
+    return [word for block in blocks for word in (["0"] if block is None else ["1", *block])]

@@ -150,11 +150,7 @@ class ScriptState:
 
 
 def set_up(session: ScriptState) -> ColaScript[None]:
-    """Bring the laser to send scans.
-
-    Raises:
-        HopelessError: it cannot be.
-    """
+    """Bring the laser to send scans; HopelessError if it cannot be."""
     yield from _ask(f"sEN {NAME} 0", TelegramWords.rest)
     product = yield from _identify()
     session.family, session.limits = family_of(product), limits_of(product)

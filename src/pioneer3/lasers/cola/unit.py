@@ -63,10 +63,7 @@ class ColaUnit:
 
     It measures `spin_up` after power-on [s]: then its mirror is `up` to speed, at `ready_at` [s].
     `status` is that of LMDscandata: (0, 2) when the front screen is dirty. Settings that are not
-    possible raise :exc:`RefusedError`.
-
-    Raises:
-        ConfigError: the model does not speak CoLa-A.
+    possible raise :exc:`RefusedError`. Raises ConfigError if the model does not speak CoLa-A.
     """
 
     def __init__(self, model: LaserModel, *, spin_up: float, serial: int) -> None:

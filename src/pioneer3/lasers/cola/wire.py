@@ -27,11 +27,7 @@ class TelegramError(ValueError):
 
 
 def encode(text: str) -> bytes:
-    """Return `text` as a telegram.
-
-    Raises:
-        TelegramError: it holds control characters, or others than those of Latin-1.
-    """
+    """Return `text` as a telegram; TelegramError for control characters, or others than Latin-1."""
     if _CONTROL.search(text) or not 0 < len(text) <= MAX_TELEGRAM:
         raise TelegramError(
             "a telegram has 1 to 131072 characters, none of them control characters"

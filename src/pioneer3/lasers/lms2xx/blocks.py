@@ -100,11 +100,7 @@ class UnitConfig:
 
     @classmethod
     def from_bytes(cls, data: bytes) -> Self:
-        """Return the configuration in `data`, 34 or, from older units, 32 bytes.
-
-        Raises:
-            ValueError: it has another size.
-        """
+        """Return the configuration in 34 or, from older units, 32 bytes; else ValueError."""
         if len(data) not in {cls.SIZE, cls.OLDER_SIZE}:
             raise ValueError(f"a configuration has 34 or 32 bytes, not {len(data)}")
         return _unpack(cls, data)
@@ -168,11 +164,7 @@ class UnitStatus:
 
     @classmethod
     def from_bytes(cls, data: bytes) -> Self:
-        """Return the status in `data`, which begin behind the code.
-
-        Raises:
-            ValueError: it has another size.
-        """
+        """Return the status in `data`, which begin behind the code; ValueError for another size."""
         if len(data) != cls.SIZE:
             raise ValueError(f"a status has 152 bytes, not {len(data)}")
         return _unpack(cls, b"\0" + data)

@@ -126,11 +126,7 @@ class SetUp:
         self._ever_heard = False
 
     def script(self) -> LmsScript[None]:
-        """Return the script, which ends once the unit scans.
-
-        Raises:
-            HopelessError: it does not.
-        """
+        """Return the script, which ends once the unit scans; HopelessError if it does not."""
         while (found := (yield from self._search())) is not None:
             if (yield from self._prepare(found)):
                 return

@@ -82,11 +82,7 @@ def checksum(data: bytes) -> int:
 
 
 def encode(code: int, data: bytes = b"", address: int = ANY_UNIT) -> bytes:
-    """Return a telegram as it goes over the wire.
-
-    Raises:
-        CommandError: the data are longer than a telegram can carry.
-    """
+    """Return a telegram as it goes over the wire; CommandError if the data are too long for one."""
     length = 1 + len(data)
     if length > MAX_LENGTH:
         raise CommandError(f"a telegram carries at most {MAX_LENGTH} bytes, not {length}")

@@ -160,11 +160,7 @@ class Start:
             number += 1
 
     def _wake(self) -> ScipScript[bool]:
-        """End old scans and modes; return whether the laser answers.
-
-        Raises:
-            _NoAnswerError: it answers, but not as a laser that is idle.
-        """
+        """End old scans and modes; return whether it answers; _NoAnswerError if it is not idle."""
         self._scip1 = switched = False
         for _ in range(TRIES):
             reply = yield Ask(b"QT", prefix=b"\n")
@@ -278,11 +274,7 @@ class Start:
             self.baud, self.started_at = self.started_at, None
 
     def _ask(self, command: bytes) -> ScipScript[Reply]:
-        """Return the answer to `command`.
-
-        Raises:
-            _NoAnswerError: none of three came.
-        """
+        """Return the answer to `command`; _NoAnswerError if none of three came."""
         for _ in range(TRIES):
             reply = yield Ask(command)
             if reply.status:

@@ -48,12 +48,10 @@ USUAL = Patience()
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LaserConfig:
-    """A laser and how to use it.
+    """A laser of some `name` in scans, frames and messages, and how to use it.
 
-    Attributes:
-        name: In scans, frames and messages.
-        protocol: Its language; `None` to find out.
-        time_offset: Added to the times of scans [s].
+    Its language, the `protocol`, is found out if it is `None`; the offset is added to the times of
+    scans [s].
     """
 
     url: str
@@ -68,15 +66,9 @@ class LaserConfig:
 class LaserDriver:
     """One laser; a source of scans like the laser of a simulator.
 
-    `mounting` returns its place on the robot, which is known once the robot is.
-
-    Attributes:
-        name: In scans, frames and messages.
-        latest: The last scan, or `None`; look at its stamp.
-        latency: Time from the last reading of the last scan until it was here [s]; 0 before any.
-        protocol: Its language, once it is known.
-        scans: Number of scans received.
-        losses: How often the laser was lost.
+    `mounting` returns its place on the robot, which is known once the robot is. `latest` is the
+    last scan, `None` before any, and `latency` the time from its last reading until it was here
+    [s]; `scans` and `losses` count. The `protocol` is `None` until it is known.
     """
 
     def __init__(
@@ -162,19 +154,11 @@ class LaserDriver:
             yield scan
 
     async def reading(self, patience: float = READING_PATIENCE) -> Scan:
-        """Return the next scan.
-
-        Raises:
-            DeviceError: none came for `patience` [s].
-        """
+        """Return the next scan; DeviceError if none came for `patience` [s]."""
         return await self._next(self._feed, patience)
 
     async def identified(self, patience: float = READING_PATIENCE) -> LaserIdentity:
-        """Return its identity as soon as it is known.
-
-        Raises:
-            DeviceError: nothing was told for `patience` [s].
-        """
+        """Return its identity as soon as it is known; DeviceError without it for `patience` [s]."""
         known = self.identity
         return known if known is not None else await self._next(self._identities, patience)
 
@@ -249,11 +233,7 @@ class LaserDriver:
         self.protocol = protocol
 
     async def _serve(self, link: Link, client: LaserClient) -> None:
-        """Pass bytes between `link` and `client` until it is lost.
-
-        Raises:
-            LinkError: it is lost; the message has the reason.
-        """
+        """Pass bytes between `link` and `client` until it is lost: LinkError has the reason."""
         while True:
             await self._obey(link, client, client.tick(self._clock()))
             data = await self._read(link, client.deadline)

@@ -23,11 +23,9 @@ UPSIDE_DOWN = "upside-down"
 class LaserSpec:
     """A laser of a robot, as it was asked for.
 
-    Attributes:
-        mounting: Its place; `None` for that of the robot's model.
-        inverted: Whether it hangs head down, also where its place does not say so.
-        masked: Sectors to leave out, besides those of the robot's model.
-        record: New file for every byte on its wire.
+    A `mounting` of `None`, and sectors besides those `masked`, are those of the robot's model. If
+    it is `inverted` it hangs head down, also where its place does not say so. Every byte on its
+    wire goes to the new file `record`.
     """
 
     url: str
@@ -41,11 +39,7 @@ class LaserSpec:
     record: Path | None = None
 
     def config(self) -> LaserConfig:
-        """Return the laser for a driver.
-
-        Raises:
-            ConfigError: the URL names no port.
-        """
+        """Return the laser for a driver; ConfigError if the URL names no port."""
         return LaserConfig(
             url=self.url,
             open=opener(self.url),
@@ -89,9 +83,7 @@ def parse_lasers(
 
     Poses are `x,y,heading[,upside-down]`, for the first lasers in their order; masks likewise are
     `first:last[,first:last ...]`. Each laser has a file `record` of its own, with its name added.
-
-    Raises:
-        ConfigError: one of them is wrong, or there are more poses or masks than lasers.
+    Raises ConfigError if one of them is wrong, or there are more poses or masks than lasers.
     """
     for option, given in (("--laser-pose", poses), ("--laser-mask", masks)):
         if len(given) > len(lasers):
@@ -114,11 +106,7 @@ def parse_lasers(
 
 
 def refuse_robots(specs: Iterable[LaserSpec], robots: Iterable[str]) -> None:
-    """Refuse a laser at a port of a robot: it would take the robot's bytes.
-
-    Raises:
-        ConfigError: there is one.
-    """
+    """Raise ConfigError for a laser at a port of a robot: it would take the robot's bytes."""
     taken = {split_url(url) for url in robots}
     for spec in specs:
         if split_url(spec.url) in taken:
@@ -167,11 +155,7 @@ def own_laser(text: str, spec: LaserSpec, model: RobotModel) -> OwnLaser:
 
 
 def parse_laser(text: str) -> LaserSpec:
-    """Read `[MODEL@]PORT`, such as `/dev/ttyACM0` or `lms-200@/dev/ttyUSB1`.
-
-    Raises:
-        ConfigError: there is no such laser, or it is no port.
-    """
+    """Read `[MODEL@]PORT`, such as `lms-200@/dev/ttyUSB1`; ConfigError for no laser or port."""
     model, at, url = text.rpartition("@")
     if at and model not in LASERS and "/" not in model:
         load_laser(model)  # says which there are
@@ -192,10 +176,8 @@ def parse_laser(text: str) -> LaserSpec:
 def parse_mounting(text: str) -> Mounting:
     """Read `x,y,heading`, with `,upside-down` for one that hangs head down.
 
-    Numbers are in m and degrees unless they carry units, such as `160mm,0,1.57rad`.
-
-    Raises:
-        ConfigError: it is no such place, or not on a robot.
+    Numbers are in m and degrees unless they carry units, such as `160mm,0,1.57rad`. Raises
+    ConfigError if it is no such place, or not on a robot.
     """
     parts = [part.strip() for part in text.split(",")]
     upside_down = parts[-1] == UPSIDE_DOWN
@@ -213,11 +195,7 @@ def parse_mounting(text: str) -> Mounting:
 
 
 def parse_mask(text: str) -> tuple[Sector, ...]:
-    """Read sectors to leave out, `first:last` in degrees, such as `-135:-120,120:135`.
-
-    Raises:
-        ConfigError: they are no sectors.
-    """
+    """Read sectors to leave out [degrees], as in `-135:-120,120:135`; ConfigError for others."""
     try:
         ends = [_exactly(2, part.split(":")) for part in text.split(",")]
         return tuple(Sector(ANGLE.read(first), ANGLE.read(last)) for first, last in ends)

@@ -49,10 +49,8 @@ def install_package(folder: Path, distro: str = DEFAULT, python: str = sys.execu
     """Write a ROS 2 install space for a distribution into `folder`; return its absolute path.
 
     After `source folder/setup.bash` ROS 2 finds the package `pioneer3`, whose programs run with
-    `python`, which has it. The files of an earlier version are replaced.
-
-    Raises:
-        ConfigError: it cannot be written there, or there is no such distribution.
+    `python`, which has it. The files of an earlier version are replaced. Raises ConfigError if it
+    cannot be written there, or there is no such distribution.
     """
     prefix = folder.expanduser().absolute()
     share, programs = prefix / "share" / NAME, prefix / "lib" / NAME

@@ -31,14 +31,11 @@ FAREWELL: Final = 0.1
 
 
 class TopicBridge:
-    """Passes on messages between two networks.
+    """Passes on messages between two networks; the robot's node is on the side `robot`.
 
-    Args:
-        name: Full name of the node in ROS 2.
-        robot: The side that the robot's node is on.
-        timeout: How long a velocity command lasts [s]; `inf` until the next one.
-        resumes: Whether a stream of commands that fell silent goes on by itself.
-        tell: Given a line for a person.
+    `name` is the full name of our node in ROS 2. A velocity command lasts for the timeout [s],
+    `inf` until the next one; with `resumes` a stream that fell silent goes on by itself. `tell` is
+    given lines for a person.
     """
 
     def __init__(

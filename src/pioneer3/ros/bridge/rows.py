@@ -64,12 +64,9 @@ class BridgeWay(StrEnum):
 class BridgedTopic:
     """A topic that is bridged, by full names and short types, such as `geometry_msgs/Twist`.
 
-    Attributes:
-        way: Where messages are passed on to.
-        latched: Whether late subscribers get the last message.
-        reliable: Whether the bridge wants all messages in ROS 2; best effort suits every publisher.
-        when_lost: Content of a latched message that would not be true once its publisher is gone.
-        to_robot: Whether the robot subscribes to it.
+    The bridge wants all messages in ROS 2 if it is `reliable`; best effort suits every publisher.
+    The content `when_lost` takes the place of a latched one that is not true without its publisher.
+    The robot subscribes to it if it goes `to_robot`.
     """
 
     ros1: str
@@ -131,10 +128,7 @@ class ServiceRow:
 class BridgedRobot:
     """The robot of a bridge, whose node is on `side`; `profile` are its names in ROS 1.
 
-    Attributes:
-        namespace: That of its node in ROS 2, `/` or such as `/robot1`.
-        ros1_namespace: That of its names in ROS 1.
-        ros1_node: RosAria's name, below which the names of RosAria are.
+    Its namespaces are such as `/robot1`; names of RosAria are below that of `ros1_node`.
     """
 
     side: Side

@@ -35,24 +35,13 @@ from pioneer3.ros.tcpros.types import Ros1Types
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BridgeOptions:
-    """The options of a bridge.
+    """The options of a bridge between our `node` and a ROS 1 master; `robot` is its node's side.
 
-    Attributes:
-        node: Its node on both sides, and the network of ROS 2.
-        master: Address of the ROS 1 master; `None` for that of ROS_MASTER_URI.
-        robot: The side that the robot's node is on.
-        profile: The robot's names in ROS 1; `None` for those that suit the side.
-        namespace: That of the robot's node in ROS 2.
-        ros1_namespace: That of its names in ROS 1; `None` for the same.
-        ros1_node: RosAria's name, below which its names are.
-        frame_prefix: Before all frames in ROS 1, such as `robot1/`.
-        model: Model of the robot.
-        timeout: How long a velocity command lasts [s]; 0 until the next one.
-        resumes: Whether a stream of commands that fell silent goes on by itself.
-        only: Names of the rows to take; empty for all.
-        topics: File with further rows.
-        to_ros1: Further topics, such as `/plan:nav_msgs/Path`.
-        to_ros2: Further topics, such as `/joy:sensor_msgs/Joy`.
+    Without a master that of ROS_MASTER_URI counts; without a profile, the names that suit the side.
+    The namespace is that of the robot's node in ROS 2, and of its names in ROS 1 unless these have
+    another; RosAria's are below `ros1_node`. A velocity command lasts for the timeout [s], 0 until
+    the next one; with `resumes` a stream that fell silent goes on. Rows called `only` are taken,
+    empty for all; further ones are in the file `topics`, or such as `/plan:nav_msgs/Path`.
     """
 
     node: NodeOptions

@@ -35,15 +35,10 @@ SCANS: Final = re.compile(r"scan(\d*)")
 class Expectation:
     """One topic that a robot should have, by its full name; `row` is its name in the table.
 
-    Attributes:
-        rate: Messages a second [Hz]; `None` where they come with events.
-        optional: Part of a robot that it takes, where robots may be without.
-        required: Whether this robot must have it all the same.
-        device: Whether a device publishes it: best effort is usual there.
-        may_be_silent: Whether it is all right that nothing comes.
-        shared: Whether several nodes may publish it.
-        own: Whether messages of other nodes on it do not count.
-        frame: Frame of its messages in the table; `None` where it has none.
+    Messages that come with events have no `rate` [Hz]. The robot may be without an `optional` part,
+    unless the topic is `required` all the same. What a `device` publishes is usually best effort.
+    If it is `shared` several nodes may publish it; if it is the robot's `own`, messages of other
+    nodes do not count.
     """
 
     name: str

@@ -56,12 +56,8 @@ class Transform:
 class Sample:
     """A message that came: transforms or text that it consists of, and the faults in its fields.
 
-    Attributes:
-        at: When it came [s, monotonic].
-        now: The same as ROS time [ns]; `None` where nobody tells that.
-        sender: Identity of its publisher.
-        stamp: Of its header [ns]; `None` without a header, as `frame` is.
-        child: Its child frame; empty for none.
+    It came `at` a time [s, monotonic], which was `now` as ROS time [ns], `None` where nobody tells
+    that. Its header's `stamp` is in [ns]; a message without one has neither that nor a `frame`.
     """
 
     at: float
@@ -89,16 +85,11 @@ class TopicStream:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RobotFacts:
-    """All that is known of a robot after listening.
+    """All that is known of a robot after listening, which `ended` then [s, monotonic].
 
-    Attributes:
-        graph: Nodes and endpoints, without the listener's own.
-        heard: Messages by the full name of their topic.
-        ended: When listening ended [s, monotonic].
-        strict: Whether incompatible quality of service parts publishers from subscribers.
-        rules: Remapping rules of the robot's node.
-        transducers: Number of the robot's sonars; `None` if it is not known.
-        simulated_time: Whether the robot's stamps are those of `/clock`.
+    The listener's own node is not in the `graph`; `heard` is by full names of topics. If it is
+    `strict`, incompatible quality of service parts publishers from subscribers. The number of the
+    robot's sonars may not be known; its stamps may be those of `/clock`, a simulated time.
     """
 
     node: NodeName
@@ -140,9 +131,7 @@ class ReportPart(StrEnum):
 class CheckRow:
     """One thing that a robot should have, and its faults, the worst first.
 
-    Attributes:
-        absent: Part of a robot that this one is without; empty for none.
-        rate: Messages that came in a second [Hz]; `None` where that is not known.
+    This robot is without the part `absent`, unless that is empty; `rate` may not be known [Hz].
     """
 
     part: ReportPart

@@ -31,12 +31,9 @@ class NodeTopics:
 class RobotTopics:
     """The topics of a node that publishes odometry and subscribes to velocity commands.
 
-    Attributes:
-        node: Its full name, such as `/RosAria_p3at_1_113`.
-        commands: Topic of velocities that this robot alone subscribes to, if there is one.
-        command_type: Of that topic: :data:`TWIST`, or :data:`STAMPED` where there is none of Twist.
-        published: Types of all topics that it publishes, by topic.
-        nodes: Number of nodes of this name; several would all be driven.
+    This robot alone subscribes to `commands`, if there is such a topic; their type is
+    :data:`TWIST`, or :data:`STAMPED` where there is none of Twist. Topics that it publishes have
+    their types; several `nodes` of its name would all be driven.
     """
 
     node: str

@@ -76,10 +76,8 @@ class DdsWriter:
 class DdsReader:
     """A subscriber to `topic`; `reader` is of the library.
 
-    Args:
-        received: Given each message and its publisher.
-        left: Given each publisher that is gone; also if messages of it come later still.
-        release: Called when it is closed, with the subscriber.
+    `received` is given each message and its publisher, `left` each publisher that is gone, also if
+    messages of it come later still; `release` is given this when it is closed.
     """
 
     def __init__(

@@ -33,10 +33,8 @@ ADDRESS: Final = slice(20, 24)
 def restrict(ports: range, interfaces: Iterable[str]) -> None:
     """Let the sockets of a domain, which are open at `ports`, receive by some interfaces only.
 
-    These are given by name or address; loopback is always among them.
-
-    Raises:
-        OSError: this system cannot, or it has no such interface.
+    These are given by name or address; loopback is always among them. Raises OSError if this system
+    cannot, or it has no such interface.
     """
     if sys.platform != "linux":
         raise OSError("only Linux can filter")

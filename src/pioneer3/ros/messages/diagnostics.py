@@ -76,20 +76,11 @@ class DiagnosticStatus:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Health:
-    """All that a diagnosis looks at.
+    """All that a diagnosis looks at; there is no snapshot while the link is `lost`, for a reason.
 
-    Attributes:
-        info: Of the robot last connected.
-        snapshot: The latest one, or `None` while the link is lost.
-        lost: Why it is lost, if it is.
-        emergency: Whether the emergency stop is latched.
-        auto_enable: Whether a command switches the motors on.
-        driver: The action that drives, or `None`.
-        why_not_moving: The reason that the robot stands still, or `None` while it moves.
-        refused: Why commands are ignored, or `None`.
-        lasers: State of each laser range finder at the computer.
-        navigation: State of localization and of the goal, if there is a map.
-        unheard: A sentence for each endpoint of other nodes that cannot talk to this one.
+    A command switches the motors on with `auto_enable`; commands may be `refused` for a reason.
+    `lasers` are those at the computer, `unheard` has a sentence for each endpoint of other nodes
+    that cannot talk to this one.
     """
 
     info: RobotInfo

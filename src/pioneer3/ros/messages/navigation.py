@@ -41,15 +41,10 @@ class MapUpdate:
 class NavigationUpdate:
     """Where the robot is on the map and goes, at one snapshot.
 
-    Attributes:
-        robot_in_map: Most likely pose [m, rad].
-        odom_in_map: Pose of odometry's frame; it changes with each update of the filter.
-        covariance: Of x, y and heading [m, rad], shape (3, 3).
-        sure: Whether the robot may act upon that.
-        way: Points to the goal [m]; none without a goal.
-        heading: At the goal [rad], or `None`.
-        moment: Time of the snapshot [s, monotonic].
-        stamp: The same as the middleware writes times.
+    Its most likely pose, and that of odometry's frame, which each update of the filter changes, may
+    be acted upon if it is `sure`; the covariance is of x, y and heading [m, rad], shape (3, 3).
+    Without a goal its `way` has no points [m]; a goal may have a `heading` [rad]. The snapshot was
+    taken at the moment [s, monotonic], the same as the middleware writes times.
     """
 
     robot_in_map: Pose2

@@ -88,15 +88,11 @@ class MessageOptions:
 class StateUpdate:
     """A new snapshot of the robot, and all that its conversion needs.
 
-    Attributes:
-        tree: Tree of the frames on it, without the prefix.
-        frames: Names of frames, with the prefix.
-        turned: Angles of the left wheels and of the right ones [rad].
-        emergency: Whether the emergency stop is latched.
-        odom_in_map: Pose of the odom frame in the map, as its stamp and itself; `None` where it is
-            not known, or not wanted.
-        stamp: When the snapshot arrived, as the middleware writes times; so in all updates.
-        make: Returns an empty message of the type named, such as `geometry_msgs/Point32`; likewise.
+    Names in `frames` have the prefix, those in `tree` have none. Left wheels and right ones have
+    `turned` so far [rad]; `emergency`: the stop is latched. The pose of the odom frame in the map
+    comes with its stamp; `None` where it is not known, or not wanted. The snapshot arrived at
+    `stamp`, as the middleware writes times, and `make` returns an empty message of the type named,
+    such as `geometry_msgs/Point32`; so in all updates.
     """
 
     snapshot: Snapshot

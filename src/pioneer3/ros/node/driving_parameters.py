@@ -129,11 +129,7 @@ def within_bounds(
 
 
 def _bounded(row: Parameter, value: object) -> float | None:
-    """Return `value` within the bounds of a parameter; `None` for the robot's own.
-
-    Raises:
-        ConfigError: it is not a finite number.
-    """
+    """Return `value` within bounds, `None` for the robot's own; ConfigError if it is not finite."""
     if value is None or row.name not in {*ACCELERATIONS, *COMMANDS}:
         return None
     if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
@@ -155,14 +151,11 @@ def to_send(values: Values) -> list[Command]:
 
 
 class DrivingParameters:
-    """The values of the parameters of one robot, whose own are `limits` and CONFIG.
+    """The `values` in force of the parameters of one robot, whose own are `limits` and CONFIG.
 
-    `apply` is given all values whenever one has been set, by the thread that set it.
-
-    Attributes:
-        parameters: With the bounds of this robot.
-        wanted: Values of the settings, to begin with once somebody calls :meth:`set`.
-        values: In force.
+    `parameters` have the bounds of this robot, and `wanted` are the values of the settings, to
+    begin with once somebody calls :meth:`set`. `apply` is given all values whenever one has been
+    set, by the thread that set it.
     """
 
     def __init__(
@@ -198,11 +191,7 @@ class DrivingParameters:
         return {name: value for name in wanted if (value := held[name]) is not None}
 
     def set(self, wanted: Mapping[str, object]) -> Values:
-        """Take new values; return those in force now.
-
-        Raises:
-            ConfigError: something is not a finite number; nothing changes.
-        """
+        """Take new values, none if one is no finite number (ConfigError); return those in force."""
         with self._lock:
             values = within_bounds(wanted, self._limits, self.parameters)
             if values != self.values:

@@ -28,11 +28,7 @@ STATES: Final = {
 
 
 class Goals:
-    """Passes goals on to an action server. All calls are made in the event loop.
-
-    Attributes:
-        current: The goal that is being carried out.
-    """
+    """Passes goals on to an action server, in the event loop; `current` is carried out."""
 
     def __init__(
         self, server: GoalServer, speed: float, publishing: Publishing, middleware: Middleware

@@ -57,11 +57,7 @@ class CommandName:
 
 
 def lab_node(lab_name: object) -> str:
-    """Return the name of the node of a robot in the lab: `RosAria_p3at_1_113`.
-
-    Raises:
-        ConfigError: ROS cannot have a topic with that name.
-    """
+    """Return the node of a robot in the lab: `RosAria_p3at_1_113`; ConfigError if ROS has none."""
     if not isinstance(lab_name, str) or not SHAPE.fullmatch(lab_name):
         raise ConfigError(f"~lab_name must be a name such as p3at_1_113, not {lab_name!r}")
     return f"{NODE}_{lab_name}"

@@ -92,11 +92,7 @@ def unused_parameters(raw: RawParameters, profile: Profile) -> list[str]:
 
 
 def part_of(raw: RawParameters, below: str, profile: Profile) -> RawParameters:
-    """Return the parameters `below` a name.
-
-    Raises:
-        ConfigError: the name is a value itself.
-    """
+    """Return the parameters `below` a name; ConfigError if the name is a value itself."""
     part = raw.get(below, {})
     if not isinstance(part, dict):
         row = (rows_of(LaserParameters) if below == BELOW else _rows_below(below))[0]

@@ -39,14 +39,9 @@ async def _of_parameters(robot: str, otherwise: Sequence[str]) -> Sequence[Laser
 class StartOptions:
     """Options of the command line; they come before the ROS parameters of the same name.
 
-    Attributes:
-        port: URL of the robot.
-        baud: Serial speed to try first.
-        lasers: Looks for the lasers at `laser_ports`.
-        camera: URL of the MJPEG stream of the robot's camera.
-        line_map: To navigate on: a file, or the name of a map that ships.
-        start: Where the robot is on it: a pose, the name of a place, or `unknown`.
-        arguments: ROS's own, such as `_port:=/dev/ttyS0`, `__name:=front`, `odom:=odometry`.
+    `lasers` looks for those at `laser_ports`; the camera has an MJPEG stream. The map is a file, or
+    the name of one that ships, and the start on it a pose, the name of a place, or `unknown`. The
+    arguments are ROS's own, such as `_port:=/dev/ttyS0`, `__name:=front`, `odom:=odometry`.
     """
 
     port: str | None = None
@@ -68,10 +63,8 @@ def checked_parameters(
 ) -> NodeParameters:
     """Return the parameters of a node, and warn of those that are unused or unsafe.
 
-    Ports of lasers are those of the command line. Without a profile a parameter tells it.
-
-    Raises:
-        ConfigError: a value is of the wrong kind or out of range.
+    Ports of lasers are those of the command line. Without a profile a parameter tells it. Raises
+    ConfigError if a value is of the wrong kind or out of range.
     """
     parameters = read_parameters(raw, profile)
     profile = parameters.profile
@@ -121,11 +114,7 @@ async def connected_robot(
 
 
 async def simulator_or_robot(tell: Callable[[str], None]) -> str:
-    """Return the URL of the usual simulator, or of the robot at a serial port.
-
-    Raises:
-        NoRobotError: there is neither.
-    """
+    """Return the URL of the usual simulator, or of a robot at a serial port; else NoRobotError."""
     simulated = await probe(SIMULATOR_URL)
     found = choose([simulated])
     if found is None:

@@ -104,10 +104,6 @@ class Topic:
         return profile.choose(self.compatibility, self.standard, self.ros2, self.p2os)
 
     def content(self, message: Any) -> Any:
-        """Return the content of a message that is received.
-
-        Raises:
-            CommandError: there is none that counts.
-        """
+        """Return the content of a message that is received; CommandError if none of it counts."""
         assert self.parse is not None
         return self.parse(message)

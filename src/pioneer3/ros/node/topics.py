@@ -74,11 +74,8 @@ def aria_laser(
 ) -> str:
     """Return the name of a laser in RosAria's topics, such as `sim_lms2xx_1`, without points.
 
-    Args:
-        number: From 1.
-        kind: Of the first laser in the robot's model; empty for none.
-        protocol: Its language; `None` where it is not known.
-        simulated: Whether a simulator sends its scans in the robot's own stream.
+    Numbers are from 1; `kind` is that of the first laser in the robot's model, empty for none. It
+    is `simulated` if a simulator sends its scans in the robot's own stream.
     """
     spoken = {each.protocol for each in LASERS.values() if kind.lower() in each.kinds}
     if number > 1 or not kind or not (protocol is None or protocol in spoken):

@@ -53,11 +53,7 @@ def installed_distro() -> str | None:
 
 
 class RclpyBackend:
-    """A node by rclpy, in a domain; `None` is that of `ROS_DOMAIN_ID`.
-
-    Raises:
-        ConfigError: rclpy cannot be imported.
-    """
+    """A node by rclpy, in a domain, `None` for `ROS_DOMAIN_ID`; ConfigError without rclpy."""
 
     def __init__(self, node: NodeName, types: MessageTypes, domain: int | None) -> None:
         distro = installed_distro() or types.distro.name
@@ -168,11 +164,7 @@ class RclpyBackend:
         return offer
 
     def call(self, name: str, type_: ServiceType, request: bytes, timeout: float) -> bytes:
-        """Call a service; return the serialized response.
-
-        Raises:
-            TimeoutError: nobody has responded within `timeout` [s].
-        """
+        """Call a service; return the serialized response; TimeoutError after `timeout` [s]."""
         from rclpy.serialization import deserialize_message, serialize_message
 
         kind = self._definitions.service(type_)

@@ -32,11 +32,7 @@ class Definitions:
         self._lock = threading.Lock()
 
     def message(self, name: str) -> Any:
-        """Return the class of a type such as `nav_msgs/msg/Odometry`.
-
-        Raises:
-            ConfigError: ROS has no such type, or another one.
-        """
+        """Return the class of a type; ConfigError if ROS has no such type, or another one."""
         kind = self._generated(name)
         with self._lock:
             self._check(name, kind)

@@ -85,37 +85,26 @@ def _check_master(uri: str) -> Iterator[Finding]:
 
 
 def _check_name(name: str, master: str, network: NetworkProbe) -> Iterator[Finding]:
-    own = network.own_address(master)
-    advice = f"unset {NAME}; export {ADDRESS}={own}"
     found = network.resolve(name)
-    if not found:
-        yield _finding(
-            f"{NAME}={name}", "nobody finds this computer by that name: it has no address", advice
-        )
-    elif not any(map(network.is_own, found)):
-        yield _finding(
-            f"{NAME}={name}", f"that name is {found[0]}, no address of this computer", advice
-        )
+    if not any(map(network.is_own, found)):
+        problem = "nobody finds this computer by that name: it has no address"
+        if found:
+            problem = f"that name is {found[0]}, no address of this computer"
+        advice = f"unset {NAME}; export {ADDRESS}={network.own_address(master)}"
+        yield _finding(f"{NAME}={name}", problem, advice)
 
 
 def _check_address(address: str, master: str, network: NetworkProbe) -> Iterator[Finding]:
-    advice = f"export {ADDRESS}={network.own_address(master)}"
     if not is_address(address):
-        yield _finding(
-            f"{ADDRESS}={address}", f"that is no address in numbers; names are for {NAME}", advice
-        )
+        problem = f"that is no address in numbers; names are for {NAME}"
     elif not network.is_own(address):
-        yield _finding(
-            f"{ADDRESS}={address}",
-            "this computer does not have that address, so no program reaches its nodes",
-            advice,
-        )
+        problem = "this computer does not have that address, so no program reaches its nodes"
     elif is_loopback(address) and master not in LOOPBACK:
-        yield _finding(
-            f"{ADDRESS}={address}",
-            f"only this computer reaches that address, and the master is at {master}",
-            advice,
-        )
+        problem = f"only this computer reaches that address, and the master is at {master}"
+    else:
+        return
+    advice = f"export {ADDRESS}={network.own_address(master)}"
+    yield _finding(f"{ADDRESS}={address}", problem, advice)
 
 
 def _finding(found: str, meaning: str, advice: str) -> Finding:

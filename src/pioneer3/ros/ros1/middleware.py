@@ -47,10 +47,8 @@ NAVIGATION_PACKAGES: Final = {
 def find_rospy(places: Sequence[Path] = PLACES) -> None:
     """Make `import rospy` work, from one of `places` if need be.
 
-    The place comes last in the search path: where both have a package, ours is taken.
-
-    Raises:
-        ConfigError: ROS 1 is not installed; the message has the command that installs it.
+    The place comes last in the search path: where both have a package, ours is taken. Raises
+    ConfigError if ROS 1 is not installed; the message has the command that installs it.
     """
     if find_spec("rospy") is not None:
         return

@@ -38,11 +38,8 @@ async def on_ros(
 ) -> AsyncIterator[MasterWatch]:
     """Be a ROS node during the block; `tell` is given lines for a person.
 
-    `name` is that of the node, unless ROS's own `arguments` have another.
-
-    Raises:
-        ConfigError: an argument is none of ROS's, ROS is not installed, or ROS_MASTER_URI is no
-            address.
+    `name` is that of the node, unless ROS's own `arguments` have another. Raises ConfigError if an
+    argument is none of ROS's, ROS is not installed, or ROS_MASTER_URI is no address.
     """
     odd = [argument for argument in arguments if ":=" not in argument]
     if odd:
@@ -157,10 +154,8 @@ async def serve_laser(
 ) -> int:
     """Run the node until it is shut down or cancelled; `tell` is given lines for a person.
 
-    `find` looks for the laser, given its port if the parameters have one.
-
-    Raises:
-        PioneerError: something could not be started; the message says what to do.
+    `find` looks for the laser, given its port if the parameters have one. Raises PioneerError if
+    something could not be started; the message says what to do.
     """
     async with on_ros(LASER_NODE, arguments, tell) as watch:
         import rospy

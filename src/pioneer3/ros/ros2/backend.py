@@ -103,11 +103,8 @@ class EndpointKind(StrEnum):
 class Endpoint:
     """An endpoint that was found on the network; what is not known of it is empty.
 
-    Attributes:
-        node: Full name of its node, such as `/robot1/pioneer3`.
-        name: Full name of its topic or service, such as `/robot1/odom`.
-        type_name: Such as `nav_msgs/msg/Odometry`.
-        gid: Its identity; that of a publisher comes with each message, too.
+    Names are full ones such as `/robot1/odom`, types such as `nav_msgs/msg/Odometry`; the `gid` of
+    a publisher comes with each message, too.
     """
 
     kind: EndpointKind
@@ -204,11 +201,7 @@ class Backend(Protocol):
         """
 
     def call(self, name: str, type_: ServiceType, request: bytes, timeout: float) -> bytes:
-        """Call a service; return the serialized response.
-
-        Raises:
-            TimeoutError: nobody has responded within `timeout` [s].
-        """
+        """Call a service; return the serialized response; TimeoutError after `timeout` [s]."""
 
     def graph(self) -> Graph:
         """Return the nodes and endpoints that are known now."""
@@ -252,11 +245,7 @@ OWNERS: Final = {EndpointKind.PUBLISHER: "publisher", EndpointKind.SUBSCRIBER: "
 
 
 def overridden(qos: Qos, topic: str, kind: EndpointKind, parameters: Mapping[str, object]) -> Qos:
-    """Return `qos` as the parameters want it for a topic with this full name.
-
-    Raises:
-        ConfigError: a value is none of those that ROS 2 has.
-    """
+    """Return `qos` as parameters want it for a topic's full name; ConfigError for odd values."""
     prefix = f"qos_overrides.{topic}.{OWNERS[kind]}."
     for name, value in parameters.items():
         if name.startswith(prefix):

@@ -16,9 +16,7 @@ DEFAULT: Final = "jazzy"
 class Distro:
     """A distribution; its facts are in `distros.toml`, with their sources.
 
-    Attributes:
-        gid_bytes: Length of a Gid in the messages of the graph.
-        stamped_commands: Whether its Nav2 sends TwistStamped unless told otherwise.
+    Its Nav2 sends TwistStamped unless told otherwise if it has stamped commands.
     """
 
     name: str
@@ -35,11 +33,7 @@ def distros() -> dict[str, Distro]:
 
 
 def distro_of(name: str) -> Distro:
-    """Return the distribution called `name`.
-
-    Raises:
-        ConfigError: there is none.
-    """
+    """Return the distribution called `name`; ConfigError if there is none."""
     known = distros()
     if name not in known:
         raise ConfigError(f"ROS 2 has no distribution {name!r} here: choose of {', '.join(known)}")

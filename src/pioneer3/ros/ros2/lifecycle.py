@@ -130,16 +130,10 @@ class Callbacks:
 class Lifecycle:
     """The state of a managed node, and its services; any thread may use them.
 
-    Args:
-        types: Of the node's distribution.
-        callbacks: The work; called one at a time, by the thread that asks for the transition. They
-            must not ask for another one.
-        changed: Given `lifecycle_msgs/msg/TransitionEvent` after each change of the state; without
-            time stamp, which the caller fills in.
-
-    Attributes:
-        state: It has now.
-        services: Type and function of each service, by names such as `~/get_state`.
+    Callbacks are called one at a time, by the thread that asks for the transition, and must not ask
+    for another one. `changed` is given `lifecycle_msgs/msg/TransitionEvent` after each change of
+    the state, without time stamp, which the caller fills in. `services` have type and function, by
+    names such as `~/get_state`.
     """
 
     def __init__(

@@ -16,11 +16,7 @@ LONGEST_NAMESPACE: Final = LONGEST_TOPIC - 2
 
 
 def node_name(name: str, namespace: str = "/") -> NodeName:
-    """Return the name of a node; a namespace may lack its first slash.
-
-    Raises:
-        ConfigError: ROS 2 has no such name.
-    """
+    """Return a node's name; a namespace may lack its first slash; ConfigError for no such name."""
     if not PART.fullmatch(name):
         raise ConfigError(
             f"{name!r} is no name of a node in ROS 2: letters, digits and underscores, no digit"
@@ -55,11 +51,7 @@ def expanded(name: str, node: NodeName) -> str:
 
 
 def checked_topic(name: str) -> str:
-    """Return a full name of a topic or service.
-
-    Raises:
-        ConfigError: ROS 2 has no such name.
-    """
+    """Return a full name of a topic or service; ConfigError if ROS 2 has no such name."""
     if not _is_full(name):
         raise ConfigError(
             f"{name!r} is no name of a topic in ROS 2: parts of letters, digits and underscores,"

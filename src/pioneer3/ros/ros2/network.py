@@ -75,22 +75,14 @@ class Network:
     credentials: Path | None = None
 
     def distro_here(self, environment: Mapping[str, str] = os.environ) -> Distro:
-        """Return the distribution.
-
-        Raises:
-            ConfigError: there is none of that name.
-        """
+        """Return the distribution; ConfigError if there is none of that name."""
         if self.distro is not None:
             return distro_of(self.distro)
         installed = environment.get("ROS_DISTRO", "")
         return distros().get(installed) or distro_of(DEFAULT)
 
     def domain_here(self, environment: Mapping[str, str] = os.environ) -> int:
-        """Return the number of the domain.
-
-        Raises:
-            ConfigError: `ROS_DOMAIN_ID` is no number, or the number is out of range.
-        """
+        """Return the domain's number, or that of `ROS_DOMAIN_ID`; ConfigError if it is none."""
         text = environment.get("ROS_DOMAIN_ID", "") or "0"
         try:
             number = int(text) if self.domain is None else self.domain
@@ -128,11 +120,7 @@ class Network:
         )
 
     def check(self, chosen: BackendName) -> None:
-        """Refuse options that the chosen backend does not keep.
-
-        Raises:
-            ConfigError: there is one; the message has what helps.
-        """
+        """Raise ConfigError, with a remedy, for an option that the chosen backend does not keep."""
         for field, (word, backend) in OPTIONS.items():
             if backend is not chosen and getattr(self, field):
                 remedy = f"take --backend {backend}"
@@ -149,11 +137,7 @@ class Network:
         return obstacle(self.distro_here().name)
 
     def chosen(self, environment: Mapping[str, str] = os.environ) -> BackendName:
-        """Return the backend to take.
-
-        Raises:
-            ConfigError: none is installed.
-        """
+        """Return the backend to take; ConfigError if none is installed."""
         if self.backend is not BackendName.AUTO:
             return self.backend
         if find_spec("rclpy") is not None and not self.obstacle():
@@ -170,11 +154,7 @@ class Network:
 
 
 def open_backend(network: Network, node: NodeName, types: MessageTypes) -> Backend:
-    """Join the network as `node`.
-
-    Raises:
-        ConfigError: a library is missing, an option is wrong, or the backend does not keep it.
-    """
+    """Join the network as `node`; ConfigError for an option, or without the library."""
     domain, chosen = network.domain_here(), network.chosen()
     network.check(chosen)
     match chosen:

@@ -26,11 +26,7 @@ class RosLoader(yaml.SafeLoader):
     }
 
     def compose_node(self, parent: yaml.Node | None, index: int) -> yaml.Node | None:
-        """Return the next node.
-
-        Raises:
-            yaml.YAMLError: it is an alias.
-        """
+        """Return the next node; yaml.YAMLError if it is an alias."""
         if self.check_event(yaml.AliasEvent):
             mark = self.get_event().start_mark  # type: ignore[no-untyped-call]
             raise yaml.MarkedYAMLError(problem="ROS 2 takes no aliases (*)", problem_mark=mark)
@@ -53,11 +49,7 @@ RosLoader.add_implicit_resolver(
 
 
 def value_of(name: str, text: str) -> object:
-    """Return the value in `-p name:=text`.
-
-    Raises:
-        ConfigError: it is no YAML.
-    """
+    """Return the value in `-p name:=text`; ConfigError if it is no YAML."""
     return _loaded(text, f"-p {name}:={text}")
 
 

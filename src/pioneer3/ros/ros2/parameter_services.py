@@ -132,11 +132,7 @@ class ParameterServices:
         return result
 
     def _wanted(self, message: Any) -> Value:
-        """Return the value in `rcl_interfaces/msg/Parameter`.
-
-        Raises:
-            ConfigError: it cannot be set.
-        """
+        """Return the value in `rcl_interfaces/msg/Parameter`; ConfigError if it cannot be set."""
         if (parameter := self._table.get(message.name)) is None:
             raise ConfigError(f"no parameter {message.name!r} is declared")
         if parameter.acts is not Effect.AT_ONCE:
@@ -221,11 +217,7 @@ def is_listed(name: str, prefixes: Iterable[str], depth: int) -> bool:
 
 
 def _native(parameter: Parameter, value: object) -> Value:
-    """Return `value`, which may come from numpy, in the type of a parameter.
-
-    Raises:
-        ConfigError: it does not fit.
-    """
+    """Return `value`, which may come from numpy, in the type of a parameter; else ConfigError."""
     if isinstance(value, tuple):
         return parameter.checked(tuple(map(_scalar, value)))
     return parameter.checked(_scalar(value))

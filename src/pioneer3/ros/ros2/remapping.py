@@ -37,10 +37,8 @@ class Resource(StrEnum):
 class Remapping:
     r"""A remapping rule: topics and services called `source` are called `target` instead.
 
-    Attributes:
-        source: The name; `*` in it is a part, `**` are several.
-        target: The name instead; `\1` in it is the text at the first `*` or `**`.
-        resource: The kind of names that it is for; `None` for topics and services.
+    `*` in the source is a part, `**` are several; `\1` in the target is the text at the first of
+    them. A `resource` of `None` stands for topics and services.
     """
 
     source: str
@@ -64,11 +62,7 @@ class RemapRule:
 
 
 def rule(source: str, target: str) -> RemapRule:
-    """Return the rule `source:=target`.
-
-    Raises:
-        ConfigError: ROS 2 has no such rule.
-    """
+    """Return the rule `source:=target`; ConfigError if ROS 2 has no such rule."""
     found = RULE.fullmatch(source)
     if not found or found["node"] in set(Resource):
         raise ConfigError(

@@ -153,11 +153,7 @@ class NodeRequests:
         return next((e.kind for e in found if e.node == self._node and e.kind in kinds), None)
 
     def _request(self, name: str) -> None:
-        """Make a request; a node that does not take it is told of.
-
-        Raises:
-            TimeoutError: nobody takes it in time.
-        """
+        """Make a request, or log that there is none such; TimeoutError if nobody takes it."""
         kind = self._kind(name)
         if kind is None:
             log.warning("%s has no %s, neither a service nor a topic", self._node, name)

@@ -65,11 +65,7 @@ async def on_ros2(
 
 @asynccontextmanager
 async def _until_failure(backend: Backend) -> AsyncIterator[None]:
-    """Cancel the block when the backend fails.
-
-    Raises:
-        LinkError: it has.
-    """
+    """Cancel the block when the backend fails; LinkError tells of that."""
     task, loop = asyncio.current_task(), asyncio.get_running_loop()
     assert task is not None
     reasons: list[str] = []

@@ -21,13 +21,9 @@ BOOL: Final = "std_msgs/Bool"
 class RobotState:
     """The state of a robot; `None` for all that its topics have not told.
 
-    Attributes:
-        battery: [V].
-        motors: Whether they have power.
-        emergency_stop: Whether it is latched, or the robot's button pressed.
-        age: Of the newest odometry, by its stamp and this computer's clock [s]; since it came where
-            a simulator's time is in its stamp.
-        nodes: Number of nodes of its name; several have told nothing of one robot.
+    The battery is in [V]; the emergency stop is latched, or the robot's button pressed. The newest
+    odometry has an `age` by its stamp and this computer's clock [s]; since it came where a
+    simulator's time is in its stamp. Several `nodes` of its name have told nothing of one robot.
     """
 
     battery: float | None = None

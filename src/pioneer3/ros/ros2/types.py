@@ -48,11 +48,7 @@ NO_FIELD: Final = "structure_needs_at_least_one_member"
 
 
 class MessageTypes(MessageStore):
-    """The types of one distribution.
-
-    Raises:
-        ConfigError: rosbags is not installed.
-    """
+    """The types of one distribution; ConfigError if rosbags is not installed."""
 
     def __init__(self, distro: Distro) -> None:
         try:
@@ -73,22 +69,14 @@ class MessageTypes(MessageStore):
         self._encoders: dict[str, Callable[[Any], bytes]] = {}
 
     def message_type(self, name: str) -> MessageType:
-        """Return the type called `nav_msgs/msg/Odometry`, or `nav_msgs/Odometry` for short.
-
-        Raises:
-            ConfigError: this distribution has none.
-        """
+        """Return the type `nav_msgs/msg/Odometry`, or `nav_msgs/Odometry`; else ConfigError."""
         full = full_name(name)
         if full not in self._store.fielddefs:
             raise ConfigError(f"ROS 2 {self.distro.name} has no message type {full}")
         return MessageType(full, self._hash(full))
 
     def service_type(self, name: str) -> ServiceType:
-        """Return the type of services called `std_srvs/srv/SetBool`, or `std_srvs/SetBool`.
-
-        Raises:
-            ConfigError: there is none here.
-        """
+        """Return a type of services such as `std_srvs/SetBool`; ConfigError if there is none."""
         full = full_name(name, "srv")
         if full not in self._services:
             raise ConfigError(f"no definition of the service type {full} is here")

@@ -39,11 +39,7 @@ SHAPES: Final[Mapping[str, Any]] = {
 
 
 def value_of(method: str, answer: object) -> Any:
-    """Return the value in the answer to a method; MasterRefusalError if it is no.
-
-    Raises:
-        OddAnswerError: it is none of ROS.
-    """
+    """Return the value in an answer; MasterRefusalError for a no, OddAnswerError for nonsense."""
     match answer:
         case [int(code), words, value]:
             if code != DONE:

@@ -80,11 +80,9 @@ class _Transport(Transport):
 class NodeCalls:
     """Calls that others make to our node, in threads.
 
-    Attributes:
-        publisher_update: Given a topic, and the addresses of the nodes that publish it.
-        topic_address: Returns host and port of a topic that we publish; `None` of another.
-        topics: Returns names and types of topics: those published, and those subscribed to.
-        shut_down: Ends the node.
+    An update has a topic, and the addresses of the nodes that publish it. Topics that we do not
+    publish have no address, as host and port; `topics` are names and types of those published, and
+    of those subscribed to.
     """
 
     publisher_update: Callable[[str, list[str]], None]

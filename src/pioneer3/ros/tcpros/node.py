@@ -39,16 +39,9 @@ ENDING: Final = 2.0
 class Ros1Node:
     """A node; use :func:`ros1_node`.
 
-    Args:
-        name: Its full name.
-        at: Its addresses.
-        port: Where its topics and services are.
-        tell: Given a sentence when the master goes, and when it is back.
-        extra: Further fields in the headers of its publishers.
-
-    Attributes:
-        ended: Set when somebody shuts the node down.
-        state: The graph; `None` while the master is away.
+    Its topics and services are at a port, and its publishers' headers have `extra` fields; `tell`
+    is given a sentence when the master goes, and when it is back. `ended` is set when somebody
+    shuts the node down; `state` is the graph, `None` while the master is away.
     """
 
     def __init__(

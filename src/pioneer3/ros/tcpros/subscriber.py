@@ -21,14 +21,10 @@ log = logging.getLogger(__name__)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PublisherConnection:
-    """A connection to a publisher.
+    """A connection to a publisher on a node, whose address a program that starts again has not.
 
-    Attributes:
-        node: Its node.
-        is_bridge: Whether that node passes on messages of another network.
-        maybe_old: Whether its first message may be old: the topic is latched, and the publisher was
-            there before this subscription, or the connection broke.
-        uri: Address of its node, which a program that is started again has not.
+    A bridge passes on messages of another network. The first message may be old where the topic is
+    latched, and the publisher was there before this subscription, or the connection broke.
     """
 
     node: str

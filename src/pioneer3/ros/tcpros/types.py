@@ -25,10 +25,7 @@ SERVICES: Final = {
 class Definition:
     """The definition of a type such as `nav_msgs/Odometry`, as connections state it.
 
-    Attributes:
-        name: Its name.
-        md5sum: Of the definition without comments; two nodes must have the same.
-        text: The definition, with those of the types in it.
+    Two nodes must have the same checksum of it without comments; the text is with the types in it.
     """
 
     name: str

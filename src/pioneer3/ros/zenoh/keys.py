@@ -53,12 +53,9 @@ NAMED: Final = Struct(f"<B15sqB16sqB10sB{GID_BYTES}s")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class KeyTopic:
-    """A topic or service as it is in keys.
+    """A topic or service as it is in keys, by its full name, such as `/robot1/odom`.
 
-    Attributes:
-        name: Full name, such as `/robot1/odom`.
-        type_name: Such as `nav_msgs/msg/Odometry`, or `std_srvs/srv/SetBool`.
-        type_hash: Such as `RIHS01_3cc9...`; empty in Humble.
+    The hash, such as `RIHS01_3cc9...`, is empty in Humble.
     """
 
     name: str
@@ -75,13 +72,9 @@ class KeyTopic:
 class LivelinessToken:
     """A liveliness token: that of a node, or that of an endpoint of a node.
 
-    Attributes:
-        session: Identity of the Zenoh session, in hexadecimal digits.
-        node_id: Number of the node in its session.
-        entity_id: Number of the endpoint in its session; that of the node itself for a node.
-        enclave: Of security; `/` for none.
-        kind: Kind of the endpoint; `None`, as the topic, for a node.
-        key: The key expression as another program declared it; empty for a token of ours.
+    The identity of the Zenoh session is in hexadecimal digits, the other two are numbers in it; a
+    node has one number twice, and neither `kind` nor `topic`. `key` is the key expression as
+    another program declared it, empty for a token of ours.
     """
 
     domain: int
@@ -134,11 +127,8 @@ class LivelinessToken:
 class Attachment:
     """The data that goes with each message, request and response.
 
-    Attributes:
-        sequence: Number of the message; in a response that of its request.
-        stamp: Time of sending [ns since 1970].
-        gid: Identity of the publisher or client; in a response that of the client.
-        named: Whether its fields have names: older peers understand no other.
+    It was sent at `stamp` [ns since 1970]. A response has the number of its request and the `gid`
+    of the client. Fields that are `named` are for older peers, which understand no others.
     """
 
     sequence: int

@@ -77,11 +77,7 @@ def load_zenoh() -> None:
 
 
 def session_config(options: ZenohOptions) -> "zenoh.Config":
-    """Return the configuration of a session.
-
-    Raises:
-        ConfigError: a file is missing or readable by others, or a setting is wrong.
-    """
+    """Return the configuration of a session; ConfigError for settings or files that are wrong."""
     import zenoh
 
     settings = {**_security(options), **_login(options.credentials)}
