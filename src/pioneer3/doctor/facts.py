@@ -27,10 +27,16 @@ class Level(StrEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Finding:
-    """One check and its outcome, for people; `meaning` and `advice` are empty where there is none.
+    """One check and its outcome.
 
-    `code` is the exit code of the command where this is the first failure, and `symptom` the page
-    of the book about it, `None` where all is well.
+    Attributes:
+        check: Its subject, in a word or two.
+        level: Its severity.
+        found: The observation.
+        meaning: Its explanation; empty where it is plain.
+        advice: For the user; empty where there is nothing to do.
+        code: Exit code of the command, where this is the first failure.
+        symptom: The page of the book about it; `None` where all is well.
     """
 
     check: str
