@@ -3,6 +3,7 @@
     .venv/bin/python -m docs.plots [NAME...]     from the project's root; all take half an hour
     .venv/bin/python -m docs.plots --list        the table
     .venv/bin/python -m docs.plots --stale       those that may be older than what they show
+    .venv/bin/python -m docs.plots --same NAME   you looked: this one still shows what there is
 
 It needs Chromium, and for sonar-angle matplotlib: uv run --with matplotlib python -m docs.plots.
 """
@@ -11,7 +12,9 @@ import argparse
 import asyncio
 import sys
 
-from docs.plots.studio import Picture, PictureError, made, studio, tell
+from playwright.async_api import Error
+
+from docs.plots.studio import Picture, PictureError, made, note, studio, tell
 from docs.plots.table import PICTURES, ROWS
 
 
@@ -32,7 +35,7 @@ async def make(names: list[str]) -> list[str]:
             tell(f"{', '.join(before)} ...")
             try:
                 await scene(at_work)
-            except (PictureError, ExceptionGroup, OSError) as error:
+            except (PictureError, Error, ExceptionGroup, OSError) as error:
                 problems.append(f"{scene.__module__}.{scene.__name__}: {error}")
                 tell(problems[-1])
         if at_work.missing:
@@ -50,6 +53,7 @@ def main() -> int:
     parser.add_argument("names", nargs="*", metavar="NAME", help="such as page-way; none: all")
     parser.add_argument("--list", action="store_true", help="tell what each picture shows")
     parser.add_argument("--stale", action="store_true", help="name those to be made anew")
+    parser.add_argument("--same", action="store_true", help="keep pictures that are as they were")
     asked = parser.parse_args()
     if unknown := [name for name in asked.names if name not in PICTURES]:
         parser.error(f"no picture has the name {unknown[0]}; --list names all")
@@ -63,6 +67,9 @@ def main() -> int:
         if names:
             tell(f"may be older than what they show: python -m docs.plots {names}")
         return int(bool(names))
+    if asked.same:
+        note(*(PICTURES[name] for name in asked.names))
+        return 0
     problems = asyncio.run(make(asked.names))
     for problem in problems:
         sys.stderr.write(problem + "\n")

@@ -29,6 +29,7 @@ async def classroom(studio: Studio) -> None:
         command = "class", "--students", str(ROBOTS), "--folder", folder
         async with product(*command, folder=Path(folder)) as address:
             desk = await studio.open(f"{address}/class", size=DESK)
+            await until(desk, "state.class?.join_url", "the link to the class")
             await desk.click("#invitation-small")
             link = await desk.evaluate("window.pioneer3.state.class.join_url")
             pages = [await join(studio, link, name) for name in NAMES]

@@ -71,7 +71,7 @@ async def laser(studio: Studio) -> None:
 
 async def camera(studio: Studio) -> None:
     """Open the view of a simulated camera."""
-    async with run("--physics", "--fit", "camera=vcc4", "--start", "2.5,7,0") as address:
+    async with run("--physics", "--fit", "camera=vcc4") as address:
         desk = await studio.live(address)
         await desk.click(".views [data-view=camera]")
         await seen(desk.get_by_text("pixels,"), "a picture of the camera")
@@ -134,7 +134,7 @@ async def together(studio: Studio) -> None:
         await desk.click("#sheet-close")
         await desk.click("#fit")
         await desk.keyboard.down("ArrowUp")
-        await until(desk, f"{DRIVES} && state.pose.x > 2.5", "a wedge that drives")
+        await until(desk, f"{DRIVES} && state.pose.x > 5", "a wedge that drives")
         await studio.take(desk, "page-together")
         await desk.keyboard.up("ArrowUp")
 

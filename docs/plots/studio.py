@@ -96,6 +96,12 @@ def made() -> dict[str, str]:
     return dict(line.split(" ", 1) for line in lines)
 
 
+def note(*pictures: Picture) -> None:
+    """Keep the digests of pictures that show what there is now."""
+    digests = made() | {one.name: one.digest() for one in pictures}
+    MADE.write_text("".join(f"{name} {digests[name]}\n" for name in sorted(digests)))
+
+
 class Studio:
     """Makes the wanted pictures of the table, and takes no others."""
 
@@ -191,8 +197,7 @@ class Studio:
         if name not in self._wanted:
             return
         picture = self._wanted.pop(name)
-        digests = made() | {name: picture.digest()}
-        MADE.write_text("".join(f"{name} {digests[name]}\n" for name in sorted(digests)))
+        note(picture)
         took = time.monotonic() - self._began
         kilobytes = picture.path.stat().st_size / 1000
         tell(f"{took:5.0f} s  {picture.file}  {kilobytes:.0f} kB {how}: {picture.shows}")
@@ -231,7 +236,7 @@ async def product(*command: str, folder: Path | None = None) -> AsyncIterator[st
     """Run a command of the program that serves pages, in a folder; yield their address.
 
     Raises:
-        PictureError: It ends without an address; says its last words.
+        PictureError: It warns, or ends without an address; says its words.
     """
     ports = "--web-port", WEB_PORT, "--sim-port", SIM_PORT
     with TemporaryDirectory() as empty:
@@ -246,6 +251,8 @@ async def product(*command: str, folder: Path | None = None) -> AsyncIterator[st
             said = ""
             async for line in process.stdout:
                 said += line.decode()
+                if "WARNING" in said:
+                    raise PictureError(f"pioneer3 {' '.join(command)}: {said}")
                 if found := re.search(r"http://[^\s/]+", line.decode()):
                     yield found[0]
                     break
