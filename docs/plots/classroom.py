@@ -22,6 +22,9 @@ PROGRAMS = (2, 7, 11)
 DRIVING = 12.0
 """Long enough for trails [s]."""
 
+DRIVEN = "state.robots.filter(({ snapshot }) => snapshot?.by === 'program').length"
+"""Number of robots that programs drive."""
+
 
 async def classroom(studio: Studio) -> None:
     """Let students join a class, and drive robots by pages and programs."""
@@ -43,6 +46,7 @@ async def classroom(studio: Studio) -> None:
                 await pages[0].click("#details")
                 await pages[0].click("#recording-begin")
                 await desk.wait_for_timeout(500 * DRIVING)
+                await until(desk, f"{DRIVEN} >= {len(PROGRAMS)}", "robots that programs drive")
                 await studio.take(desk, "class")
                 await studio.take(pages[1], "class-phone")
 
