@@ -12,10 +12,10 @@ from pioneer3.cli.main import execute
 from pioneer3.sim.worldfile import parse_world
 
 PAGE = (Path(__file__).parents[3] / "docs/how-to/simulate.md").read_text()
-SHELL = "".join(re.findall(r"```sh\n(.*?)```", PAGE, re.DOTALL))
+SHELL = "".join(re.findall(r"```sh[^\n]*\n(.*?)```", PAGE, re.DOTALL))
 LINES = [line.partition("#")[0].strip() for line in SHELL.splitlines()]
 SIMS = [line for line in LINES if line.startswith("pioneer3 sim")]
-WORLDS = re.findall(r"```toml\n(.*?)```", PAGE, re.DOTALL)
+WORLDS = re.findall(r"```toml[^\n]*\n(.*?)```", PAGE, re.DOTALL)
 
 
 def test_there_is_something_to_try() -> None:
