@@ -36,9 +36,8 @@ from pioneer3.ros.node.topics import TOPICS, aria_topics, laser_topic, transduce
 
 PAGE = Path(__file__).with_name("ros1-node.md")
 ROS2_PAGE = PAGE.with_name("ros2-node.md")
-LASER_PAGE = PAGE.parents[1] / "how-to" / "laser.md"
-MAP_PAGE = LASER_PAGE.with_name("navigate.md")
-PAGES = (PAGE, LASER_PAGE, ROS2_PAGE, MAP_PAGE)
+MAP_PAGE = PAGE.parents[1] / "how-to" / "navigate.md"
+PAGES = (PAGE, ROS2_PAGE, MAP_PAGE)
 EVERY = {
     StateUpdate: "with every snapshot",
     ScanUpdate: "with every scan",

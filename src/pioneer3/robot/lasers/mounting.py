@@ -124,7 +124,7 @@ def _joined(sectors: Iterable[Sector]) -> Iterator[Sector]:
 
 
 def words(sectors: Sequence[Sector]) -> tuple[str, str]:
-    """Return the sectors as an option, and as a line of the table `[laser]` of a robot's file."""
+    """Return the sectors as an option, and as a line of a laser in a robot's file."""
     ends = [(f"{degrees(s.first):.1f}", f"{degrees(s.last):.1f}") for s in sectors]
     option = ",".join(f"{first}:{last}" for first, last in ends)
     line = ", ".join(f"[{first}, {last}]" for first, last in ends)
