@@ -190,7 +190,7 @@ async def test_drive_without_a_robot_gives_the_terminal_back(tmp_path: Path) -> 
         assert process.returncode == 3
         assert stderr.decode().splitlines() == [
             "pioneer3: tcp://127.0.0.1:1: nobody listens there; "
-            "a simulator starts with: pioneer3 sim -p 1"
+            "a simulator starts with: pioneer3 sim -p 1; see: pioneer3 docs no-port"
         ]
         assert termios.tcgetattr(terminal) == before
     finally:

@@ -47,6 +47,11 @@ class Finding:
     code: int = FAILED
     symptom: Symptom | None = None
 
+    def __post_init__(self) -> None:
+        """Take the exit code from what is no failure."""
+        if self.level is not Level.FAIL:
+            object.__setattr__(self, "code", 0)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Heard:

@@ -140,10 +140,14 @@ class Placer:
         return pose
 
     def _middle(self) -> Pose2:
-        """Return the start on a map without any: the origin, or the middle if it is beside it."""
-        if self._within_map(np.zeros((1, 2))).all():
+        """Return the start on a map without any: the origin, or the middle if it is beside it.
+
+        A wall alone surrounds nothing.
+        """
+        low, high = np.reshape(self._map.bounds, (2, 2))
+        if self._within_map(np.zeros((1, 2))).all() or not (high > low).all():
             return ORIGIN
-        x, y = np.reshape(self._map.bounds, (2, 2)).mean(axis=0).tolist()
+        x, y = ((low + high) / 2).tolist()
         return Pose2(x, y)
 
     def _is_open(self, model: RobotModel, start: Pose2) -> bool:

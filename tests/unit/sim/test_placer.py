@@ -216,6 +216,11 @@ def test_robots_on_a_map_beside_the_origin_start_within_its_walls() -> None:
         assert -40 < pose.y < -34
 
 
+def test_a_robot_starts_at_the_origin_where_a_wall_alone_surrounds_nothing() -> None:
+    wall = LineMap(name="wall", walls=np.array([[50.0, -1.0, 50.0, 1.0]]))
+    assert placed(wall, crowd(1, "home")) == [Pose2()]
+
+
 def test_robots_that_find_no_room_among_lonely_boxes_stand_beside_them() -> None:
     requests = crowd(10, "home")
     poses = placed(LineMap(name="box", walls=room(0.4, 0.4).walls), requests)

@@ -148,7 +148,7 @@ async def test_it_goes_to_a_point_and_says_how_that_ended() -> None:
         assert begun.json["mode"] == "goto"
         await asyncio.sleep(20.0)
         ended = (await script.ask("GET", f"{ROBOT}/mode")).json
-        how = {"mode": "goto", "done": True, "why": "done"}
+        how = {"mode": "goto", "done": True, "why": "done", "place": ""}
         assert ended == {"mode": None, "decided": [], "ended": how}
         assert the.sim.body.robot_in_world.x == pytest.approx(1.0, abs=0.3)
 
