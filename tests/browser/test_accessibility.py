@@ -73,6 +73,7 @@ def assert_no_fault(page: Page) -> None:
 def test_axe_finds_the_faults_that_there_are(page: Page) -> None:
     page.evaluate("document.getElementById('zoom-in').removeAttribute('aria-label')")
     page.evaluate("document.getElementById('zoom-in').removeAttribute('title')")
+    page.evaluate("document.querySelectorAll('#zoom-in span').forEach((word) => word.remove())")
     assert faults(page) == ["button-name: ['#zoom-in']"]
 
 

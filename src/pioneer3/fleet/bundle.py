@@ -121,8 +121,9 @@ def _wanted(extras: Sequence[str]) -> list[str]:
     others = metadata.metadata(NAME).get_all("Provides-Extra") or ()
     optional = {Requirement(line).name for extra in others for line in added_by(extra)}
     chosen = {Requirement(line).name for extra in extras for line in added_by(extra)}
+    left_out = optional - chosen - {"packaging"}  # errors say by it how to get what is missing
     lines = requirements(NAME, extras)
-    return [line for line in lines if Requirement(line).name not in optional - chosen]
+    return [line for line in lines if Requirement(line).name not in left_out]
 
 
 def installed(name: str, extras: Sequence[str]) -> list[str]:
