@@ -33,5 +33,5 @@ def reading(page: str) -> "Callable[[Studio], Awaitable[None]]":
 
 
 async def by_hand(studio: "Studio") -> None:
-    """Keep what somebody has drawn."""
+    """Keep the drawing, which is made by hand."""
     studio.kept("tutorial/real-robot-cable")

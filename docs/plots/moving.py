@@ -23,11 +23,11 @@ OFFER, PRESS, END = 1.2, 0.4, 2.2
 LONGEST = 200.0
 """Longest drive [s]."""
 SHORTEST_PICTURE, LONGEST_PICTURE = 8.0, 12.0
-"""Of the whole picture [s]."""
+"""Bounds on the length of the picture [s]."""
 MOST = 2_000_000
 """Largest file [bytes]."""
 QUALITIES = 90, 80, 70, 60, 50, 40
-"""Of WebP, the first of which the file is small enough."""
+"""WebP qualities to try; the first small enough is kept."""
 HAND = """([x, y]) => {
   const hand = document.createElement("div");
   hand.id = "hand";

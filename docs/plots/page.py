@@ -21,11 +21,11 @@ KNOWN_EARLY = 90.0
 EXPLORING = 1500.0
 """Longest time in which the robot sees all of the office [s]."""
 PIXELS_PER_METRE = 66.0
-"""Of a map that is drawn."""
+"""Scale of a drawn map."""
 MARGIN = 0.4
-"""Around a map that is drawn [m]."""
+"""Margin around a drawn map [m]."""
 THREE: Size = (1280, 800)
-"""Of pictures of several robots [px]."""
+"""Size of pictures of several robots [px]."""
 
 
 async def first(studio: Studio) -> None:

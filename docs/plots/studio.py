@@ -29,13 +29,13 @@ Scene = Callable[["Studio"], Awaitable[None]]
 DESKTOP: Size = (1440, 900)
 PHONE: Size = (390, 844)
 SEED = "1"
-"""Of all worlds."""
+"""Seed of all simulated worlds."""
 SIM_PORT, WEB_PORT = "18101", "18080"
 """Pictures show ports, so these are always the same."""
 PATIENCE = 90.0
 """How long a busy machine may take for anything that is waited for [s]."""
 COLOURS = 256
-"""Of a picture: what the page draws has few, and needs a third of the room with a palette."""
+"""Size of a picture's palette, by which the file is a third as large."""
 
 
 class PictureError(Exception):

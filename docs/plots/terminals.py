@@ -25,7 +25,7 @@ DEMO: Size = (92, 26)
 LASER: Size = (92, 30)
 """Columns and rows of the terminals."""
 WIDTH = 1142
-"""Of a picture of a terminal [px]."""
+"""Width of a picture of a terminal [px]."""
 GROUND = "#121212"
 """Colour of cells in which nothing has been written, as that of the demo."""
 WANDERING = 13.0
