@@ -256,8 +256,10 @@ class Reader:
             shell.terminal.read(0.1)
 
     def _beside(self, command: str) -> None:
-        """Start what the page says is there, and wait for its first line."""
+        """Start what the page says is there, unless it runs, and wait for its first line."""
         shell = self._at(f"beside {self.page.name}: {command}")
+        if shell.is_busy:
+            return
         shell.type(f"{command}\n")
         shell.await_words()
 
