@@ -435,3 +435,12 @@ def test_a_laser_that_agrees_to_scip_2_in_vain_is_polled() -> None:
     rig.spoil = lambda data: data.replace(b"E", b"0") if rig.sent[-1] == b"SCIP2.0\n" else data
     rig.connect(URG_SPEEDS)
     expect_scans(rig)
+
+
+def test_a_scan_over_a_device_server_is_waited_for_however_slow_its_line_is() -> None:
+    rig = Rig(ScipDevice(URG))
+    rig.connect()
+    rig.run(10.0)
+    assert len(rig.scans) >= 7
+    assert rig.remarks == []
+    assert len(rig.scans[-1].ranges) == URG.count

@@ -40,7 +40,8 @@ SCANNED: Final = b"99b"
 PERIODS: Final = 10
 """A silence is at least this many scan periods."""
 SLOWEST_ANSWER: Final = 3.0
-"""The rest of an old scan at 19200 baud, and the answer behind it, have come after this [s]."""
+"""The rest of an old scan at 19200 baud, and the answer behind it, have come after this [s]; so has
+a scan over a device server, whose speed nobody knows."""
 TEXT: Final = bytes(range(0x20, 0x7F)) + b"\r\n"
 
 
@@ -101,8 +102,9 @@ class ScipClient:
                 break
         if self._stream is not None:
             began = self._reader.began(self._stream.command)
-            if began is not None:  # not `now`: noise that has no end may follow
-                self._answered_at = max(self._answered_at, began)
+            if began is not None:  # noise that has no end may follow
+                comes = data.translate(None, TEXT) == b"" and now < began + SLOWEST_ANSWER
+                self._answered_at = max(self._answered_at, now if comes else began)
                 self._plan_watch()
         return events
 
