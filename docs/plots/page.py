@@ -4,7 +4,7 @@ from math import ceil
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from PIL import Image, ImageDraw
+from PIL import Image, ImageDraw, ImageOps
 from playwright.async_api import Page
 
 from docs.plots.studio import PHONE, Size, Studio, run, seen, until
@@ -24,6 +24,8 @@ PIXELS_PER_METRE = 66.0
 """Scale of a drawn map."""
 MARGIN = 0.4
 """Margin around a drawn map [m]."""
+BUILT = (1600, 1136)
+"""Size of the picture of a map that a robot has made."""
 THREE: Size = (1280, 800)
 """Size of pictures of several robots [px]."""
 
@@ -155,7 +157,8 @@ async def explore(studio: Studio) -> None:
             await until(desk, STANDS, "the end of exploring", EXPLORING)
             await desk.click("#map-save")
             await seen(desk.get_by_text("Saved lab.map"), "a map that is saved")
-        studio.keep("map-built", drawn(read_map(Path(folder) / "lab.map")))
+        built = drawn(read_map(Path(folder) / "lab.map"))
+        studio.keep("map-built", ImageOps.pad(built, BUILT, color="white"))
 
 
 def drawn(line_map: LineMap) -> Image.Image:

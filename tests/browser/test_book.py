@@ -276,6 +276,13 @@ QUESTIONS = {
     "10 robots": "how-to/fleet/",
     "max speed students": "how-to/speed-limits/",
     "csv sonar": "how-to/csv/",
+    "how do I use Nav2?": "how-to/nav2/",
+    "connect my laser": "how-to/laser/",
+    "autostart my own script": "how-to/onboard-computer/",
+    "odometry is wrong": "how-to/calibrate/",
+    "simulation with obstacles": "how-to/obstacles/",
+    "why does my robot not move?": "troubleshooting/does-not-move/",
+    "share the serial port over the network": "how-to/onboard-computer/",
 }
 """Questions of people, and the page with the answer."""
 FIRST = 4

@@ -49,6 +49,21 @@ FleetFile = Annotated[
     Path | None, Parameter(name="--fleet", metavar="FILE", env_var="PIONEER3_FLEET")
 ]
 TcpPort = Annotated[int, Parameter(validator=Number(gte=0, lte=65535))]
+Robots = Annotated[
+    tuple[str, ...], Parameter(name=["--robot", "-r"], negative=(), show_default=False)
+]
+USUAL = "p3at-sh"
+"""Model of a simulated robot of which only the number is given."""
+MOST_ROBOTS = 1000
+"""Most robots that one option asks for."""
+RobotNumber = Annotated[
+    int | None, Parameter(name=["--number", "-n"], validator=Number(gte=1, lte=MOST_ROBOTS))
+]
+
+
+def repeated(robots: tuple[str, ...], number: int | None) -> tuple[str, ...]:
+    """Return the words of `--robot`, or the usual one, `number` times over."""
+    return robots if number is None else (robots or (USUAL,)) * number
 
 
 def fleet_of(given: Path | None) -> "Fleet":

@@ -23,9 +23,12 @@ from pioneer3.cli.options import (
     LaserOptions,
     Model,
     NavigationOptions,
+    RobotNumber,
+    Robots,
     Speed,
     TcpPort,
     WorldOptions,
+    repeated,
     robots_of,
 )
 from pioneer3.cli.process import run_until_told_to_leave, write_line, write_warning
@@ -46,7 +49,8 @@ def run(
     port: Annotated[tuple[str, ...], PORT, MANY] = (),
     baud: Baud = None,
     map_: Annotated[str | None, Parameter(name=["--map", "-m"])] = None,
-    robot: Annotated[tuple[str, ...], Parameter(name=["--robot", "-r"]), MANY] = (),
+    robot: Robots = (),
+    number: RobotNumber = None,
     fleet: FleetFile = None,
     model: Model = None,
     ideal: Annotated[Flag, Parameter(group=WORLD)] = False,
@@ -77,6 +81,7 @@ def run(
             or .sdf file of Stage or Gazebo.
         robot: MODEL[:NAME], such as p3dx:bob, once for each; with --port: what those really are.
             Or the name of a robot or group in the fleet file, in place of its port.
+        number: So many of each simulated --robot, or of the usual one, such as 10.
         fleet: The fleet file; else fleet.toml here or in ~/.config/pioneer3.
         model: What the robots at --port really are: p3dx-sh, a .toml or ARIA .p file.
         ideal: Simulate without noise and slip: robots do exactly what they are told.
@@ -99,7 +104,10 @@ def run(
     from pioneer3.sim.worldfile.arguments import parse_robot
     from pioneer3.web.live import RunOptions, live
 
-    if of_fleet := robots_of(robot, fleet):
+    of_fleet = robots_of(robot, fleet)
+    if number is not None and (port or of_fleet):
+        raise ConfigError(f"--number {number}: of simulated robots only, without --port")
+    if of_fleet:
         if port and port != (os.environ.get(PORT_VARIABLE),):
             raise ConfigError(f"--port {port[0]} and --robot {robot[0]}: give one of them")
         port = tuple(one.port for one in of_fleet)
@@ -108,7 +116,8 @@ def run(
         settings = tuple(one.navigation for one in of_fleet)
         robots = tuple(RobotSpec(model="", name=one.name) for one in of_fleet)
     else:
-        robots, cameras = tuple(map(parse_robot, robot)), (None,) * len(port)
+        robots = tuple(map(parse_robot, repeated(robot, number)))
+        cameras = (None,) * len(port)
         models, settings = (), (AS_SHIPPED,)
     if model is not None and port:
         models = (model,) * len(port)

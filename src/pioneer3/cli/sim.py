@@ -15,7 +15,15 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from cyclopts import Group, Parameter
 from cyclopts.validators import Number
 
-from pioneer3.cli.options import WORLD, Flag, TcpPort, WorldOptions
+from pioneer3.cli.options import (
+    WORLD,
+    Flag,
+    RobotNumber,
+    Robots,
+    TcpPort,
+    WorldOptions,
+    repeated,
+)
 from pioneer3.cli.process import (
     LogFormatter,
     run_until_told_to_leave,
@@ -280,19 +288,14 @@ MAP, DEFAULT_WORLD, DEFAULT_PORTS, DEFAULT_TIME = (
     TimeOptions(),
 )
 DEFAULT_ERRORS, DEFAULT_MOBILESIM = ErrorOptions(), MobileSimOptions()
-USUAL = "p3at-sh"
-MOST_ROBOTS = 1000
-"""Most robots that one option asks for."""
 MANY = Parameter(negative=(), show_default=False)
 FleetOption = Annotated[Path | None, Parameter(name="--fleet", metavar="FILE")]
 
 
 def sim(
     *,
-    robot: Annotated[tuple[str, ...], Parameter(name=["--robot", "-r"]), MANY] = (),
-    number: Annotated[
-        int | None, Parameter(name=["--number", "-n"], validator=Number(gte=1, lte=MOST_ROBOTS))
-    ] = None,
+    robot: Robots = (),
+    number: RobotNumber = None,
     robot_factory: Annotated[str, Parameter(name=["--robot-factory", "-R"]), MANY] = "",
     fleet: FleetOption = None,
     map_: MapOptions = MAP,
@@ -335,7 +338,7 @@ def sim(
         write_warning(ports.warning)
     from pioneer3.sim.server.start import simulator
 
-    robots: Sequence[str | RobotSpec] = robot if number is None else (robot or (USUAL,)) * number
+    robots: Sequence[str | RobotSpec] = repeated(robot, number)
     if fleet is not None:
         if robots or robot_factory:
             raise ConfigError("--fleet gives the robots; leave --robot, -n and --robot-factory out")

@@ -89,6 +89,8 @@ def test_the_simulated_world_may_be_chosen(monkeypatch: pytest.MonkeyPatch) -> N
 def test_robots_are_given_by_port_or_by_model(monkeypatch: pytest.MonkeyPatch) -> None:
     options = given("run -r p3at -r p3dx:bob", monkeypatch)
     assert options.robots == (RobotSpec(model="p3at"), RobotSpec(model="p3dx", name="bob"))
+    assert given("run -r p3dx -n 3", monkeypatch).robots == (RobotSpec(model="p3dx"),) * 3
+    assert given("run -n 2", monkeypatch).robots == (RobotSpec(model="p3at-sh"),) * 2
     options = given("run -p tcp://a:1 -p tcp://b:2 -r p3at", monkeypatch)
     assert options.ports == ("tcp://a:1", "tcp://b:2")
 
@@ -99,6 +101,7 @@ def test_robots_are_given_by_port_or_by_model(monkeypatch: pytest.MonkeyPatch) -
         ("-p tcp://a:1 -p tcp://a:1", "--port tcp://a:1: given twice"),
         ("-p tcp://a:1 -p tcp://b:1 -p tcp://c:1 -r p3at -r p3dx", "2 given, but ports: 3"),
         ("-r :bob", "expected a model"),
+        ("-p tcp://a:1 -n 2", "--number 2: of simulated robots only, without --port"),
     ],
 )
 def test_what_does_not_go_together_is_refused(
