@@ -106,7 +106,7 @@ def test_somebody_else_may_end_it_too(tabs: Tabs, office: Page, product: Product
     until(lambda: speed(product) > 0.1)
     with tabs.open(product.address) as other:
         wait_for_the_robot(other)
-        expect(other.locator("#card-end")).to_have_text("End goto")
+        expect(other.locator("#card-end")).to_have_text("End the drive")
         other.locator("#card-end").click()
         until(lambda: speed(product) == 0.0)
         expect(office.locator("#toast")).to_contain_text("laptop 2 stopped the robot")

@@ -5,7 +5,13 @@ import { Fields, button, choice, loadForms } from "./fields.js";
 import { part } from "./widgets.js";
 
 const TIMES = [["60", "1 minute"], ["300", "5 minutes"], ["900", "15 minutes"], ["3600", "1 hour"]];
-const GOING = { explore: "Looks where the map ends", goto: "Looks for the way", patrol: "Stands at a place of its patrol", "look around": "Drives until it knows where it is", follow: "Looks for somebody to follow" }; // while there is no target
+const WORDS = { // for modes that people name otherwise; `going`: while there is no target
+  explore: { doing: "Exploring", noun: "exploring", going: "Looks where the map ends", done: "Explored: no edge of the map is left." },
+  goto: { doing: "On the way", noun: "the drive", going: "Looks for the way" },
+  patrol: { doing: "On patrol", noun: "the patrol", going: "Stands at a place of its patrol" },
+  "look around": { doing: "Looking around", noun: "looking around", going: "Drives until it knows where it is", done: "It knows where it is." },
+  follow: { doing: "Following", noun: "following", going: "Looks for somebody to follow" },
+};
 const LEAVE = "A mode, a goal or a patrol goes on while this page is heard of: close it, lose the connection or lock the phone, "
   + "and the robot stops after 2 seconds. Another tab in front does not end it. STOP and E-STOP end it at once, for everybody.";
 
@@ -66,10 +72,10 @@ export class ModesView {
     const { mode, ended, decided, motors, emergency_stop: latched } = snapshot;
     this.#pose = snapshot.robot_in_map;
     const runs = mode !== null;
-    put(this.#running, runs ? `${named(mode)} runs${startedBy ? `, started by ${startedBy}` : ""}.` : howItEnded(ended));
+    put(this.#running, runs ? `${doing(mode, startedBy)}.` : howItEnded(ended));
     putLines(this.#decided, runs ? decided : []);
     this.#end.hidden = !runs;
-    if (runs) put(this.#end, `End ${mode}`);
+    if (runs) put(this.#end, `End ${noun(mode)}`);
     for (const start of this.#starts) start.disabled = !usable || latched;
     this.#motors.disabled = !usable || (latched && !motors.enabled);
     set(this.#motors, "data-on", String(motors.enabled));
@@ -149,17 +155,18 @@ class MapMaking {
 }
 
 /** A mode's name where a sentence begins. */
-const named = (mode) => mode[0].toUpperCase() + mode.slice(1);
+const capital = (text) => text[0].toUpperCase() + text.slice(1);
+const noun = (mode) => WORDS[mode]?.noun ?? mode;
+const doing = (mode, startedBy) => (WORDS[mode]?.doing ?? capital(mode)) + (startedBy ? `, started by ${startedBy}` : "");
 
-const DONE = { "look around": "It knows where it is.", explore: "Explored: no edge of the map is left." }; // what modes reach
 
 /** How the last mode ended, in words. */
 function howItEnded(ended) {
   if (!ended) return "No mode runs.";
   const { mode, done, why, place } = ended;
-  if (!done) return `${named(mode)} ended: ${why}.`;
+  if (!done) return `${capital(noun(mode))} ended: ${why}.`;
   if (mode === "goto" || mode === "patrol") return place ? `Arrived: ${place}` : "Arrived.";
-  return DONE[mode] ?? `${named(mode)}: done.`;
+  return WORDS[mode]?.done ?? `${capital(noun(mode))}: done.`;
 }
 
 /** On the map, while a mode runs: its name, its target, its decisions, and the button that ends it. */
@@ -180,10 +187,11 @@ export class ModeCard {
   show({ mode, decided, ended, emergency_stop: latched }, startedBy, going) {
     byId("mode-card").hidden = mode === null;
     if (mode !== null) {
-      put(byId("card-title"), `${named(mode)}${startedBy ? `, started by ${startedBy}` : ""}`);
-      put(byId("card-end"), `End ${mode}`);
-      byId("card-going").hidden = !(mode in GOING);
-      put(byId("card-going"), going || GOING[mode] || "");
+      put(byId("card-title"), doing(mode, startedBy));
+      put(byId("card-end"), `End ${noun(mode)}`);
+      const still = WORDS[mode]?.going;
+      byId("card-going").hidden = !still;
+      put(byId("card-going"), going || still || "");
     }
     putLines(byId("decided"), mode === null ? [] : decided, (line) => make("li", { title: line }, line));
     const news = this.#mode !== null && mode === null && ended && !latched; // the alarm tells of an emergency stop
