@@ -2,7 +2,7 @@
 
 from bisect import bisect
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from math import atan2, cos, hypot, inf, pi, radians
 from pathlib import Path
@@ -113,6 +113,11 @@ class Places:
         row, column = cells[rng.integers(len(cells))].tolist()
         return self._raster.middle_of(row, column)
 
+    def is_free(self, x: float, y: float) -> bool:
+        """Whether a robot can be at a point [m]."""
+        cell = self._raster.cell_of(x, y)
+        return cell is not None and bool(self.free[cell])
+
     def way(self, begin: tuple[float, float], end: tuple[float, float]) -> Float:
         """Return the points of a way [m], shape (N, 2)."""
         width = self.free.shape[1]
@@ -161,9 +166,18 @@ def map_of(name: str) -> LineMap | None:
 
 
 def drive(
-    name: str, line_map: LineMap, seconds: float, seed: int, conditions: Conditions
+    name: str,
+    line_map: LineMap,
+    seconds: float,
+    seed: int,
+    conditions: Conditions,
+    *,
+    meddled: Callable[[float, Body, Places], bool] = lambda time, body, places: False,
 ) -> Iterator[Seen]:
-    """Yield what a robot sees that drives to random places of a map."""
+    """Yield what a robot sees that drives to random places of a map.
+
+    While somebody has `meddled` with it, at a time [s], the robot does not steer.
+    """
     rng = np.random.default_rng(seed)
     model = load_model(conditions.model)
     places = Places(line_map, BOXES[name], model.radius + 0.05)
@@ -184,7 +198,10 @@ def drive(
             yield seen
         left = PERIOD - conditions.lasts
         while left > 1e-6:
-            driver.steer()
+            if meddled(world.time, body, places):
+                driver.forget()
+            else:
+                driver.steer()
             laser.step(min(STEP, left))
             left -= STEP
 
@@ -225,6 +242,10 @@ class _Driver:
             self._way = np.empty((0, 2))
         body.drive.linear.go(speed)
         body.drive.angular.go(min(max(2.0 * turn, -TURN_RATE), TURN_RATE))
+
+    def forget(self) -> None:
+        """Choose another way from wherever the robot is then."""
+        self._way = np.empty((0, 2))
 
     def is_overrun(self) -> bool:
         """Whether somebody walks through the robot, as nobody can."""

@@ -224,7 +224,7 @@ def _rms(errors: Float) -> float:
     return float(np.sqrt((errors**2).mean()))
 
 
-def _ready() -> None:
+def ready() -> None:
     """Load the kernels, and keep what was imported out of the search for garbage, as robots do."""
     warm_up()
     gc.freeze()
@@ -232,7 +232,7 @@ def _ready() -> None:
 
 def rows(seconds: float = SECONDS, seeds: int = SEEDS) -> Iterator[Row]:
     """Yield all figures."""
-    _ready()
+    ready()
     for name in LOGS:
         yield from rows_of_log(name)
     groups = [
@@ -245,7 +245,7 @@ def rows(seconds: float = SECONDS, seeds: int = SEEDS) -> Iterator[Row]:
         for name, conditions in groups
         for seed in range(1, seeds + 1)
     ]
-    with Pool(initializer=_ready) as pool:
+    with Pool(initializer=ready) as pool:
         found = pool.imap(Trial.run, trials)
         for name, conditions in groups:
             outcomes = [outcome for _ in range(seeds) if (outcome := next(found)) is not None]

@@ -1,5 +1,6 @@
 """The kernels of map making agree with what is easier to read."""
 
+from itertools import product
 from math import floor
 
 import numpy as np
@@ -71,23 +72,30 @@ def test_a_search_by_blocks_finds_the_best_of_all(
     seed: int, half: int, points: int, cost: float
 ) -> None:
     rng = np.random.default_rng(seed)
-    size, turns = 4, np.array([-0.2, -0.1, 0.0, 0.1, 0.2])
+    turns, sectors = np.array([-0.2, -0.1, 0.0, 0.1, 0.2]), np.array([0, 0, 0, 1, 1])
     raster = rng.integers(0, 256, (30, 30)).astype(np.uint8)
-    pooled = raster.copy()
-    for row in range(30):
-        for column in range(30):
-            pooled[row, column] = raster[row : row + size, column : column + size].max()
+    pyramid = np.stack([raster] * 3)
+    for level, row, column in product((1, 2), range(30), range(30)):
+        size = 2**level
+        pyramid[level, row, column] = raster[row : row + size, column : column + size].max()
     cells = rng.integers(half, 30 - half, (len(turns), points, 2))
-    limits, out = np.array([float(half), 0.2, cost]), np.zeros(3, dtype=np.int64)
-    best = search(raster, pooled, cells, turns, size, limits, out)
-    worths = [
-        raster[cells[a, :, 0] + row, cells[a, :, 1] + column].astype(float).sum()
+    limits = np.array([float(half), 0.2, cost])
+    worths = {
+        (a, row, column): raster[cells[a, :, 0] + row, cells[a, :, 1] + column].astype(float).sum()
         - cost * ((row / half) ** 2 + (column / half) ** 2 + (turn / 0.2) ** 2)
         for a, turn in enumerate(turns.tolist())
         for row in range(-half, half + 1)
         for column in range(-half, half + 1)
-    ]
-    assert abs(best - max(worths)) < 1e-6
+    }
+    for parts in (np.zeros_like(sectors), sectors):
+        count = int(parts.max()) + 1
+        out, best = np.zeros((count, 3), dtype=np.int64), np.empty(count)
+        search(pyramid, cells, turns, parts, 0.0, limits, out, best)
+        for part in range(count):
+            most = max(worth for (a, _, _), worth in worths.items() if parts[a] == part)
+            if most >= 0:
+                assert abs(best[part] - most) < 1e-6
+                assert abs(worths[tuple(out[part].tolist())] - most) < 1e-6
 
 
 @given(point_lists)

@@ -166,7 +166,7 @@ class _Keeper:
 
     def __init__(self, target: Path) -> None:
         self.builder: MapBuilder | None = None
-        self._target = target
+        self._target, self._told = target, set[str]()
 
     async def keep(self) -> None:
         """Save the survey now and then: a computer may lose its power."""
@@ -201,6 +201,11 @@ class _Keeper:
         state = self.builder.state.latest if self.builder else None
         if state is None:
             return "looks for itself on the map: drive a metre  "
+        for remark in state.remarks:
+            if remark not in self._told:
+                self._told.add(remark)
+                rewrite("")
+                write_warning(remark)
         edges = f", {state.edges} edges" if state.exploring and state.edges is not None else ""
         return f"{state.driven:.0f} m, {state.area:.0f} m², {state.loops} loops{edges}  "
 
@@ -342,6 +347,8 @@ def _save(line_map: "LineMap", mapper: "Mapper", target: Path) -> bool:
     bounds, survey = line_map.bounds, mapper.survey
     size = f"{bounds.x_max - bounds.x_min:.1f} x {bounds.y_max - bounds.y_min:.1f} m"
     loops = sum(edge.loop for edge in survey.edges)
+    for remark in mapper.remarks:
+        write_warning(remark)
     write_line(f"{size}, of {survey.frames[-1].way:.0f} m driven, {loops} loops closed")
     for path in files_of(target):
         write_line(f"wrote {path}")

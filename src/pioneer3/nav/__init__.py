@@ -28,6 +28,7 @@ likelihood        how well scans fit a map of walls, and the poses at which they
 likelihood_sonar  how well the pings of sonars fit a map
 frames            parts of a map: scans at poses, and the ways that were measured between them
 matching          finds the pose from which a scan fits the scans before it
+relocalization    finds the place of a scan that is nowhere near where odometry has it
 loops             finds places again
 graph             poses from the ways that were measured between them
 mapper            makes a map: poses of a robot, live, from scans and odometry

@@ -13,6 +13,8 @@ from pioneer3.nav.beams import Beams
 from pioneer3.nav.matching import Cloud
 from pioneer3.nav.particles import rows_of
 
+TORN = 2
+"""Kind of an edge that is torn, in a file; 1 is that of a loop, 0 that of others."""
 VIEW = 5.0
 """Distance beyond which things seen count as if they were here [m]."""
 
@@ -50,6 +52,8 @@ class Edge:
         second_in_first: Pose of the second robot in the frame of the first [m, rad].
         information: Of it, in the frame of the second, shape (3, 3).
         loop: Whether it closes a loop, and so may be wrong altogether.
+        torn: Whether the way is not known, as odometry missed a motion: the map has two pieces
+            there, until loops join them.
     """
 
     first: int
@@ -57,6 +61,7 @@ class Edge:
     second_in_first: Pose2
     information: Float
     loop: bool = False
+    torn: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -87,9 +92,9 @@ def arrays_of(survey: Survey, looked: int, waiting: Sequence[Edge]) -> dict[str,
         "counts": np.array([(len(o.points), len(o.clear)) for o in beams]).reshape(-1, 2),
         "points": _joined([one.points for one in beams]),
         "clear": _joined([one.clear for one in beams]),
-        "ends": np.array([(e.first, e.second, e.loop) for e in edges], dtype=np.int64).reshape(
-            -1, 3
-        ),
+        "ends": np.array(
+            [(e.first, e.second, e.loop + TORN * e.torn) for e in edges], dtype=np.int64
+        ).reshape(-1, 3),
         "edges": rows_of([edge.second_in_first for edge in edges]),
         "information": np.array([edge.information for edge in edges]).reshape(-1, 3, 3),
         "search": np.array([looked, len(waiting)], dtype=np.int64),
@@ -100,8 +105,8 @@ def survey_of(arrays: Mapping[str, NDArray[Any]]) -> tuple[Survey, int, tuple[Ed
     """Return the survey, and the state of the search, that :func:`arrays_of` was given."""
     looked, waiting = arrays["search"].tolist()
     edges = tuple(
-        Edge(first, second, Pose2(*way), information, bool(loop))
-        for (first, second, loop), way, information in zip(
+        Edge(first, second, Pose2(*way), information, bool(kind % TORN), kind >= TORN)
+        for (first, second, kind), way, information in zip(
             arrays["ends"].tolist(), arrays["edges"].tolist(), arrays["information"], strict=True
         )
     )

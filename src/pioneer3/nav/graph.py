@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
 
 from pioneer3.arrays import Float, Int
@@ -79,6 +80,18 @@ def optimized(
         if number >= plain and np.abs(step).max() < small:
             break
     return tuple(Pose2(x, y, wrap(theta)) for x, y, theta in result.tolist())
+
+
+def pieces_of(count: int, edges: Sequence[Edge]) -> Int:
+    """Return the number of the piece of map of each of `count` poses, shape (N,).
+
+    The places of poses in one piece are known to each other; torn edges part them.
+    """
+    ends = np.array([(e.first, e.second) for e in edges if not e.torn], dtype=np.int64)
+    first, second = ends.reshape(-1, 2).T
+    joined = coo_array((np.ones(len(first)), (first, second)), shape=(count, count))
+    labels: Int = connected_components(joined, directed=False)[1]
+    return labels
 
 
 def _step(graph: _Graph, poses: Float, *, robust: bool) -> Float:

@@ -9,9 +9,10 @@ import numpy as np
 from pioneer3.arrays import Float
 from pioneer3.geometry import Pose2
 from pioneer3.nav.frames import Edge, Survey
-from pioneer3.nav.graph import optimized
+from pioneer3.nav.graph import optimized, pieces_of
 from pioneer3.nav.matching import Cloud, Match, Prior, Submap, rotation
 from pioneer3.nav.particles import rows_of
+from pioneer3.nav.relocalization import Vicinity
 
 RECENT_FRAMES = 30
 """Key frames that scans are matched against live; older ones make loops."""
@@ -53,6 +54,12 @@ ALONE_PER_WAY = 0.02
 """Move up to which a loop is taken by itself, as a share of the way since the last loop."""
 MOST_ALONE = 0.3
 """Move up to which a loop is taken by itself at most [m]."""
+ASKED_PIECES = 2
+"""Pieces of the map, the latest ones, that are looked for at a time."""
+ASKED_PLACES = 3
+"""Places that a piece is looked for at, at a time, besides that of the tear."""
+JOINED_WAY = 1.5
+"""Distance from a place within which a piece is looked for [m]."""
 LOOPS_APART = 0.2
 """Difference below which two loops agree [m], which is less than one that is taken by itself moves
 the robot."""
@@ -80,13 +87,17 @@ MATCH_FLOOR = np.diag([0.01, 0.01, 0.003]) ** 2
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Improvement:
-    """An improvement of a :class:`MapSnapshot`: poses, and all edges with the `loops` found."""
+    """An improvement of a :class:`MapSnapshot`: poses, and all edges with the `loops` found.
+
+    The `pieces` of the map are those whose places to each other are not known.
+    """
 
     poses: tuple[Pose2, ...]
     edges: tuple[Edge, ...]
     looked: int
     waiting: tuple[Edge, ...]
     loops: int
+    pieces: int
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -106,6 +117,8 @@ class MapSnapshot:
         search = _Search(self)
         for number in range(self.looked, len(self.survey.frames)):
             search.look_for(number)
+        if self.looked < len(self.survey.frames):
+            search.join()
         return search.finish()
 
 
@@ -123,6 +136,7 @@ class _Search:
         asked = [self._frames[edge.second].way for edge in self._waiting]
         self._tried = max((self._closed, *asked))
         self._found = self._fresh = 0
+        self._piece = pieces_of(len(self._frames), self._edges)
 
     def look_for(self, number: int) -> None:
         """Look for the place of a key frame among older ones, and close the loops found."""
@@ -145,13 +159,15 @@ class _Search:
             looked=len(self._frames),
             waiting=(*self._waiting,),
             loops=self._found,
+            pieces=len(np.unique(self._piece)),
         )
 
     def _candidates(self, number: int, near: float) -> Iterator[int]:
         """Yield the key frame of each old pass that saw most of the same."""
         views = self._views[: number - RECENT_FRAMES]
         off = np.hypot(*(views - self._views[number]).T)
-        close = np.flatnonzero(off < near)
+        same = self._piece[: len(views)] == self._piece[number]
+        close = np.flatnonzero((off < near) & same)
         if not len(close):
             return
         passes = np.split(close, np.flatnonzero(np.diff(close) > AROUND_FRAMES) + 1)
@@ -161,7 +177,7 @@ class _Search:
     def _query(self, number: int) -> Cloud:
         """Return the points of the last key frames in the frame of the robot at one."""
         here = self._poses[number].inverse()
-        numbers = range(number - POOLED_FRAMES + 1, number + 1)
+        numbers = self._of_piece(number, number - POOLED_FRAMES + 1, number + 1)
         clouds = [self._frames[k].cloud.moved(here @ self._poses[k]) for k in numbers]
         return Cloud(
             np.concatenate([cloud.points for cloud in clouds]),
@@ -171,8 +187,8 @@ class _Search:
     def _close(self, old: int, number: int, query: Cloud, drift: float) -> Edge | None:
         """Return the loop from an old key frame to a new one, if there is one."""
         here = self._poses[old].inverse()
-        numbers = range(
-            max(0, old - AROUND_FRAMES), min(number - RECENT_FRAMES, old + AROUND_FRAMES) + 1
+        numbers = self._of_piece(
+            old, old - AROUND_FRAMES, min(number - RECENT_FRAMES, old + AROUND_FRAMES) + 1
         )
         submap = Submap(
             [self._frames[k].cloud for k in numbers], [here @ self._poses[k] for k in numbers]
@@ -191,6 +207,71 @@ class _Search:
         if hypot(moved.x, moved.y) > drift + 0.1:
             return None
         return Edge(old, number, match.pose, certainty(match, LOOP_PRIOR), loop=True)
+
+    def join(self) -> None:
+        """Look for the place of a piece of the map in the one that the map began with.
+
+        Each call asks a few places: those beside the tear, and others in turn.
+        """
+        for piece in np.unique(self._piece[self._piece != self._piece[0]])[-ASKED_PIECES:].tolist():
+            members = np.flatnonzero(self._piece == piece)
+            latest = members[-1] == len(self._frames) - 1
+            number = int(members[-1] if latest else members[len(self._frames) % len(members)])
+            known = np.flatnonzero(self._piece == self._piece[0])
+            away = known[::AROUND_FRAMES]
+            turn = len(self._frames) * ASKED_PLACES
+            others = [int(away[(turn + k) % len(away)]) for k in range(ASKED_PLACES)]
+            beside = int(known[np.abs(known - members[0]).argmin()])
+            for old in dict.fromkeys((beside, *others)):
+                if self._join(old, number, alone=old == beside):
+                    break
+
+    def _join(self, old: int, number: int, *, alone: bool) -> bool:
+        """Join the piece of a key frame to that of an old one, if it is seen from there."""
+        here = self._poses[old].inverse()
+        numbers = self._of_piece(old, old - AROUND_FRAMES, old + AROUND_FRAMES + 1)
+        around = Vicinity(
+            [self._frames[k] for k in numbers], [here @ self._poses[k] for k in numbers]
+        )
+        begin = here @ self._poses[number] if alone else Pose2()
+        query = self._query(number)
+        match = around.find(
+            query, self._frames[number].beams, begin, way=JOINED_WAY, fit=LOOP_INLIERS
+        )
+        if match is None or match.ratio < LOOP_RATIO:
+            return False
+        edge = Edge(old, number, match.pose, certainty(match, LOOP_PRIOR), loop=True)
+        if not (alone or self._is_seconded(edge)):
+            self._waiting.append(edge)
+            return False
+        moved = self._poses[old] @ match.pose @ self._poses[number].inverse()
+        mine = self._piece == self._piece[number]
+        self._poses = tuple(
+            moved @ pose if part else pose
+            for pose, part in zip(self._poses, mine.tolist(), strict=True)
+        )
+        self._piece[mine] = self._piece[old]
+        self._accept(edge, Pose2(LOOP_MOVE, LOOP_MOVE))
+        return True
+
+    def _is_seconded(self, edge: Edge) -> bool:
+        """Whether another edge between two pieces, which waited for it, says the same."""
+        for other in self._waiting:
+            apart = self._piece[other.first] != self._piece[other.second]
+            independent = abs(other.second - edge.second) >= POOLED_FRAMES
+            if apart and independent and self._agree(other, edge, LOOPS_APART):
+                self._waiting.remove(other)
+                self._edges.append(other)
+                return True
+        return False
+
+    def _of_piece(self, number: int, begin: int, end: int) -> list[int]:
+        """Return the key frames from one number to another in the piece of a key frame."""
+        return [
+            k
+            for k in range(max(0, begin), min(len(self._frames), end))
+            if self._piece[k] == self._piece[number]
+        ]
 
     def _take(self, edge: Edge) -> None:
         """Close a loop, or wait for another that agrees."""

@@ -16,8 +16,10 @@ from pioneer3.arrays import Float
 from pioneer3.geometry import ORIGIN, Pose2
 from pioneer3.nav.beams import Beams
 from pioneer3.nav.frames import Edge, KeyFrame, Survey, arrays_of, survey_of
+from pioneer3.nav.graph import pieces_of
 from pioneer3.nav.loops import RECENT_FRAMES, Improvement, MapSnapshot, certainty
 from pioneer3.nav.matching import Cloud, Match, Prior, Submap
+from pioneer3.nav.relocalization import CLEARLY, CONTRADICTED, DOUBTED, Vicinity
 from pioneer3.nav.settings import AS_SHIPPED, MapperSettings
 
 BEND = 0.05
@@ -51,10 +53,16 @@ SURE_INLIERS = 0.4
 scan was seen before."""
 NEAR_ODOMETRY = 16.0
 """Squared error up to which a pose is near odometry's [squared sigmas]."""
+LIFTED_WAY = 1.0
+"""Distance within which a robot is looked for at once that was moved without its odometry [m]."""
 FOUND_INLIERS = 0.5
 """Share of inliers below which the place to continue from is not found."""
 UNKNOWN_WAY = np.diag([1.0, 1.0, 10.0])
 """Information of the way to a place that was not found."""
+SLIPPED = 0.01
+"""Share of its information that odometry has where a scan says otherwise."""
+TORN_WAY = 1e-4 * UNKNOWN_WAY
+"""Information of a way that odometry missed."""
 STRAIGHT_TURN = 0.1
 """Turn below which a way tells where a laser looks [rad]."""
 MOST_ASKEW = 0.2
@@ -106,6 +114,7 @@ class Mapper:
         self._survey = Survey((), (), ())
         self._recent: tuple[int, ...] = ()
         self._submap = Submap((), ())
+        self._vicinity = Vicinity((), (), self._submap)
         self._here = start
         self._match: Match | None = None
         self._odom: Pose2 | None = None
@@ -114,6 +123,7 @@ class Mapper:
         self._way_of_scan = self._turn_of_scan = 0.0
         self._looked, self._waiting = 0, tuple[Edge, ...]()
         self._mounting = _Mounting()
+        self._pieces, self._tears = 1, 0
 
     @classmethod
     def of(
@@ -130,6 +140,8 @@ class Mapper:
         mapper = cls(start or (survey.poses[-1] if survey.poses else ORIGIN), settings)
         mapper._survey, mapper._looked, mapper._waiting = survey, looked, waiting
         if survey.frames:
+            mapper._pieces = len(np.unique(pieces_of(len(survey.frames), survey.edges)))
+            mapper._tears = sum(edge.torn for edge in survey.edges)
             mapper._way, mapper._turn = survey.frames[-1].way, survey.frames[-1].turn
             away = [hypot(p.x - mapper._here.x, p.y - mapper._here.y) for p in survey.poses]
             mapper._recall(tuple(np.argsort(away)[:RECENT_FRAMES].tolist()))
@@ -175,6 +187,25 @@ class Mapper:
         return self._mounting.angle
 
     @property
+    def pieces(self) -> int:
+        """Pieces of the map whose places to each other are not known; one if all is well."""
+        return self._pieces
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """Sentences, without a final stop, for the person who makes the map."""
+        if not self._tears:
+            return ()
+        times = "once" if self._tears == 1 else f"{self._tears} times"
+        said = (
+            "; the pieces of the map from before and after have been joined"
+            if self._pieces == 1
+            else f": the map has {self._pieces} pieces whose places to each other are not known;"
+            " drive to where the robot was before"
+        )
+        return (f"the robot was moved, or its wheels slipped, {times} unnoticed{said}",)
+
+    @property
     def snapshot(self) -> MapSnapshot:
         """The map at this instant, to be improved in a thread."""
         return MapSnapshot(survey=self._survey, looked=self._looked, waiting=self._waiting)
@@ -215,6 +246,7 @@ class Mapper:
             poses = survey.poses
         changed = poses is not survey.poses
         self._survey = Survey(survey.frames, poses, improvement.edges + later)
+        self._pieces = improvement.pieces + sum(edge.torn for edge in later)
         if changed:
             self._recall(self._recent)
 
@@ -239,9 +271,15 @@ class Mapper:
         if way > WIDE_WAY or turn > WIDE_TURN:
             guess, _ = self._submap.search(cloud.points, guess, way, turn)
         match = self._match = self._submap.match(cloud, guess, prior)
-        least = SURE_INLIERS if prior.squared_error(match.pose) > NEAR_ODOMETRY else TRACKED_INLIERS
-        if match.inliers < least:
+        far = prior.squared_error(match.pose) > NEAR_ODOMETRY
+        if far:
+            loose = Prior(prior.pose, SLIPPED * prior.information)
+            match = self._match = self._submap.match(cloud, match.pose, loose)
+        if match.inliers < (SURE_INLIERS if far else TRACKED_INLIERS):
             match = Match(pose=prior.pose, information=np.zeros((3, 3)), inliers=match.inliers)
+            far = False
+        if match.inliers < self._settings.fit and self._find_again(beams, cloud, match):
+            return
         self._here = match.pose
         step = self._survey.poses[-1].inverse() @ self._here
         if hypot(step.x, step.y) >= self._settings.way or abs(step.theta) >= self._settings.turn:
@@ -249,6 +287,41 @@ class Mapper:
             number = len(self._survey.frames)
             edge = Edge(number - 1, number, step, certainty(match, prior.information))
             self._keep(KeyFrame.of(beams, cloud, self._way, self._turn), (edge,))
+        elif far:
+            # what follows is measured from here: odometry missed a motion
+            self._link(beams, cloud, match)
+
+    def _find_again(self, beams: Beams, cloud: Cloud, match: Match) -> bool:
+        """Find a robot that was moved without its odometry, or begin a new piece of the map.
+
+        Return whether it was moved: the scan contradicts those before it.
+        """
+        doubt = self._vicinity.contradiction(beams, match.pose)
+        if doubt < DOUBTED:
+            return False
+        fit = max(self._settings.fit, match.inliers + CLEARLY)
+        found = self._vicinity.find(cloud, beams, match.pose, way=LIFTED_WAY, fit=fit)
+        if found is not None:
+            self._match, self._here = found, found.pose
+            self._link(beams, cloud, found)
+            return True
+        if doubt < CONTRADICTED:
+            return False
+        self._here = match.pose
+        number = len(self._survey.frames)
+        step = self._survey.poses[-1].inverse() @ match.pose
+        edge = Edge(number - 1, number, step, TORN_WAY, torn=True)
+        self._recent = ()
+        self._keep(KeyFrame.of(beams, cloud, self._way, self._turn), (edge,))
+        self._pieces, self._tears = self._pieces + 1, self._tears + 1
+        return True
+
+    def _link(self, beams: Beams, cloud: Cloud, match: Match) -> None:
+        """Keep a scan, whose place is known by other scans alone."""
+        number = len(self._survey.frames)
+        step = self._survey.poses[-1].inverse() @ self._here
+        edge = Edge(number - 1, number, step, certainty(match, UNKNOWN_WAY))
+        self._keep(KeyFrame.of(beams, cloud, self._way, self._turn), (edge,))
 
     def _slip(self, way: float, turn: float) -> tuple[float, float]:
         """Return the standard deviations of odometry [m, rad] after a way and a turn."""
@@ -283,10 +356,10 @@ class Mapper:
     def _recall(self, numbers: tuple[int, ...]) -> None:
         """Match against these key frames from now on."""
         survey, self._recent = self._survey, numbers
-        self._submap = Submap(
-            [survey.frames[number].cloud for number in numbers],
-            [survey.poses[number] for number in numbers],
-        )
+        frames = [survey.frames[number] for number in numbers]
+        poses = [survey.poses[number] for number in numbers]
+        self._submap = Submap([frame.cloud for frame in frames], poses)
+        self._vicinity = Vicinity(frames, poses, self._submap)
 
 
 def _expected(begin: Pose2, odometry: Pose2, sigma: float, sigma_theta: float) -> Prior:

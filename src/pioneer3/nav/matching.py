@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from math import ceil, cos, sin
+from math import ceil, cos, pi, sin
 from typing import Self
 
 import numpy as np
@@ -43,12 +43,22 @@ FINE_CELL = 0.05
 """Side of the cells of a search [m]."""
 FINE_TURN = 0.0087
 """Turns of a search [rad]."""
-FINE_BLOCK = 8
-"""Side of the blocks of a search [cells]."""
+FINE_LEVELS = 4
+"""Times that a block of a search is halved until it is a cell."""
+HEADING_SECTORS = 12
+"""Sectors of headings, each of which has a best pose of its own."""
+KEPT = 0.75
+"""Share of the worth of the best pose below which another is no rival."""
+NOTHING = -1e17
+"""Worth [sum] below which no pose was looked for in a sector."""
 SEARCH_BLUR = 0.06
 """Distance to a wall as far as which a point counts for a search [m, sigma]."""
 SHIFT_COST = 0.15
 """Cost of the largest shift or turn of a search, as a share of a perfect fit."""
+
+
+Place = tuple[Pose2, float]
+"""A pose, and what it is worth."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -148,7 +158,7 @@ class Submap:
         order = np.empty(len(points), dtype=np.int64)
         fast(sort_into, CACHE)(cells, self._starts, order)
         self._targets = np.concatenate([points, normals[straight]], axis=1)[order]
-        self._rasters: tuple[Float, UInt8, UInt8] | None = None
+        self._pyramid: tuple[Float, UInt8] | None = None
 
     def match(self, cloud: Cloud, guess: Pose2, prior: Prior) -> Match:
         """Return where a scan fits near `guess`."""
@@ -179,43 +189,63 @@ class Submap:
 
         The worth is 1 where all points lie on walls, less up to `SHIFT_COST` for shift and turn.
         """
-        if self._rasters is None:
-            self._rasters = self._smeared()
-        grid, raster, pooled = self._rasters
+        (found,) = self._search(points, guess, (way, turn), cost=SHIFT_COST, sectors=1)
+        return found
+
+    def search_all_headings(self, points: Float, guess: Pose2, way: float) -> list[Place]:
+        """Return the best poses within `way` [m] of `guess`, one in each sector, the best first.
+
+        Those are left out that are worth less than `KEPT` of the best one.
+        """
+        found = self._search(points, guess, (way, pi), cost=0.0, sectors=HEADING_SECTORS)
+        return sorted(found, key=lambda each: -each[1])
+
+    def _search(
+        self, points: Float, guess: Pose2, within: tuple[float, float], *, cost: float, sectors: int
+    ) -> list[Place]:
+        """Return the best pose in each of so many `sectors` of headings, and its worth."""
+        if self._pyramid is None:
+            self._pyramid = self._smeared()
+        grid, pyramid = self._pyramid
+        way, turn = within
         half = max(1, ceil(turn / FINE_TURN))
         turns: Float = FINE_TURN * np.arange(-half, half + 1, dtype=np.float64)
         c, s = np.cos(guess.theta + turns), np.sin(guess.theta + turns)
         x = np.outer(c, points[:, 0]) - np.outer(s, points[:, 1]) + guess.x
         y = np.outer(s, points[:, 0]) + np.outer(c, points[:, 1]) + guess.y
         cells = np.floor(np.stack([y - grid[1], x - grid[0]], axis=2) / FINE_CELL).astype(np.int64)
-        full = 255.0 * len(points)
-        limits = np.array(
-            [float(max(1, ceil(way / FINE_CELL))), half * FINE_TURN, SHIFT_COST * full]
-        )
-        best = np.zeros(3, dtype=np.int64)
-        worth = fast(search, CACHE)(raster, pooled, cells, turns, FINE_BLOCK, limits, best)
-        a, row, column = best.tolist()
-        found = Pose2(
-            guess.x + FINE_CELL * column,
-            guess.y + FINE_CELL * row,
-            wrap(guess.theta + float(turns[a])),
-        )
-        return found, float(worth) / max(1.0, full)
+        full = 255.0 * max(1, len(points))
+        limits = np.array([float(max(1, ceil(way / FINE_CELL))), half * FINE_TURN, cost * full])
+        sector = np.arange(len(turns), dtype=np.int64) * sectors // len(turns)
+        best, worths = np.zeros((sectors, 3), dtype=np.int64), np.empty(sectors)
+        fast(search, CACHE)(pyramid, cells, turns, sector, KEPT, limits, best, worths)
+        return [
+            (
+                Pose2(
+                    guess.x + FINE_CELL * column,
+                    guess.y + FINE_CELL * row,
+                    wrap(guess.theta + float(turns[a])),
+                ),
+                worth / full,
+            )
+            for (a, row, column), worth in zip(best.tolist(), worths.tolist(), strict=True)
+            if worth > NOTHING
+        ]
 
-    def _smeared(self) -> tuple[Float, UInt8, UInt8]:
-        """Return the grid of the rasters of a search, and the rasters."""
+    def _smeared(self) -> tuple[Float, UInt8]:
+        """Return the grid of a search and its pyramid: see :func:`.kernels.matching.search`."""
         profile = _profile()
-        margin = FINE_CELL * len(profile)
+        margin = FINE_CELL * (len(profile) + 2**FINE_LEVELS)
         low, shape, _ = _cells(self._points, FINE_CELL, margin)
         grid = np.array([*low, FINE_CELL])
-        raster = np.zeros((int(shape[0]), int(shape[1])), dtype=np.uint8)
-        fast(smear, CACHE)(self._points, grid, profile, raster)
-        pooled, step = raster.copy(), 1
-        while step < FINE_BLOCK:
+        pyramid = np.zeros((FINE_LEVELS + 1, int(shape[0]), int(shape[1])), dtype=np.uint8)
+        fast(smear, CACHE)(self._points, grid, profile, pyramid[0])
+        for level in range(FINE_LEVELS):
+            step, pooled = 2**level, pyramid[level + 1]
+            pooled[:] = pyramid[level]
             pooled[:-step] = np.maximum(pooled[:-step], pooled[step:])
             pooled[:, :-step] = np.maximum(pooled[:, :-step], pooled[:, step:])
-            step *= 2
-        return grid, raster, pooled
+        return grid, pyramid
 
 
 def lines_at(points: Float, origin: Float, rough: float = LINE_ROUGHNESS) -> Float:

@@ -79,6 +79,7 @@ class MapperSettings:
         turn: Turn after which a scan is kept.
         way_error: Error of odometry by its way, sigma [m/m].
         turn_error: Error of odometry by its turn, sigma [rad/rad].
+        fit: Share of a scan that fits below which it may be elsewhere.
         period: Time between two drawings.
         patience: Time without new ground before an edge is given up.
     """
@@ -88,6 +89,7 @@ class MapperSettings:
     turn: Annotated[float, Meta(ge=0.05, le=1.5), ANGLE] = 0.25
     way_error: Annotated[float, Meta(ge=0.0, le=0.5)] = 0.03
     turn_error: Annotated[float, Meta(ge=0.0, le=0.5)] = 0.1
+    fit: Annotated[float, Meta(ge=0.0, le=1.0)] = 0.6
     period: Annotated[float, Meta(ge=0.2, le=60.0), DURATION] = 1.0
     patience: Annotated[float, Meta(ge=5.0, le=600.0), DURATION] = 45.0
 

@@ -88,6 +88,7 @@ class MapState:
         area: Of the free ground [m^2].
         edges: Number of edges that are left to look behind; `None` before they are known.
         way: To the next edge, or `None`.
+        remarks: Sentences about the map for whoever makes it.
     """
 
     line_map: LineMap | None
@@ -99,6 +100,7 @@ class MapState:
     exploring: bool = False
     edges: int | None = None
     way: Way | None = None
+    remarks: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -236,6 +238,7 @@ class MapBuilder:
                 exploring=self.exploring,
                 edges=outlook.left if outlook else None,
                 way=outlook.target.way if outlook and outlook.target else None,
+                remarks=mapper.remarks,
             )
         )
 

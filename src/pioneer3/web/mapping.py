@@ -185,6 +185,7 @@ class RobotMapping:
             loops=state.loops,
             edges=state.edges,
             way=points_of(state.way) if state.exploring and state.way else (),
+            remarks=state.remarks,
         )
 
     def _answer(self, news: str) -> None:

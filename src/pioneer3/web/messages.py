@@ -262,7 +262,8 @@ class Mapping(Message, tag="mapping", frozen=True):
     """The map that is being made with a robot; only where one can be made.
 
     `driven` is in metres, `area` in square metres; `edges` is the number of edges that are left to
-    explore, null before they are known; `way` leads to the next; `saved` is the file saved last.
+    explore, null before they are known; `way` leads to the next; `saved` is the file saved last;
+    `remarks` are sentences about the map.
     """
 
     robot: int
@@ -274,6 +275,7 @@ class Mapping(Message, tag="mapping", frozen=True):
     edges: int | None = None
     way: tuple[tuple[float, float], ...] = ()
     saved: str = ""
+    remarks: tuple[str, ...] = ()
 
 
 class Robots(Message, tag="robots", frozen=True):

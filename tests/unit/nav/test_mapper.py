@@ -112,6 +112,7 @@ def test_what_was_added_while_a_thread_worked_moves_along() -> None:
         looked=improvement.looked,
         waiting=improvement.waiting,
         loops=improvement.loops,
+        pieces=improvement.pieces,
     )
     here = mapper.robot_in_map
     mapper.apply(moved)
@@ -120,6 +121,61 @@ def test_what_was_added_while_a_thread_worked_moves_along() -> None:
     assert (mapper.robot_in_map.x, mapper.robot_in_map.y) == pytest.approx((wanted.x, wanted.y))
     assert len(mapper.survey.poses) == len(before) + 1
     assert mapper.survey.edges[-1].second == len(before)
+
+
+def moved_unnoticed(move: Pose2) -> tuple[Mapper, list[Pose2]]:
+    """Return a mapper of a robot that was moved in the middle of its way, and the true poses.
+
+    It drove on towards where it had come from.
+    """
+    mapper, kept = Mapper(ROUND[0]), list[Pose2]()
+    back = [move @ place for place in reversed(ROUND[25:45])]
+    ways = (ROUND[:45], ORIGIN), (back, ROUND[0].inverse() @ ROUND[44] @ back[0].inverse())
+    for way, to_odometry in ways:
+        for place in way:
+            odometry = ROUND[0].inverse() @ place if way is not back else to_odometry @ place
+            mapper.add(look(HALL, place, odometry, count=181))
+            kept += [place] * (len(mapper.survey.frames) - len(kept))
+            mapper.apply(mapper.snapshot.improve())
+    return mapper, kept
+
+
+def off(mapper: Mapper, true: list[Pose2]) -> float:
+    """Return the largest error of a key frame [m]."""
+    pairs = zip(mapper.survey.poses, true, strict=True)
+    return max(hypot(pose.x - place.x, pose.y - place.y) for pose, place in pairs)
+
+
+def test_a_robot_that_was_lifted_and_turned_is_found_at_once() -> None:
+    begin = ROUND[44]
+    move = Pose2(begin.x - 0.4, begin.y + 0.3) @ Pose2(0.0, 0.0, 2.0) @ Pose2(-begin.x, -begin.y)
+    mapper, true = moved_unnoticed(move)
+    assert off(mapper, true) < 0.05
+    assert (mapper.pieces, mapper.remarks) == (1, ())
+
+
+def test_a_robot_that_was_carried_away_begins_a_piece_that_is_joined_later() -> None:
+    mapper, true = moved_unnoticed(Pose2(-2.2, -3.5))
+    torn = [edge.second for edge in mapper.survey.edges if edge.torn]
+    assert len(torn) == 1
+    assert off(mapper, true) < 0.05
+    assert "moved" in mapper.remarks[0]
+    assert "joined" in mapper.remarks[0]
+    again = Mapper.of(mapper.state)
+    assert (again.pieces, again.remarks) == (1, mapper.remarks)
+
+
+def test_a_piece_that_nothing_joins_is_told() -> None:
+    mapper, elsewhere = Mapper(), HALL[:4] * 0.7
+    for number in range(12):
+        mapper.add(look(HALL, Pose2(2.0 + 0.25 * number, 1.5), Pose2(0.25 * number), count=181))
+    for number in range(12, 24):
+        place = Pose2(1.0 + 0.25 * (number - 12), 3.0, 0.1)
+        mapper.add(look(elsewhere, place, Pose2(0.25 * number), count=181))
+        mapper.apply(mapper.snapshot.improve())
+    assert mapper.pieces == 2
+    assert "2 pieces" in mapper.remarks[0]
+    assert Mapper.of(mapper.state).pieces == 2
 
 
 def test_a_saved_map_is_continued_from_another_place() -> None:

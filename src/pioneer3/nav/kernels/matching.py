@@ -214,61 +214,105 @@ def penalty(rows: float, columns: float, off: float, limits: Float) -> float:
     return float(limits[2] * (u * u + v * v + w * w))
 
 
-@kernel
-def search(
-    raster: UInt8, pooled: UInt8, cells: Int, turns: Float, size: int, limits: Float, out: Int
+@inlined
+def worth_of(
+    raster: UInt8,
+    cells: Int,
+    row: int,
+    column: int,
+    size: int,
+    off: float,
+    limits: Float,
 ) -> float:
-    """Find the turn and shift of points with the highest sum of `raster` below them.
+    """Return what the best shift of a block is worth at most, by a raster for blocks of its size.
 
-    Shifts are first tried in blocks, whose sums are bounded by those of `pooled`; the best blocks
-    are then tried shift by shift.
-
-    Args:
-        raster: Shape (H, W).
-        pooled: Of each cell, the highest of the `size` x `size` cells from it on.
-        cells: Row and column of the points, by turn, shape (A, N, 2).
-        turns: [rad], shape (A,).
-        size: Of a block [cells].
-        limits: Largest shift [cells], largest turn [rad], and what each of them costs [sum].
-        out: Is filled with the number of the turn and the shift in rows and columns.
-
-    Returns:
-        The sum, less the cost.
+    The block begins at a shift [cells] of `cells` (N, 2); a block of one cell is worth just this.
     """
     height, width = raster.shape
-    count, half = cells.shape[1], int(limits[0])
+    total = 0
+    for i in range(len(cells)):
+        r, c = cells[i, 0] + row, cells[i, 1] + column
+        if 0 <= r < height and 0 <= c < width:
+            total += int(raster[r, c])
+    near_row = max(0, row, -row - size + 1)
+    near_column = max(0, column, -column - size + 1)
+    return total - penalty(near_row, near_column, off, limits)
+
+
+@kernel
+def search(
+    pyramid: UInt8,
+    cells: Int,
+    turns: Float,
+    sectors: Int,
+    keep: float,
+    limits: Float,
+    out: Int,
+    worths: Float,
+) -> None:
+    """Find the turn and shift of points with the highest sum of a raster below them.
+
+    Shifts are tried in blocks, whose sums are bounded by those of the pyramid: each block that may
+    hold something better is divided into four.
+
+    Args:
+        pyramid: At level `k`, the highest of the 2^k x 2^k cells from each cell on, (L, H, W).
+        cells: Row and column of the points, by turn, shape (A, N, 2).
+        turns: [rad], shape (A,).
+        sectors: The number of each turn's sector, shape (A,); each has a best shift of its own.
+        keep: What is worth less than this share of the best one is not looked for.
+        limits: Largest shift [cells], largest turn [rad], and what each of them costs [sum].
+        out: Is filled with the number of the turn and the shift in rows and columns, (S, 3).
+        worths: Is filled with the sums, less the costs, shape (S,); low where nothing was found.
+    """
+    levels, half = len(pyramid), int(limits[0])
+    size = 1 << (levels - 1)
     blocks = (2 * half + size) // size
     bounds = np.empty(len(turns) * blocks * blocks)
     for a in range(len(turns)):
         for br in range(blocks):
-            low = br * size - half
-            near_r = max(0, low, -low - size + 1)
             for bc in range(blocks):
-                left = bc * size - half
-                near_c = max(0, left, -left - size + 1)
-                total = 0
-                for i in range(count):
-                    row, column = cells[a, i, 0] + low, cells[a, i, 1] + left
-                    if 0 <= row < height and 0 <= column < width:
-                        total += int(pooled[row, column])
-                bounds[(a * blocks + br) * blocks + bc] = total - penalty(
-                    near_r, near_c, turns[a], limits
+                bounds[(a * blocks + br) * blocks + bc] = worth_of(
+                    pyramid[levels - 1],
+                    cells[a],
+                    br * size - half,
+                    bc * size - half,
+                    size,
+                    turns[a],
+                    limits,
                 )
-    best = -1e18
-    while True:
-        block = int(np.argmax(bounds))
-        if bounds[block] <= best:
-            return float(best)
-        bounds[block] = -1e18
+    worths[:] = -1e18
+    top = -1e18
+    stack, waiting = np.empty((4 * levels, 3), dtype=np.int64), np.empty(4 * levels)
+    for block in np.argsort(-bounds):
+        if bounds[block] < keep * top or (len(worths) == 1 and bounds[block] <= top):
+            break
         a, br, bc = block // (blocks * blocks), block // blocks % blocks, block % blocks
-        for dr in range(br * size - half, min(half + 1, (br + 1) * size - half)):
-            for dc in range(bc * size - half, min(half + 1, (bc + 1) * size - half)):
-                total = 0
-                for i in range(count):
-                    row, column = cells[a, i, 0] + dr, cells[a, i, 1] + dc
-                    if 0 <= row < height and 0 <= column < width:
-                        total += int(raster[row, column])
-                worth = total - penalty(dr, dc, turns[a], limits)
-                if worth > best:
-                    best = worth
-                    out[0], out[1], out[2] = a, dr, dc
+        sector = sectors[a]
+        stack[0, 0], stack[0, 1], stack[0, 2] = levels - 1, br * size - half, bc * size - half
+        waiting[0], depth = bounds[block], 1
+        while depth > 0:
+            depth -= 1
+            level, row, column = stack[depth, 0], stack[depth, 1], stack[depth, 2]
+            if waiting[depth] <= worths[sector] or waiting[depth] < keep * top:
+                continue
+            if level == 0:
+                worths[sector] = waiting[depth]
+                top = max(top, waiting[depth])
+                out[sector, 0], out[sector, 1], out[sector, 2] = a, row, column
+                continue
+            step, first = 1 << (level - 1), depth
+            for r in (row, row + step):
+                for c in (column, column + step):
+                    if r > half or c > half:
+                        continue
+                    bound = worth_of(pyramid[level - 1], cells[a], r, c, step, turns[a], limits)
+                    # the best of the four is looked into first
+                    at = depth
+                    while at > first and waiting[at - 1] > bound:
+                        waiting[at] = waiting[at - 1]
+                        stack[at] = stack[at - 1]
+                        at -= 1
+                    waiting[at] = bound
+                    stack[at, 0], stack[at, 1], stack[at, 2] = level - 1, r, c
+                    depth += 1

@@ -474,7 +474,7 @@ export interface GoalProgress {
   text: string;
 }
 
-/** The map that is being made with a robot; only where one can be made. `driven` is in metres, `area` in square metres; `edges` is the number of edges that are left to explore, null before they are known; `way` leads to the next; `saved` is the file saved last. */
+/** The map that is being made with a robot; only where one can be made. `driven` is in metres, `area` in square metres; `edges` is the number of edges that are left to explore, null before they are known; `way` leads to the next; `saved` is the file saved last; `remarks` are sentences about the map. */
 export interface Mapping {
   type: "mapping";
   robot: number;
@@ -486,6 +486,7 @@ export interface Mapping {
   edges: number | null;
   way: [number, number][];
   saved: string;
+  remarks: string[];
 }
 
 /** News for this client alone. */

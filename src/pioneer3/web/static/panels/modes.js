@@ -140,7 +140,7 @@ class MapMaking {
   }
 
   show(mapping, usable) {
-    const { making, exploring, driven, area, loops, edges, saved } = mapping ?? {};
+    const { making, exploring, driven, area, loops, edges, saved, remarks = [] } = mapping ?? {};
     this.element.hidden = !mapping;
     this.#begin.hidden = making;
     for (const one of [this.#explore, this.#placed, this.#here, this.#named, this.#save, this.#discard]) one.hidden = !making;
@@ -149,7 +149,7 @@ class MapMaking {
     const left = exploring && edges !== null ? `, ${edges} edges left to explore` : "";
     const before = saved ? `Saved ${saved}. ` : "";
     put(this.#state, making
-      ? `${area?.toFixed(0)} m² known, ${driven?.toFixed(0)} m driven, ${loops} loops closed${left}. Drive through all rooms, or let the robot explore: it MOVES by itself.`
+      ? `${area?.toFixed(0)} m² known, ${driven?.toFixed(0)} m driven, ${loops} loops closed${left}. Drive through all rooms, or let the robot explore: it MOVES by itself.${remarks.map((one) => ` Note: ${one}.`).join("")}`
       : `${before}The laser draws the map here while you drive, or while the robot explores by itself.`);
   }
 }
