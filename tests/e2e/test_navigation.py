@@ -11,7 +11,7 @@ import pytest
 
 from pioneer3.errors import CommandError, ConfigError, MotionError
 from pioneer3.geometry import Pose2
-from pioneer3.maps import shipped_map
+from pioneer3.maps import LineMap, shipped_map
 from pioneer3.models.lasers import LASERS
 from pioneer3.nav.places import Destination, find_place, home
 from pioneer3.navigation.connect import connect_async
@@ -263,3 +263,58 @@ async def test_names_are_checked() -> None:
             await robot.goto("kitchen")
         with pytest.raises(CommandError, match="give x and y"):
             await robot.goto(1.0)
+
+
+def pose_of(name: str) -> Pose2:
+    """Return the pose of a place of the office."""
+    place = find_place(OFFICE, name)
+    return Pose2(place.x, place.y, place.heading or 0.0)
+
+
+@asynccontextmanager
+async def again_in(sim: SimulatedRobot, line_map: LineMap = OFFICE) -> AsyncIterator[Robot]:
+    """Connect to a robot that nobody tells the place of, as each command does."""
+    async with connect_async(sim.open) as robot:
+        rng = np.random.default_rng(1)
+        navigator = await Navigator.on(robot, line_map, rng=rng, in_thread=at_once)
+        navigator.place_as_remembered(HOME)
+        robot.navigator = navigator
+        async with running(navigator.run()):
+            yield robot
+
+
+async def test_the_place_where_a_program_left_the_robot_is_remembered_on_this_map_only() -> None:
+    sim = SimulatedRobot(OFFICE, home=HOME or Pose2(), seed=1, realism=Realism())
+    async with sim:
+        async with again_in(sim) as robot:
+            await robot.goto("Lab", speed=0.7)
+        async with again_in(sim) as robot:
+            assert robot.navigator is not None
+            assert not robot.navigator.estimate.sure  # a guess, until a scan agrees
+            await robot.goto("home", speed=0.7)
+        there = sim.body.robot_in_world
+        assert HOME is not None
+        assert hypot(there.x - HOME.x, there.y - HOME.y) < 0.06
+        other = LineMap(name="office", walls=OFFICE.walls[1:], objects=OFFICE.objects)
+        sim.body.robot_in_world = pose_of("Lab")
+        async with again_in(sim, other) as robot:
+            assert robot.navigator is not None
+            assert not await robot.navigator.find(5.0)
+
+
+@pytest.mark.parametrize("place", ["Home", "Kitchen"])
+async def test_a_robot_that_was_carried_home_is_found_and_elsewhere_it_is_not_sure(
+    place: str,
+) -> None:
+    sim = SimulatedRobot(OFFICE, home=HOME or Pose2(), seed=1, realism=Realism())
+    async with sim:
+        async with again_in(sim) as robot:
+            await robot.goto("Lab", speed=0.7)
+        sim.body.robot_in_world = pose_of(place)
+        async with again_in(sim) as robot:
+            assert robot.navigator is not None
+            assert await robot.navigator.find(5.0) == (place == "Home")
+            estimate, there = robot.navigator.estimate, sim.body.robot_in_world
+        if place == "Home":
+            assert estimate.robot_in_map is not None
+            assert hypot(estimate.robot_in_map.x - there.x, estimate.robot_in_map.y - there.y) < 0.1

@@ -41,11 +41,11 @@ def goto(
     """Drive to a place and stop.
 
     With a map and a laser the robot finds itself on the map, plans a way through
-    the doors, and drives around what is not on the map. It is taken to stand at the
-    map's home: after a first drive, tell its place with --start. Numbers without a
-    map count from where the robot is and looks when the connection opens, found by
-    the wheels, which drift; it drives straight, slows down and turns aside for
-    obstacles.
+    the doors, and drives around what is not on the map. It is looked for where it
+    was when a program ended, and at the map's home; elsewhere give its place with
+    --start. Numbers without a map count from where the robot is and looks when the
+    connection opens, found by the wheels, which drift; it drives straight, slows
+    down and turns aside for obstacles.
 
     The robot MOVES: stand by its stop button. Any key stops it, k is the emergency
     stop.
@@ -60,7 +60,7 @@ def goto(
         link: The robot.
         map_: The map: a file, or the name of one that ships; a name of a place without it is on a
             simulator's own.
-        start: Where the robot is: a name, `x,y,heading`, or `unknown`; else at the map's home.
+        start: Where the robot is: a name, `x,y,heading`, or `unknown`; without it as it was last.
         look_around: Drive about a little first if it is not sure where it is.
         speed: At most.
         max_speed: Keep below this in any case.
@@ -131,7 +131,7 @@ def patrol(
         places: Names of the map, or `x,y`, or `x,y,heading`; `home` is where robots begin.
         link: The robot.
         map_: The map: a file, or the name of one that ships; else a simulator's own.
-        start: Where the robot is: a name, `x,y,heading`, or `unknown`; else at the map's home.
+        start: Where the robot is: a name, `x,y,heading`, or `unknown`; without it as it was last.
         look_around: Drive about a little first if it is not sure where it is.
         rounds: So many; without it until it is stopped.
         speed: At most.

@@ -103,7 +103,7 @@ def ros1(
             Other parameters below _laser/ hold for the first one in either case.
         camera: Of the robot: http://HOST[:PORT]/PATH of an MJPEG stream.
         map_: To navigate on: a file, or the name of one that ships.
-        start: Where the robot is: a name, x,y,heading, or unknown; without it at the map's home.
+        start: Where the robot is: a name, x,y,heading, or unknown; without it as it was last.
         install_package: Only write a ROS package to this folder, for rosrun and roslaunch.
     """
     if install_package is not None:

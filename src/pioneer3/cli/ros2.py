@@ -96,7 +96,7 @@ def ros2(
         lasers: Of the robot.
         camera: Of the robot: http://HOST[:PORT]/PATH of an MJPEG stream.
         map_: To navigate on: a file, or the name of one that ships.
-        start: Where the robot is: a name, x,y,heading, or unknown; without it at the map's home.
+        start: Where the robot is: a name, x,y,heading, or unknown; without it as it was last.
         install_package: Only write a ROS 2 package to this folder, for ros2 run and ros2 launch.
     """
     from pioneer3.ros.node.start import StartOptions

@@ -98,11 +98,11 @@ class Hypotheses:
         """How well the latest scan agrees with the best, 0 to 1."""
         return float(self.verdict.agreement[0])
 
-    def near(self, pose: Float, deviations: Float) -> None:
-        """Weigh all by how near they are to a pose (3,) with these standard deviations (3,)."""
-        off = self.poses - pose
-        off[:, 2] = wrapped(off[:, 2])
-        self.logs = self.logs - 0.5 * ((off / deviations) ** 2).sum(axis=1)
+    def near(self, poses: Float, deviations: Float) -> None:
+        """Weigh all by how near one of `poses` (S, 3) is, with these standard deviations (3,)."""
+        off = self.poses[:, None] - poses
+        off[..., 2] = wrapped(off[..., 2])
+        self.logs = self.logs - 0.5 * ((off / deviations) ** 2).sum(axis=2).min(axis=1)
         self._thin(MOST_HYPOTHESES)
 
     def drawn(self, count: int, rng: Generator) -> Float:

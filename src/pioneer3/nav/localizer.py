@@ -1,5 +1,6 @@
 """Finds a robot on a map of walls, by its laser or by its sonars, and keeps track of it."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import hypot, inf
@@ -17,7 +18,7 @@ from pioneer3.nav.global_search import CandidatePoses, Candidates, GlobalSearch
 from pioneer3.nav.hypotheses import Hypotheses
 from pioneer3.nav.likelihood import LAST_SCALES, Agreement, ScanLikelihood, WallField
 from pioneer3.nav.likelihood_sonar import EchoMap, Pings
-from pioneer3.nav.particles import MotionErrors, array_of, pose_of
+from pioneer3.nav.particles import MotionErrors, array_of, pose_of, rows_of
 from pioneer3.nav.settings import AS_SHIPPED, LocalizerSettings
 from pioneer3.nav.tracking import Fix, LaserTrack, SonarTrack, is_known
 
@@ -67,7 +68,8 @@ class _Progress:
     """Everything since the last start or search.
 
     Attributes:
-        start: Pose that somebody told and its standard deviations, before the first reading.
+        start: Poses (S, 3) that somebody told, and their standard deviations (3,), before the first
+            reading.
         hypotheses: While several places are compared.
         laser: While scans track the robot.
         sonar: While pings do.
@@ -123,13 +125,22 @@ class Localizer:
         """
         _ = self._echoes if sonar else self._places
 
-    def start(self, pose: Pose2, spread: float = 0.3, turn_spread: float = 0.15) -> None:
-        """Begin near a pose that somebody tells, with its standard deviations [m, rad]."""
-        start = array_of(pose), np.array([spread, spread, turn_spread])
+    def start(
+        self,
+        pose: Pose2,
+        spread: float = 0.3,
+        turn_spread: float = 0.15,
+        others: Sequence[Pose2] = (),
+    ) -> None:
+        """Begin near a pose that somebody tells, with its standard deviations [m, rad].
+
+        A laser also looks at `others` that are as likely; sonars do not tell them apart.
+        """
+        start = rows_of([pose, *others]), np.array([spread, spread, turn_spread])
         self._now = _Progress(
             stage="looking", reason="has not looked around yet", start=start, told=True
         )
-        self._now.fix = Fix(start[0], np.diag(start[1] ** 2), 0.0)
+        self._now.fix = Fix(start[0][0], np.diag(start[1] ** 2), 0.0)
         if self._odom is not None:
             self._odom_in_map = pose @ self._odom.inverse()
 
@@ -169,7 +180,7 @@ class Localizer:
         now = self._now
         self._follow(pings.robot_in_odom, pings.stamp)
         if now.start is not None:
-            begin = now.start
+            begin = now.start[0][0], now.start[1]
             now.sonar = SonarTrack(
                 self._echoes, begin, self._settings.particles, self._rng, self._errors
             )
@@ -280,13 +291,13 @@ class Localizer:
         self._now.driven += hypot(motion.x, motion.y)
         return motion
 
-    def _begin(self, beams: Beams, pose: Float, deviations: Float) -> None:
-        """Look around a pose that somebody told."""
+    def _begin(self, beams: Beams, poses: Float, deviations: Float) -> None:
+        """Look around `poses` (S, 3) that somebody told."""
         now = self._now
-        guesses = pose + deviations * self._rng.standard_normal((GUESSES, 3))
+        guesses = poses[:, None] + deviations * self._rng.standard_normal((GUESSES, 3))
         likelihood = ScanLikelihood.of(self._walls, beams, COMPARED_BEAMS)
-        hypotheses = Hypotheses.found(np.vstack([pose, guesses]), likelihood)
-        hypotheses.near(pose, deviations)
+        hypotheses = Hypotheses.found(np.vstack([poses, guesses.reshape(-1, 3)]), likelihood)
+        hypotheses.near(poses, deviations)
         now.hypotheses, now.start, now.at, now.looked = hypotheses, None, self._odom, beams.stamp
         self._compare(hypotheses, hypotheses.agreement)
 

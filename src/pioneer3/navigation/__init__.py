@@ -10,6 +10,7 @@ picture         a robot as a notebook shows it: sonars, lasers, trail, map
 navigator       a robot on a map: its state, ways, going to places
 goals           goals, from the request to the end: the action server
 localization    where it is, from its scans or echoes, and the mode that finds it out
+last_place      where it was when a program ended
 ways            ways that are planned anew
 drives          drives along ways: planned anew, held up, given way
 follow_way      the mode that drives along a way, and turns the robot to it

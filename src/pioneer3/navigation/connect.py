@@ -74,7 +74,7 @@ async def connect_async(
         line_map: The map to navigate on, its file, or the name of one that ships; `"simulator"`
             asks the simulator for its own; needs a laser.
         start: Where the robot is on the map: a pose, the name of a place, `"unknown"`, or `None`
-            for the map's home; without a home the robot has to be found.
+            for where it was when a program ended, or else the map's home; its laser confirms that.
         settings: Of its navigation.
 
     Raises:
@@ -185,7 +185,7 @@ def require_navigation() -> None:
 async def _navigator(
     robot: Robot, line_map: "LineMap | str | Path", start: Pose2 | str | None
 ) -> "Navigator":
-    """Return the navigator of a robot that begins at `start`, or at home."""
+    """Return the navigator of a robot that begins at `start`, or where it was last, or at home."""
     from pioneer3.maps import LineMap
     from pioneer3.nav.places import find_place, home
     from pioneer3.navigation.navigator import Navigator
@@ -198,8 +198,12 @@ async def _navigator(
         known = await map_of_simulator(robot) if line_map == OF_SIMULATOR else load_map(line_map)
     if start == UNKNOWN_START:
         return await Navigator.on(robot, known)
+    if start is None:
+        navigator = await Navigator.on(robot, known)
+        navigator.place_as_remembered(home(known))
+        return navigator
     if not isinstance(start, str):
-        return await Navigator.on(robot, known, start=start or home(known))
+        return await Navigator.on(robot, known, start=start)
     place = find_place(known, start)
     here = Pose2(place.x, place.y, place.heading or 0.0)
     navigator = await Navigator.on(robot, known, start=here)

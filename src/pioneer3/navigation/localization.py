@@ -1,7 +1,7 @@
 """Keeps track of a robot on a map by its laser or sonars, and the mode that looks around."""
 
 import asyncio
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Sequence
 from contextlib import AbstractContextManager, nullcontext, suppress
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -94,10 +94,17 @@ class Localization:
         return self._localizer.estimate.odom_in_map or ORIGIN
 
     def place(
-        self, robot_in_map: Pose2, spread: float = SPREAD, turn_spread: float = TURN_SPREAD
+        self,
+        robot_in_map: Pose2,
+        spread: float = SPREAD,
+        turn_spread: float = TURN_SPREAD,
+        others: Sequence[Pose2] = (),
     ) -> None:
-        """Tell where the robot is, with the standard deviations of that [m, rad]."""
-        self._localizer.start(robot_in_map, spread, turn_spread)
+        """Tell where the robot is, with the standard deviations of that [m, rad].
+
+        It may be at one of the `others` as well.
+        """
+        self._localizer.start(robot_in_map, spread, turn_spread, others)
 
     def lose(self) -> None:
         """Forget where the robot is: it has been carried away."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from pioneer3.behaviors.action import Stack
 from pioneer3.errors import MotionError
-from pioneer3.geometry import Pose2
+from pioneer3.geometry import ORIGIN, Pose2
 from pioneer3.maps import LineMap
 from pioneer3.nav.costs import CostMap
 from pioneer3.nav.estimate import Estimate
@@ -21,6 +21,12 @@ from pioneer3.nav.traffic import without_robots
 from pioneer3.nav.warm_up import warm_up
 from pioneer3.navigation.drives import Drives
 from pioneer3.navigation.goals import FIND_PATIENCE, GoalServer, NavigationGoal
+from pioneer3.navigation.last_place import (
+    LastPlace,
+    last_place_file,
+    read_last_place,
+    write_last_place,
+)
 from pioneer3.navigation.localization import (
     SPREAD,
     TURN_SPREAD,
@@ -33,6 +39,9 @@ from pioneer3.navigation.traffic import Traffic
 from pioneer3.robot.supervisor import Feed
 from pioneer3.state import Snapshot
 from pioneer3.tasks import running
+
+REMEMBERED_EVERY = 10.0
+"""Time between two writings of the robot's place [s]: its computer may be switched off."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -82,6 +91,10 @@ class Navigator:
             name=name,
         )
         self.goals = GoalServer(robot, self._itself)
+        self._in_thread = in_thread
+        self._file = last_place_file(robot.info, self.line_map)
+        self._last: LastPlace | None = None
+        self._unwritten = False
 
     @classmethod
     async def on(
@@ -126,6 +139,21 @@ class Navigator:
         self._localization.place(robot_in_map, spread, turn_spread)
         self._sightings.forget()
 
+    def place_as_remembered(self, otherwise: Pose2 | None) -> None:
+        """Look for the robot where it was when a program ended, and at the place `otherwise` [m].
+
+        Its laser decides between the two. Sonars cannot: they are told the last place only if
+        odometry has gone on since.
+        """
+        now, last = self._robot.snapshot, read_last_place(self._file)
+        odom = now.odometry.robot_in_odom if now else ORIGIN
+        goes_on = last is not None and last.goes_on(odom)
+        guesses = last.guesses(odom) if last and (goes_on or self._localization.by_laser) else []
+        if otherwise is not None and not goes_on:
+            guesses.append(otherwise)
+        if guesses:
+            self._localization.place(guesses[0], others=guesses[1:])
+
     def forget_obstacles(self) -> None:
         """Forget all things that it has seen and the map does not show; it sees them again."""
         self._drives.ways.forget()
@@ -140,9 +168,13 @@ class Navigator:
         drives = self._drives
         with self._localization.sensing(), self._traffic.travelling(drives):
             work = (self._localization.search(), drives.steer(), drives.keep_apart())
-            async with running(*work, self.goals.run()):
-                async for snapshot in self._robot.supervisor.snapshots.values():
-                    self._take(snapshot)
+            try:
+                async with running(*work, self.goals.run(), self._remember()):
+                    async for snapshot in self._robot.supervisor.snapshots.values():
+                        self._take(snapshot)
+            finally:
+                if self._unwritten:
+                    write_last_place(self._file, self._last)
 
     def _take(self, snapshot: Snapshot) -> None:
         """Look at all that is new."""
@@ -151,6 +183,10 @@ class Navigator:
             there = estimate.odom_in_map @ beams.robot_in_odom
             others = self._traffic.others(self._drives)
             self._sightings.take(without_robots(beams, there, others), there)
+        if estimate.sure and estimate.odom_in_map is not None:
+            self._note(LastPlace(estimate.odom_in_map, snapshot.odometry.robot_in_odom))
+        elif estimate.stage == "lost":
+            self._note(None)
         drive = self._drives.present_in(self._robot.arbiter.mode)
         self.state.publish(
             NavigatorState(
@@ -161,6 +197,19 @@ class Navigator:
                 problem=self._drives.problem,
             )
         )
+
+    def _note(self, place: LastPlace | None) -> None:
+        """Keep a place that the sensors have confirmed, or that there is none."""
+        self._unwritten = self._unwritten or place != self._last or place is None
+        self._last = place
+
+    async def _remember(self) -> None:
+        """Write the place into its file now and then."""
+        while True:
+            await asyncio.sleep(REMEMBERED_EVERY)
+            if self._unwritten:
+                self._unwritten = False
+                await self._in_thread(write_last_place, self._file, self._last)
 
     async def plan(self, place: Destination, start: Pose2 | None = None) -> Way | NoWay:
         """Return a way from `start`, or where the robot is, around all that it has seen."""

@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING, Any
 from pioneer3.distribution import how_to_get
 from pioneer3.errors import MotionError, PioneerError, Refusal
 from pioneer3.geometry import Pose2
-from pioneer3.maps import LineMap
 from pioneer3.nav.places import Destination, home
 from pioneer3.navigation.connect import prepare_navigation
 from pioneer3.navigation.goals import GONE, GoalServer, GoalStatus, NavigationGoal
@@ -339,14 +338,18 @@ class RobotNavigation:
         await prepare_navigation(self.in_thread, self._tell_wait)
         from pioneer3.navigation.navigator import Navigator
 
+        start = self._known_start(before.estimate if before else None)
         navigator = await Navigator.on(
             self._robot,
             known,
-            start=self._begun(known, before.estimate if before else None),
+            start=start,
             in_thread=self.in_thread,
             traffic=self._traffic,
             name=self._called,
         )
+        if start is None and (now := self._robot.snapshot) is not None:
+            begun = home(known)
+            navigator.place_as_remembered(begun and begun @ now.odometry.robot_in_odom)
         self._scene.located.odom_in_map = lambda: navigator.estimate.odom_in_map
         self._scene.located.unsure = lambda: _unsure(navigator)
         return navigator
@@ -356,11 +359,8 @@ class RobotNavigation:
         self._waits = why
         self._publish(self.state)
 
-    def _begun(self, known: LineMap, found: "Estimate | None") -> Pose2 | None:
-        """Return where the robot is now, or `None` to have it found.
-
-        A simulator tells that, or it was `found` on the map before, or it began at the map's home.
-        """
+    def _known_start(self, found: "Estimate | None") -> Pose2 | None:
+        """Return where the robot is now, if a simulator tells that, or it was `found` before."""
         snapshot = self._robot.snapshot
         if snapshot is None:
             return None
@@ -369,8 +369,7 @@ class RobotNavigation:
             return self._scene.robot_in_map(odom)
         if found is not None and found.sure and found.odom_in_map is not None:
             return found.odom_in_map @ odom
-        begun = home(known)
-        return begun @ odom if begun else None
+        return None
 
     async def _tell_state(self, navigator: "Navigator") -> None:
         """Publish the state of the navigator now and then."""

@@ -212,7 +212,7 @@ class NodeParameters:
     start: str = Parameter(
         "where the robot is on the map: a name, `x,y,heading` in metres and degrees, or"
         " `unknown`; `--start` comes first",
-        otherwise="the map's home",
+        otherwise="as it was last, or home",
     ).field("")
     goal_speed: float = Parameter(
         "on the way to goals at most", low=0.01, high=5.0, unit="m/s"
@@ -259,7 +259,7 @@ class NodeParameters:
 
     @property
     def initial_pose(self) -> Pose2 | str | None:
-        """Where the robot is on the map: a pose, or a name; `None` for the map's home."""
+        """Where the robot is on the map: a pose, or a name; `None` for its last one, or home."""
         return pose_of(self.start, "start") if self.start else None
 
     @property
