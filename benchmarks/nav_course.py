@@ -34,7 +34,11 @@ BOXES = {
     "columbia": Extent(-4.7, -26.8, 19.4, 19.4),
 }
 """The insides of maps that are open outside [m]."""
+BESIDE = {"flat": 0.03}
+"""Room beside a robot on its ways [m], where doors leave less than 0.1 m."""
 MAPS = ("shipped", "office", "AMROffice", "columbia")
+FLAT_WIDE, FLAT_DEEP, CORRIDOR, FLAT_DOOR, FLAT_ROOM = 12.0, 9.0, 1.2, 0.75, 4.0
+"""Of a flat, of the corridor along its middle, of the doors to it and of its rooms [m]."""
 STEP, COARSE = 0.0125, 0.05
 """Of the world where scans take time, and else [s]."""
 PERIOD = 0.1
@@ -95,9 +99,30 @@ class Moment:
     ranges: Float
 
 
+def flat() -> LineMap:
+    """Return a narrow flat: three rooms on either side of a corridor, and doors between some."""
+    low, high = (FLAT_DEEP - CORRIDOR) / 2, (FLAT_DEEP + CORRIDOR) / 2
+    walls = [[0, 0, FLAT_WIDE, 0], [FLAT_WIDE, 0, FLAT_WIDE, FLAT_DEEP]]
+    walls += [[FLAT_WIDE, FLAT_DEEP, 0, FLAT_DEEP], [0, FLAT_DEEP, 0, 0]]
+    for number, left in enumerate(np.arange(0.0, FLAT_WIDE, FLAT_ROOM).tolist()):
+        for side, y in ((0, low), (1, high)):
+            door = left + (1.0 if (number + side) % 2 else 2.4)
+            walls += [[left, y, door, y], [door + FLAT_DOOR, y, left + FLAT_ROOM, y]]
+            outer = (0.0, FLAT_DEEP)[side]
+            if left and side:
+                walls.append([left, y, left, outer])
+            elif left:  # the lower rooms have doors to each other as well
+                middle = y / 2
+                walls.append([left, y, left, middle + FLAT_DOOR / 2])
+                walls.append([left, middle - FLAT_DOOR / 2, left, outer])
+    return LineMap(name="flat", walls=np.array(walls))
+
+
 @cache
 def map_of(name: str) -> LineMap:
-    """Return one of :data:`MAPS`."""
+    """Return one of :data:`MAPS`, or the flat."""
+    if name == "flat":
+        return flat()
     return shipped_map("office") if name == "shipped" else read_map(SHARED / f"{name}.map")
 
 
@@ -119,7 +144,7 @@ class Ways:
         bounds = BOXES.get(name, line_map.bounds)
         half = model.width / 2
         # a robot that follows a way turns on it, except where it is narrow
-        self._grid = FreeGrid(line_map.walls, line_map.bounds, half + 0.1)
+        self._grid = FreeGrid(line_map.walls, line_map.bounds, half + BESIDE.get(name, 0.1))
         free = self._grid.free.copy()
         centres = self._grid.centres(np.ones_like(free)).reshape(*free.shape, 2)
         low, high = np.array(bounds[:2]) + 0.4, np.array(bounds[2:]) - 0.4

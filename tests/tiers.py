@@ -134,6 +134,7 @@ PARTS: Mapping[str, Part] = {
             "test_hands_on_the_stick_come_first": "safety",
             "test_a_laser_that_falls_silent_leaves_the_robot_standing": "safety",
             "test_every_laser_is_sure_of_its_place_in_time[urg-04lx]": "the laser that sees least",
+            "test_no_mode_touches_a_wall_of_the_map": "safety",
         },
     ),
     "tests/e2e/test_simulated_time.py": Part(

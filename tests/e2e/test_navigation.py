@@ -3,14 +3,16 @@
 import asyncio
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
+from dataclasses import dataclass
 from math import hypot
 from typing import Any
 
 import numpy as np
 import pytest
 
+from pioneer3.behaviors.action import MODE, Action, Desire, Situation, Stack
 from pioneer3.errors import CommandError, ConfigError, MotionError
-from pioneer3.geometry import Pose2
+from pioneer3.geometry import Pose2, Twist2
 from pioneer3.maps import LineMap, shipped_map
 from pioneer3.models.lasers import LASERS
 from pioneer3.nav.places import Destination, find_place, home
@@ -25,6 +27,7 @@ from pioneer3.tasks import running
 from tests.lasers import LaserUnit
 from tests.support import SLOW, SimulatedRobot, is_at
 from tests.unit.web.test_navigation import at_once
+from tests.wandering import Watch
 
 pytest.importorskip("numba")
 pytest.importorskip("scipy")
@@ -318,3 +321,26 @@ async def test_a_robot_that_was_carried_home_is_found_and_elsewhere_it_is_not_su
         if place == "Home":
             assert estimate.robot_in_map is not None
             assert hypot(estimate.robot_in_map.x - there.x, estimate.robot_in_map.y - there.y) < 0.1
+
+
+@dataclass(slots=True)
+class Reckless(Action):
+    """Drives on, whatever is there."""
+
+    twist: Twist2
+    name: str = "reckless"
+
+    def decide(self, situation: Situation) -> Desire:
+        return Desire(v=self.twist.v, w=self.twist.w)
+
+
+@pytest.mark.parametrize("twist", [Twist2(0.7, 0.0), Twist2(-0.4, 0.0), Twist2(0.5, 0.8)])
+async def test_no_mode_touches_a_wall_of_the_map(twist: Twist2) -> None:
+    async with in_the_office() as (sim, robot, navigator):
+        assert await navigator.find()
+        watch = sim.stepped = Watch(sim)
+        robot.arbiter.start(Stack.alone(Reckless(twist), MODE))
+        await asyncio.sleep(30.0)
+        assert robot.arbiter.mode is not None
+        assert watch.log.impacts == []
+        assert sim.body.speeds[0] == pytest.approx(0.0, abs=SLOW) or twist.w

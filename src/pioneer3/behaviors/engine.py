@@ -213,6 +213,17 @@ def _ask(stack: str, action: Action, situation: Situation) -> Proposal | None:
 
 
 def _decision(combined: Combined, limits: Limits) -> Decision:
+    return Decision(
+        decided(combined, limits),
+        combined.until,
+        combined.contributions,
+        combined.limits,
+        combined.answers_stall,
+    )
+
+
+def decided(combined: Combined, limits: Limits) -> Twist2:
+    """Return the motion that desires come to, within their limits."""
     known = combined.limits
     motion = {channel: taken.value for channel, taken in combined.motion.items()}
     w = motion.get("w", 0.0)
@@ -221,11 +232,10 @@ def _decision(combined: Combined, limits: Limits) -> Decision:
         top = min(known.get("left_max" if turn > 0 else "right_max", inf), limits.max_turn_rate)
         deceleration = max(known.get("turn_deceleration", 0.0), limits.turn_deceleration)
         w = approach(turn, top, deceleration) if abs(turn) >= TURNED else 0.0
-    twist = Twist2(
+    return Twist2(
         _clip(motion.get("v", 0.0), known.get("v_max", inf), known.get("back_max", inf)),
         _clip(w, known.get("left_max", inf), known.get("right_max", inf)),
     )
-    return Decision(twist, combined.until, combined.contributions, known, combined.answers_stall)
 
 
 def _clip(value: float, top: float, bottom: float) -> float:

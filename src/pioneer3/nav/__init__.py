@@ -10,6 +10,7 @@ costs             the cost of driving over each place of a map, for one robot
 planner           ways to a goal
 follower          the velocity that takes a robot along its way
 manoeuvre         manoeuvres
+clearance         the last check of a velocity command: it moves no outline into walls or echoes
 beams             a scan as arrays, in the frame of the robot
 sightings         things that are not on the map: boxes, closed doors, people
 echoes            echoes that neither the map, nor the laser, nor people in sight explain

@@ -11,7 +11,7 @@ from pioneer3.jit import fast
 from pioneer3.limits import Limits
 from pioneer3.models import RobotModel
 from pioneer3.nav.kernels import CACHE
-from pioneer3.nav.kernels.arcs import arcs
+from pioneer3.nav.kernels.arcs import ROUNDING, arcs
 from pioneer3.nav.kernels.ways import walk_down
 from pioneer3.nav.manoeuvre import gaps_at
 from pioneer3.nav.planner import CostToGo
@@ -28,8 +28,10 @@ SPEEDS, TURNS = 8, 17
 """Numbers of speeds and turn rates that are tried."""
 KEEP, KEEP_PER_SPEED = 0.04, 0.1
 """Distance to obstacles [m], and how much more per speed [s]."""
-SLOW, SLACK = 0.15, 0.002
-"""At this speed [m/s] a robot may stay as near to something as it is, but for the latter [m]."""
+SLOW = 0.15
+"""Speed up to which a robot may stay as near to something as it is [m/s]."""
+TOUCHES = 0.02
+"""Nearer than this to anything nothing comes nearer at a goal either [m]."""
 PERSONAL = 0.03
 """Nearer than this to people nothing comes nearer [m]: their places are known no better."""
 NEAR = 0.15
@@ -172,7 +174,7 @@ class Follower:
         if self.either_way:
             off = np.minimum(off, pi - off)
         # nearer to something than it should be, a robot may go on slowly, but no nearer to that
-        slow = (np.abs(commands[:, 0]) <= SLOW) & (slow_gap >= -SLACK)
+        slow = (np.abs(commands[:, 0]) <= SLOW) & (slow_gap >= -ROUNDING)
         possible = np.isfinite(to_go) & ((gap >= 0.0) | slow)
         gap = np.minimum(gap, NEAR)
         standing = (commands == 0.0).all(axis=1)
@@ -253,7 +255,6 @@ class Follower:
         at, limits = robot_in_map, self.limits
         gaps, people = gaps_at(at, self.model, obstacles), obstacles[:, 4] > 0.0
         kept = np.minimum(np.where(people, max(keep, PERSONAL), keep), gaps)
-        kept[people & (gaps > 0.0) & (gaps < PERSONAL)] += 0.99 * SLACK  # as good as no nearer
         middle = at.theta + twist.w * DELAY / 2
         state = np.array(
             [
@@ -276,7 +277,7 @@ class Follower:
         )
         raster = self.cost_to_go.raster
         frame = np.array([raster.x, raster.y, raster.cell])
-        outline = np.array([*self._outline, KEEP, KEEP_PER_SPEED, FAR, slow, SLACK])
+        outline = np.array([*self._outline, KEEP, KEEP_PER_SPEED, FAR, slow])
         out = np.empty((len(commands), 4))
         values = self.cost_to_go.values
         side = np.hypot(obstacles[:, 0] - state[0], obstacles[:, 1] - state[1]) - obstacles[:, 4]
@@ -344,8 +345,8 @@ class Follower:
         commands = np.array([command])
         if command[0] == 0.0:
             obstacles = obstacles * (1.0, 1.0, 0.0, 0.0, 1.0)
-        judged = self._judge(at, twist, commands, obstacles, keep=2 * SLACK, slow=inf)
-        return bool(judged[0, 3] < -SLACK)
+        judged = self._judge(at, twist, commands, obstacles, keep=TOUCHES, slow=inf)
+        return bool(judged[0, 3] < -ROUNDING)
 
     def _rate(self, off: float) -> float:
         """Return the turn rate for the rest of a turn [rad/s]."""

@@ -24,6 +24,7 @@ class PlannerSettings:
     Attributes:
         margin: Room on either side of the robot in narrow places.
         turning_margin: Room around a robot that turns.
+        contact_margin: Distance to walls and echoes within which a robot only gets farther.
         comfort: Room beside the robot; more is worth no detour.
         narrow_cost: Metres of detour that a metre without room is worth.
         period: Time between two plans.
@@ -35,6 +36,7 @@ class PlannerSettings:
 
     margin: Annotated[float, Meta(ge=0.0, le=0.5), LENGTH] = 0.07
     turning_margin: Annotated[float, Meta(ge=0.0, le=0.5), LENGTH] = 0.03
+    contact_margin: Annotated[float, Meta(ge=0.005, le=0.1), LENGTH] = 0.02
     comfort: Annotated[float, Meta(ge=0.05, le=2.0), LENGTH] = 0.35
     narrow_cost: Annotated[float, Meta(ge=0.0, le=50.0)] = 3.0
     period: Annotated[float, Meta(ge=0.2, le=60.0), DURATION] = 1.0

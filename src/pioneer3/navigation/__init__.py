@@ -15,6 +15,7 @@ ways            ways that are planned anew
 drives          drives along ways: planned anew, held up, given way
 follow_way      the mode that drives along a way, and turns the robot to it
 going_aside     its part that makes room for others
+keep_clear      the limiter that is asked last: no outline into walls or echoes
 traffic         robots of one program: frames, who travels where, who waits
 group           formations of them
 map_builder     maps, while a robot drives or explores

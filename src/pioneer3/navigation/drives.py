@@ -264,7 +264,7 @@ class Drives:
         action = FollowWay(
             follower=self._follower(places[0], way.cost_to_go),
             odom_in_map=lambda: self._localization.odom_in_map,
-            unsure=self._unsure,
+            unsure=self.unsure,
             sightings=self._sightings,
             walls=self._walls,
             preferred_speed=self._costs.speed_at,
@@ -276,7 +276,7 @@ class Drives:
         self.present = Drive(places, legs, action, mode, way, self._clock())
         return mode
 
-    def _unsure(self) -> str | None:
+    def unsure(self) -> str | None:
         """Return the reason that nobody knows where the robot is, or `None`."""
         estimate = self._localization.estimate
         return None if estimate.sure else estimate.reason

@@ -17,6 +17,7 @@ from pioneer3.maps import LineMap, MapObject, OccupancyGrid
 from pioneer3.maps.grid import samples
 from pioneer3.maps.line_map import FREE
 from pioneer3.nav.beams import beams_of
+from pioneer3.nav.clearance import Walls
 from pioneer3.nav.costs import COST_CELL, CostMap
 from pioneer3.nav.exploring import Exploration, GivenUp, Outlook
 from pioneer3.nav.follower import Follower
@@ -27,6 +28,7 @@ from pioneer3.nav.planner import Way
 from pioneer3.nav.rendering import MapRenderer, drawn, line_map_of, trodden
 from pioneer3.nav.sightings import Sightings
 from pioneer3.navigation.follow_way import FollowWay, follow_way, stand_unsure
+from pioneer3.navigation.keep_clear import LimiterOutline
 from pioneer3.navigation.localization import InThread, Localizable
 from pioneer3.navigation.navigator import Navigator
 from pioneer3.robot.supervisor import Feed
@@ -148,13 +150,18 @@ class MapBuilder:
         self._drawing: _Drawing | None = None
         self._sightings: Sightings | None = None
         self._trip: _Trip | None = None
+        self._limiter = LimiterOutline(
+            margin=robot.settings.planner.contact_margin,
+            odom_in_map=lambda: self.mapper.odom_in_map,
+            unsure=lambda: robot.laser.lost,
+        )
         self._sequence = -1
         self._clock = asyncio.get_running_loop().time
 
     async def run(self) -> None:
         """Take scans and draw the map, until cancelled or the robot's readings end."""
         gc.freeze()  # else all that was imported is searched for garbage, 60 ms, between two scans
-        with self._robot.laser.wanted():
+        with self._robot.laser.wanted(), self._robot.arbiter.checking(self._limiter):
             async with running(self._work()):
                 async for snapshot in self._robot.supervisor.snapshots.values():
                     self._take(snapshot)
@@ -289,6 +296,8 @@ class MapBuilder:
             trip.exploration.choose, drawing.grid, around, self.mapper.robot_in_map, now
         )
         trip.outlook, self._sightings = outlook, Sightings(costs)
+        self._limiter.walls = Walls.of(drawing.line_map.walls)
+        self._limiter.sightings = self._sightings
         if outlook.target is not None:
             self._head_for(trip, outlook.target.way, drawing, self._sightings)
         elif not outlook.left:

@@ -12,6 +12,7 @@ from pioneer3.behaviors.action import Stack
 from pioneer3.errors import MotionError
 from pioneer3.geometry import ORIGIN, Pose2
 from pioneer3.maps import LineMap
+from pioneer3.nav.clearance import Walls
 from pioneer3.nav.costs import CostMap
 from pioneer3.nav.estimate import Estimate
 from pioneer3.nav.places import Destination, find_place
@@ -21,6 +22,7 @@ from pioneer3.nav.traffic import without_robots
 from pioneer3.nav.warm_up import warm_up
 from pioneer3.navigation.drives import Drives
 from pioneer3.navigation.goals import FIND_PATIENCE, GoalServer, NavigationGoal
+from pioneer3.navigation.keep_clear import LimiterOutline
 from pioneer3.navigation.last_place import (
     LastPlace,
     last_place_file,
@@ -166,7 +168,15 @@ class Navigator:
     async def run(self) -> None:
         """Keep track of the robot and of its way, until cancelled."""
         drives = self._drives
-        with self._localization.sensing(), self._traffic.travelling(drives):
+        limiter = LimiterOutline(
+            margin=self.costs.settings.contact_margin,
+            walls=Walls.of(self.line_map.walls),
+            sightings=self._sightings,
+            odom_in_map=lambda: self.odom_in_map,
+            unsure=drives.unsure,
+        )
+        sensing, checking = self._localization.sensing(), self._robot.arbiter.checking(limiter)
+        with sensing, checking, self._traffic.travelling(drives):
             work = (self._localization.search(), drives.steer(), drives.keep_apart())
             try:
                 async with running(*work, self.goals.run(), self._remember()):

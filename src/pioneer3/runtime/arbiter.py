@@ -2,8 +2,8 @@
 
 import asyncio
 import logging
-from collections.abc import Callable, Sequence
-from contextlib import ExitStack
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from math import inf
 from typing import Protocol
@@ -34,6 +34,8 @@ PROGRAM = 50
 """Priorities of inputs, above that of modes: the order of twist_mux (facts.md 14.6)."""
 KEEP_APART = 10
 """Priority of the limiter by other robots, below all: it knows the turn that is asked for."""
+LAST_CHECK = 0
+"""Priority of the limiter by walls: it knows the motion that all others ask for."""
 
 MOMENT = 2.0
 """A mode that has stood for so long for want of what it must know ends [s]."""
@@ -140,6 +142,7 @@ class Arbiter:
         self._laser_on = ExitStack()
         self._by_sonar = Stack.alone(LimiterBySonar(), MODE)
         self._apart: Stack | None = None
+        self._last_check: Stack | None = None
         self._clock = asyncio.get_running_loop().time
         supervisor.snapshot_taken = self._take
 
@@ -175,6 +178,15 @@ class Arbiter:
     def keep_apart(self, peers: Peers | None) -> None:
         """Keep the robot apart from others from now on, whoever drives it; `None` knows none."""
         self._apart = Stack.alone(LimiterPeers(peers=peers), KEEP_APART) if peers else None
+
+    @contextmanager
+    def checking(self, limiter: Action) -> Iterator[None]:
+        """Ask a limiter last, whatever mode drives, during the block."""
+        before, self._last_check = self._last_check, Stack.alone(limiter, LAST_CHECK)
+        try:
+            yield
+        finally:
+            self._last_check = before
 
     def decide(self) -> Refusal | None:
         """Resolve now, and drive by the result."""
@@ -214,6 +226,8 @@ class Arbiter:
         stacks = [part.stack for part in self._parts]
         if self.mode is not None:
             stacks.append(self._by_sonar)
+            if self._last_check is not None:
+                stacks.append(self._last_check)
         if self._apart is not None:
             stacks.append(self._apart)
         return stacks

@@ -8,6 +8,9 @@ from pioneer3.arrays import Float, Float32
 from pioneer3.jit import inlined, kernel
 from pioneer3.nav.kernels.ways import direction
 
+ROUNDING = 1e-6
+"""Difference of two gaps that is none [m]."""
+
 
 @inlined
 def towards(now: float, wanted: float, faster: float, slower: float, dt: float) -> float:
@@ -45,7 +48,7 @@ def arcs(
             command is held, and the step of time [s], shape (6,).
         outline: Front, rear, half of the width, distance to be kept [m], and how much more of it
             per speed [s]; gaps beyond the next number are not told apart [m]; the speed of slow
-            robots [m/s], and how much nearer than they should be they may come [m], shape (8,).
+            robots [m/s], shape (7,).
         obstacles: x, y [m] in the map's frame, their velocity [m/s], radius [m], the gap that a
             slow robot keeps to each [m], and the distance of its side from the robot [m], which
             ascends; `-inf` for those that move, shape (N, 7).
@@ -97,7 +100,7 @@ def arcs(
                 gap = gap_to(c * dx + s * dy, c * dy - s * dx, front, rear, half) - obstacles[j, 4]
                 slow = min(slow, gap - obstacles[j, 5])
                 least = min(least, gap - keep)
-            too_near = least < 0.0 and not (is_slow and slow >= -outline[7]) and not stands
+            too_near = least < 0.0 and not (is_slow and slow >= -ROUNDING) and not stands
         u, t = (x - frame[0]) / frame[2], (y - frame[1]) / frame[2]
         out[i, 0] = inf if too_near else _value(values, u, t)
         to_x, to_y = direction(values, u, t)

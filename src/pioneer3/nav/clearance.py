@@ -1,0 +1,141 @@
+"""The last check of a velocity command: it moves no outline into walls or echoes.
+
+Farther than a margin from everything a robot drives as it likes, as long as it can brake before
+that. Nearer to something it may only get farther from that, also by a turn.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from itertools import product
+from math import hypot, inf
+from typing import Self
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from pioneer3.arrays import Float
+from pioneer3.geometry import STILL, Twist2
+from pioneer3.jit import fast
+from pioneer3.limits import Limits
+from pioneer3.models import RobotModel
+from pioneer3.nav.kernels import CACHE
+from pioneer3.nav.kernels.arcs import ROUNDING
+from pioneer3.nav.kernels.clearance import room_along, rooms
+
+REACTION = 0.15
+"""Longest time from the sensors' readings until the robot obeys [s]."""
+HOLD = 0.2
+"""Time for which a command may stay without another one: two reports [s]."""
+STEP = 0.05
+"""Step of the prediction [s]."""
+SHARES = 5
+"""Number of shares of the speed, and of the turn rate, that are tried in place of the whole."""
+PIECE = 1.0
+"""Length of the pieces of walls at most [m]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Walls:
+    """The walls of a map, arranged by their places.
+
+    Attributes:
+        pieces: Segments [m], shape (P, 4).
+    """
+
+    pieces: Float
+    _middles: cKDTree
+
+    @classmethod
+    def of(cls, walls: Float) -> Self:
+        """Return walls (W, 4) [m], cut into pieces."""
+        lengths = np.hypot(walls[:, 2] - walls[:, 0], walls[:, 3] - walls[:, 1])
+        counts = np.maximum(np.ceil(lengths / PIECE).astype(np.int64), 1)
+        owners = np.repeat(np.arange(len(walls)), counts)
+        number = np.arange(len(owners)) - np.repeat(np.cumsum(counts) - counts, counts)
+        begin, step = (
+            walls[owners, :2],
+            (walls[:, 2:] - walls[:, :2])[owners] / counts[owners, None],
+        )
+        pieces = np.hstack([begin + number[:, None] * step, begin + (number[:, None] + 1) * step])
+        return cls(pieces, cKDTree((pieces[:, :2] + pieces[:, 2:]) / 2))
+
+    def near(self, x: float, y: float, within: float) -> Float:
+        """Return all pieces that come so near to a place [m], and a few more, shape (N, 4)."""
+        near: Float = self.pieces[self._middles.query_ball_point((x, y), within + PIECE / 2)]
+        return near
+
+
+NO_WALLS = Walls.of(np.empty((0, 4)))
+
+
+@dataclass(slots=True, kw_only=True)
+class Clearance:
+    """Keeps the outline of one robot out of what is around it, whatever it is told.
+
+    Attributes:
+        margin: Distance within which it only gets farther [m].
+    """
+
+    model: RobotModel
+    limits: Limits
+    margin: float
+    _passed: Twist2 = field(default=STILL, init=False)
+    _passed_at: float = field(default=-inf, init=False)
+
+    def reach(self, twist: Twist2, asked: Twist2) -> float:
+        """Return the distance within which something matters to a motion [m]."""
+        v = max(abs(twist.v), abs(asked.v), abs(self._passed.v))
+        way = v * (REACTION + HOLD) + v * v / (2 * self.limits.deceleration)
+        return self.model.corner + self.margin + way + v * STEP
+
+    def limit(self, asked: Twist2, twist: Twist2, around: Float, now: float) -> Twist2:
+        """Return the nearest motion to the one `asked` for that comes too near to nothing.
+
+        Where all do, as something has just come, it is the one that leaves the most room.
+
+        Args:
+            asked: For the next moment.
+            twist: As measured.
+            around: Segments, and points as segments without a length, in the robot's frame [m],
+                shape (N, 4).
+            now: [s, monotonic].
+        """
+        before = self._passed if now - self._passed_at < self.limits.expiry else STILL
+        passed = asked
+        if len(around):
+            passed = self._nearest(asked, np.array([twist.v, twist.w, before.v, before.w]), around)
+        self._passed, self._passed_at = passed, now
+        return passed
+
+    def _nearest(self, asked: Twist2, before: Float, around: Float) -> Twist2:
+        kept = np.empty(len(around))
+        model = self.model
+        outline = np.array([model.length_front, model.length_rear, model.width / 2, self.margin])
+        fast(rooms, CACHE)(around, outline, kept)
+        np.minimum(kept, self.margin, out=kept)
+
+        def room(commands: Sequence[tuple[float, float]]) -> Float:
+            limits, out = self.limits, np.empty(len(commands))
+            motion = np.array(
+                [
+                    limits.acceleration,
+                    limits.deceleration,
+                    limits.turn_acceleration,
+                    limits.turn_deceleration,
+                    REACTION,
+                    HOLD,
+                    STEP,
+                ]
+            )
+            fast(room_along, CACHE)(np.array(commands), before, motion, outline, around, kept, out)
+            return out
+
+        if room([(asked.v, asked.w)])[0] >= -ROUNDING:
+            return asked
+        shares = np.linspace(0.0, 1.0, SHARES).tolist()
+        tries = sorted(product(shares, repeat=2), key=lambda each: hypot(1 - each[0], 1 - each[1]))
+        commands = [(v * asked.v, w * asked.w) for v, w in tries[1:]]
+        left = room(commands)
+        fits = np.flatnonzero(left >= -ROUNDING)
+        most = np.flatnonzero(left >= left.max() - ROUNDING)
+        return Twist2(*commands[fits[0] if len(fits) else most[-1]])

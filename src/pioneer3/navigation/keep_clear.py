@@ -1,0 +1,91 @@
+"""The limiter that keeps a robot's outline out of walls and echoes, asked last of all."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from pioneer3.arrays import Float
+from pioneer3.behaviors.action import Action, Desire, Situation
+from pioneer3.behaviors.engine import decided
+from pioneer3.geometry import Pose2
+from pioneer3.nav.beams import Beams, beams_of
+from pioneer3.nav.clearance import NO_WALLS, Clearance, Walls
+from pioneer3.nav.sightings import Sightings, in_map
+from pioneer3.state import Scan
+
+
+@dataclass(slots=True, kw_only=True)
+class LimiterOutline(Action):
+    """Lets no mode move the robot's outline into a wall of the map, or an echo.
+
+    It knows the motion that all other actions ask for, and shortens it where it has to.
+
+    Attributes:
+        margin: Distance within which the robot only gets farther [m].
+        odom_in_map: Returns the pose of odometry's frame on the map.
+        unsure: Returns the reason that nobody knows that, or `None`.
+        walls: Of the map.
+        sightings: Things seen that are not on it.
+    """
+
+    margin: float
+    odom_in_map: Callable[[], Pose2]
+    unsure: Callable[[], str | None]
+    walls: Walls = NO_WALLS
+    sightings: Sightings | None = None
+    name: str = "limiter outline"
+    _clearance: Clearance | None = field(default=None, init=False)
+    _scan: Scan | None = field(default=None, init=False)
+    _beams: Beams | None = field(default=None, init=False)
+
+    def decide(self, situation: Situation) -> Desire | None:
+        """Return the limits of a motion that would come too near, or `None`."""
+        model, limits = situation.model, situation.limits
+        asked = decided(situation.higher, limits)
+        clearance = self._clearance
+        if clearance is None or clearance.model is not model or clearance.limits != limits:
+            clearance = self._clearance = Clearance(model=model, limits=limits, margin=self.margin)
+        around = self._around(situation, clearance.reach(situation.twist, asked))
+        passed = clearance.limit(asked, situation.twist, around, situation.now)
+        if passed == asked:
+            return None
+        left, right = max(passed.w, 0.0), max(-passed.w, 0.0)
+        return Desire(
+            v_max=max(passed.v, 0.0),
+            back_max=max(-passed.v, 0.0),
+            left_max=left,
+            right_max=right,
+            reason="else the robot comes too near to something",
+        )
+
+    def _around(self, situation: Situation, reach: float) -> Float:
+        """Return all that is near, in the robot's frame [m], shape (N, 4)."""
+        here, now = self.odom_in_map() @ situation.pose, situation.now
+        to_robot, parts = here.inverse(), [self._echoes(situation)]
+        if self.unsure() is None:
+            walls = self.walls.near(here.x, here.y, reach)
+            parts.append(in_map(to_robot, walls.reshape(-1, 2)).reshape(-1, 4))
+            if self.sightings is not None:
+                things = self.sightings.near(here.x, here.y, reach, now)
+                parts.append(_points(in_map(to_robot, things)))
+        around = np.concatenate(parts)
+        x, y = around[:, ::2], around[:, 1::2]
+        near = (x.min(axis=1) < reach) & (x.max(axis=1) > -reach)
+        near &= (y.min(axis=1) < reach) & (y.max(axis=1) > -reach)
+        return np.ascontiguousarray(around[near])
+
+    def _echoes(self, situation: Situation) -> Float:
+        """Return what the laser sees, or else the sonars hear, shape (N, 4)."""
+        if situation.scan is None:
+            heard = [(point.x, point.y) for point in situation.around.points()]
+            return _points(np.array(heard).reshape(-1, 2))
+        if self._beams is None or situation.scan is not self._scan:
+            self._scan, self._beams = situation.scan, beams_of(situation.scan)
+        to_robot = situation.pose.inverse() @ self._beams.robot_in_odom
+        return _points(in_map(to_robot, self._beams.points))
+
+
+def _points(points: Float) -> Float:
+    """Return points (N, 2) as segments without a length, shape (N, 4)."""
+    return np.hstack([points, points])
