@@ -10,8 +10,9 @@ axis of turns and two lengths. `PARAM name value` is a setting of the robot. Len
 a scan has poses. Everything else is skipped.
 
 Logs that gmapping has corrected hold the corrected pose in each FLASER, and again in a line `ODOM`
-after it, from which odometry goes on; the stamp of that line means nothing. The raw odometry is
-chained from the ways between.
+after it, from which odometry goes on; the stamp of that line means nothing, and may be near the
+scan's by chance: one that is not tells what the log is. The raw odometry is chained from the ways
+between.
 """
 
 from collections.abc import Iterable, Iterator
@@ -88,6 +89,7 @@ class _Reader:
 
     def __init__(self) -> None:
         self.far = NO_ECHO
+        self._corrected = False
         self.mounts = {"front": ORIGIN, "rear": Pose2(0.0, 0.0, pi), "": ORIGIN}
         self._raw = ORIGIN
         self._anchor: Pose2 | None = None
@@ -123,6 +125,16 @@ class _Reader:
             differs = hypot(away.x, away.y) + abs(away.theta) > SAME_POSE and turned > SAME_POSE
         scan = self.scan(sweep, self._raw, known if differs else mount)
         return LoggedScan(scan, laser if anchored or differs else None)
+
+    def anchors(self, word: str, numbers: list[float], sweep: _Sweep) -> bool:
+        """Return whether the line after a scan says that odometry goes on from the scan's pose."""
+        robot = sweep.robot
+        if robot is None or sweep.message.directed or word != "ODOM" or len(numbers) < 8:
+            return False
+        if numbers[:3] != [robot.x, robot.y, robot.theta]:
+            return False
+        self._corrected |= numbers[6] == 0 or abs(numbers[6] - sweep.stamp) > STAMP_GAP
+        return self._corrected
 
     def scan(self, sweep: _Sweep, robot: Pose2, mount: Pose2) -> Scan:
         """Make a scan of a robot and a laser at these poses."""
@@ -174,7 +186,7 @@ def read_carmen(lines: Iterable[str], laser: str = "FLASER") -> Iterator[Reading
                 reader.set(words[1], value)
             continue
         numbers = [_number(word) for word in words[1:]]
-        anchors = waiting is not None and _anchors(words[0], numbers, waiting)
+        anchors = waiting is not None and reader.anchors(words[0], numbers, waiting)
         if waiting is not None and waiting.robot is not None:
             yield reader.posed(waiting, waiting.robot, anchored=anchors)
         waiting = None
@@ -234,16 +246,6 @@ def _counted(numbers: list[float], begin: int) -> tuple[int, int]:
     told = numbers[begin - 1] if 0 < begin <= len(numbers) else 0.0
     count = int(told) if isfinite(told) and 0 <= told <= len(numbers) - begin else -1
     return count, begin + max(0, count)
-
-
-def _anchors(word: str, numbers: list[float], sweep: _Sweep) -> bool:
-    """Whether the line after a scan says that odometry goes on from the scan's pose."""
-    robot = sweep.robot
-    if robot is None or word != "ODOM" or len(numbers) < 8:
-        return False
-    if sweep.message.directed or numbers[:3] != [robot.x, robot.y, robot.theta]:
-        return False
-    return numbers[6] == 0 or abs(numbers[6] - sweep.stamp) > STAMP_GAP
 
 
 def _directions(start: float, fov: float, step: float, count: int) -> tuple[float, ...]:

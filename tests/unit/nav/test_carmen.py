@@ -50,6 +50,16 @@ def test_a_corrected_log_gives_raw_odometry_and_the_corrected_poses_apart(
         assert hypot(off.x, off.y) + abs(off.theta) < 1e-6
 
 
+def test_in_a_corrected_log_a_stamp_that_is_right_by_chance_is_none() -> None:
+    lines = [odom(ORIGIN, 0.0)]
+    for x, stamp in ((1.0, 6.9), (2.0, 1e-86), (3.0, -0.06)):
+        lines += [odom(Pose2(x - 0.3), 0.0), flaser([1.0, 2.0], Pose2(x), Pose2(x), 0.0)]
+        lines += [odom(Pose2(x), stamp), "NEFF 14.3"]
+    scans = scans_of(lines)
+    assert [scan.corrected for scan in scans] == [Pose2(1.0), Pose2(2.0), Pose2(3.0)]
+    assert [scan.scan.robot_in_odom.x for scan in scans] == pytest.approx([0.7, 1.4, 2.1])
+
+
 @pytest.mark.parametrize("meaningless", [(9.0, 9.0, 9.0), (0.4, 9.0, 0.0), (9.0, 0.4, 9.0)])
 def test_a_corrected_log_without_odometry_between_scans_moves_by_its_corrected_poses(
     meaningless: tuple[float, float, float],
