@@ -347,7 +347,7 @@ def _save(line_map: "LineMap", mapper: "Mapper", target: Path) -> bool:
     bounds, survey = line_map.bounds, mapper.survey
     size = f"{bounds.x_max - bounds.x_min:.1f} x {bounds.y_max - bounds.y_min:.1f} m"
     loops = sum(edge.loop for edge in survey.edges)
-    for remark in mapper.remarks:
+    for remark in mapper.remarks():
         write_warning(remark)
     write_line(f"{size}, of {survey.frames[-1].way:.0f} m driven, {loops} loops closed")
     for path in files_of(target):

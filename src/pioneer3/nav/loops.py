@@ -166,8 +166,7 @@ class _Search:
         """Yield the key frame of each old pass that saw most of the same."""
         views = self._views[: number - RECENT_FRAMES]
         off = np.hypot(*(views - self._views[number]).T)
-        same = self._piece[: len(views)] == self._piece[number]
-        close = np.flatnonzero((off < near) & same)
+        close = np.flatnonzero(off < near)
         if not len(close):
             return
         passes = np.split(close, np.flatnonzero(np.diff(close) > AROUND_FRAMES) + 1)
@@ -241,16 +240,23 @@ class _Search:
         if match is None or match.ratio < LOOP_RATIO:
             return False
         edge = Edge(old, number, match.pose, certainty(match, LOOP_PRIOR), loop=True)
+        return self._merge(edge, alone=alone)
+
+    def _merge(self, edge: Edge, *, alone: bool) -> bool:
+        """Make one piece of two by a loop that is taken `alone`, or once another one agrees."""
         if not (alone or self._is_seconded(edge)):
             self._waiting.append(edge)
             return False
-        moved = self._poses[old] @ match.pose @ self._poses[number].inverse()
-        mine = self._piece == self._piece[number]
+        first, second = edge.first, edge.second
+        moved = self._poses[first] @ edge.second_in_first @ self._poses[second].inverse()
+        mine = self._piece == self._piece[second]
+        if mine[0]:  # the first pose stays where it is
+            moved, mine = moved.inverse(), self._piece == self._piece[first]
         self._poses = tuple(
             moved @ pose if part else pose
             for pose, part in zip(self._poses, mine.tolist(), strict=True)
         )
-        self._piece[mine] = self._piece[old]
+        self._piece[mine] = self._piece[second if mine[first] else first]
         self._accept(edge, Pose2(LOOP_MOVE, LOOP_MOVE))
         return True
 
@@ -277,6 +283,9 @@ class _Search:
         """Close a loop, or wait for another that agrees."""
         moved, way = self._error(edge), self._ways[edge.second]
         alone = min(MOST_ALONE, ALONE_MOVE + ALONE_PER_WAY * (way - self._closed))
+        if self._piece[edge.first] != self._piece[edge.second]:
+            self._merge(edge, alone=False)
+            return
         if hypot(moved.x, moved.y) < alone:
             self._accept(edge, moved)
             return

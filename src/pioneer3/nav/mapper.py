@@ -6,7 +6,7 @@ poses, and :meth:`Mapper.apply` takes the result, whatever has been added meanwh
 """
 
 from collections.abc import Mapping
-from math import cos, hypot, sin
+from math import cos, degrees, hypot, sin, sqrt
 from typing import Any, Self
 
 import numpy as np
@@ -19,7 +19,7 @@ from pioneer3.nav.frames import Edge, KeyFrame, Survey, arrays_of, survey_of
 from pioneer3.nav.graph import pieces_of
 from pioneer3.nav.loops import RECENT_FRAMES, Improvement, MapSnapshot, certainty
 from pioneer3.nav.matching import Cloud, Match, Prior, Submap
-from pioneer3.nav.relocalization import CLEARLY, CONTRADICTED, DOUBTED, Vicinity
+from pioneer3.nav.relocalization import CLEARLY, CONTRADICTED, Vicinity
 from pioneer3.nav.settings import AS_SHIPPED, MapperSettings
 
 BEND = 0.05
@@ -51,6 +51,9 @@ TRACKED_INLIERS = 0.1
 SURE_INLIERS = 0.4
 """Share of inliers from which on a pose may be far from odometry's. Around a corner little of a
 scan was seen before."""
+LOST_INLIERS = 0.3
+"""Share of inliers from which on a scan that contradicts others was taken near them all the same:
+where there is much glass, or many people are."""
 NEAR_ODOMETRY = 16.0
 """Squared error up to which a pose is near odometry's [squared sigmas]."""
 LIFTED_WAY = 1.0
@@ -67,6 +70,12 @@ STRAIGHT_TURN = 0.1
 """Turn below which a way tells where a laser looks [rad]."""
 MOST_ASKEW = 0.2
 """Angle of a laser from where it is said to look at most [rad]."""
+LEAST_ASKEW = 0.01
+"""Angle of a laser from where it is said to look from which on that is worth a remark [rad]."""
+FEWEST_WAYS = 40
+"""Ways from which on the angle of a laser may be certain."""
+ASKEW_SIGMAS = 5.0
+"""Standard deviations of the angle of a laser from which on it is certain."""
 MOUNTING_WEIGHT = 0.5
 """Weight against all ways that a laser looks where it is said to [m^2]: about two metres."""
 
@@ -80,11 +89,20 @@ class _Mounting:
 
     def __init__(self) -> None:
         self._along, self._aside = MOUNTING_WEIGHT, 0.0
+        self._squares, self._ways = 0.0, 0
 
     @property
     def angle(self) -> float:
         """[rad]; positive if it is turned to the left."""
         return self._aside / self._along
+
+    @property
+    def is_certain(self) -> bool:
+        """Whether the laser is certainly turned by more than is worth a word."""
+        if self._ways < FEWEST_WAYS:
+            return False
+        variance = max(0.0, self._squares / self._along - self.angle**2) / self._ways
+        return abs(self.angle) > max(LEAST_ASKEW, ASKEW_SIGMAS * sqrt(variance))
 
     def take(self, odometry: Pose2, step: Pose2) -> None:
         """Learn from a way by odometry that is known by scans as `step`."""
@@ -98,6 +116,8 @@ class _Mounting:
         if abs(aside) < MOST_ASKEW * along:
             self._along += along
             self._aside += aside
+            self._squares += aside**2 / along
+            self._ways += 1
 
     def seen(self, odometry: Pose2, origin: Float) -> Pose2:
         """Return a way by odometry as it is in the scans of a laser at `origin` (2,) [m]."""
@@ -191,9 +211,20 @@ class Mapper:
         """Pieces of the map whose places to each other are not known; one if all is well."""
         return self._pieces
 
-    @property
-    def remarks(self) -> tuple[str, ...]:
-        """Sentences, without a final stop, for the person who makes the map."""
+    def remarks(self, laser: Pose2 | None = None) -> tuple[str, ...]:
+        """Return sentences, without a final stop, for the person who makes the map.
+
+        The `laser` is said to be at this place on the robot; `None` if that is not known.
+        """
+        askew = self._mounting.angle
+        if laser is None or not self._mounting.is_certain:
+            return self._moved()
+        side = "left" if askew > 0 else "right"
+        pose = f"{laser.x:g},{laser.y:g},{degrees(laser.theta + askew):.1f}"
+        looks = f"the laser looks {degrees(abs(askew)):.1f} degrees to the {side} of where it is"
+        return (*self._moved(), f"{looks} said to: --laser-pose {pose}")
+
+    def _moved(self) -> tuple[str, ...]:
         if not self._tears:
             return ()
         times = "once" if self._tears == 1 else f"{self._tears} times"
@@ -296,8 +327,7 @@ class Mapper:
 
         Return whether it was moved: the scan contradicts those before it.
         """
-        doubt = self._vicinity.contradiction(beams, match.pose)
-        if doubt < DOUBTED:
+        if self._vicinity.contradiction(beams, match.pose) < CONTRADICTED:
             return False
         fit = max(self._settings.fit, match.inliers + CLEARLY)
         found = self._vicinity.find(cloud, beams, match.pose, way=LIFTED_WAY, fit=fit)
@@ -305,7 +335,7 @@ class Mapper:
             self._match, self._here = found, found.pose
             self._link(beams, cloud, found)
             return True
-        if doubt < CONTRADICTED:
+        if match.inliers > LOST_INLIERS:
             return False
         self._here = match.pose
         number = len(self._survey.frames)

@@ -43,11 +43,13 @@ FINE_CELL = 0.05
 """Side of the cells of a search [m]."""
 FINE_TURN = 0.0087
 """Turns of a search [rad]."""
+COARSE_TURN = 0.0175
+"""Turns of a search of all headings [rad]."""
 FINE_LEVELS = 4
 """Times that a block of a search is halved until it is a cell."""
 HEADING_SECTORS = 12
 """Sectors of headings, each of which has a best pose of its own."""
-KEPT = 0.75
+KEPT = 0.8
 """Share of the worth of the best pose below which another is no rival."""
 NOTHING = -1e17
 """Worth [sum] below which no pose was looked for in a sector."""
@@ -208,14 +210,15 @@ class Submap:
             self._pyramid = self._smeared()
         grid, pyramid = self._pyramid
         way, turn = within
-        half = max(1, ceil(turn / FINE_TURN))
-        turns: Float = FINE_TURN * np.arange(-half, half + 1, dtype=np.float64)
+        apart = COARSE_TURN if sectors > 1 else FINE_TURN
+        half = max(1, ceil(turn / apart))
+        turns: Float = apart * np.arange(-half, half + 1, dtype=np.float64)
         c, s = np.cos(guess.theta + turns), np.sin(guess.theta + turns)
         x = np.outer(c, points[:, 0]) - np.outer(s, points[:, 1]) + guess.x
         y = np.outer(s, points[:, 0]) + np.outer(c, points[:, 1]) + guess.y
         cells = np.floor(np.stack([y - grid[1], x - grid[0]], axis=2) / FINE_CELL).astype(np.int64)
         full = 255.0 * max(1, len(points))
-        limits = np.array([float(max(1, ceil(way / FINE_CELL))), half * FINE_TURN, cost * full])
+        limits = np.array([float(max(1, ceil(way / FINE_CELL))), half * apart, cost * full])
         sector = np.arange(len(turns), dtype=np.int64) * sectors // len(turns)
         best, worths = np.zeros((sectors, 3), dtype=np.int64), np.empty(sectors)
         fast(search, CACHE)(pyramid, cells, turns, sector, KEPT, limits, best, worths)

@@ -18,14 +18,12 @@ BEYOND = 0.3
 """Distance beyond a point as far as which a beam has to go to contradict it [m]."""
 BEYOND_SHARE = 0.05
 """Share of the range that is added to that: walls are seen at a flat angle far off."""
-DOUBTED = 0.1
-"""Share of contradictions above which another place is looked for. On logs of real robots, with
-people in the way, 90 % of the scans have half of it."""
-CONTRADICTED = 0.25
-"""Share of contradictions above which a scan was taken elsewhere, wherever that may be."""
+CONTRADICTED = 0.2
+"""Share of contradictions above which a scan may have been taken elsewhere; half of it are people.
+"""
 TRIED = 4
 """Headings that are tried at most, the best ones."""
-ASKED_POINTS = 90
+ASKED_POINTS = 60
 """Points of the search, of all that there are."""
 SAME_HEADING = 0.2
 """Difference of headings below which two poses are the same one [rad]."""
@@ -85,7 +83,7 @@ class Vicinity:
         )
         if best.inliers < max(fit, CLEARLY + max(others, default=0.0)):
             return None
-        return best if self.contradiction(beams, best.pose) < DOUBTED else None
+        return best if self.contradiction(beams, best.pose) < CONTRADICTED / 2 else None
 
 
 def _seen_through(points: Float, beams: Beams) -> tuple[int, int]:

@@ -245,7 +245,7 @@ class MapBuilder:
                 exploring=self.exploring,
                 edges=outlook.left if outlook else None,
                 way=outlook.target.way if outlook and outlook.target else None,
-                remarks=mapper.remarks,
+                remarks=mapper.remarks(scan.sensor_in_robot if scan else None),
             )
         )
 

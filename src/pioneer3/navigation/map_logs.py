@@ -57,8 +57,12 @@ def map_log(log: ChosenLog, tell: Tell, settings: NavigationSettings = AS_SHIPPE
         notes = "".join(f"; {note}" for note in log.notes)
         raise wrong(log.path, f": no scan can be read in {log.source}{notes}")
     mapping.improve()
+    askew = set(mapping.mapper.remarks(mapping.laser)) - set(mapping.mapper.remarks())
     return LogMap(
-        mapper=mapping.mapper, places=mapping.places, source=log.source, notes=tuple(log.notes)
+        mapper=mapping.mapper,
+        places=mapping.places,
+        source=log.source,
+        notes=(*log.notes, *askew),
     )
 
 
@@ -71,6 +75,7 @@ class _Mapping:
     def __init__(self, settings: NavigationSettings) -> None:
         self.mapper = Mapper(settings=settings.mapper)
         self.scans = 0
+        self.laser: Pose2 | None = None
         self._places: list[tuple[int, Pose2, LoggedPlace]] = []
         self._begin = ORIGIN
         self._last: Pose2 | None = None
@@ -103,7 +108,7 @@ class _Mapping:
             here = self._begin @ scan.robot_in_odom
             last = self._begin @ last if last and _way(scan.robot_in_odom, last) < LEAP else None
             self.mapper.add(beams_of(replace(scan, robot_in_odom=here, last_in_odom=last)))
-            self.scans += 1
+            self.scans, self.laser = self.scans + 1, scan.sensor_in_robot
 
     def _follows(self, pose: Pose2) -> bool:
         """Whether a pose follows the last one; note where odometry begins anew."""

@@ -1,5 +1,6 @@
 """Maps from scans."""
 
+import re
 from itertools import pairwise
 from math import hypot, pi, radians
 
@@ -66,11 +67,16 @@ def test_it_finds_out_that_a_laser_is_mounted_askew(*, continued: bool) -> None:
         mapper = Mapper.of(mapper.state)
     found = mapper.mounting_error
     assert found == pytest.approx(askew, abs=radians(0.5))
+    (told,) = mapper.remarks(Pose2(0.16, 0.0, radians(1)))
+    assert re.search(
+        r"looks [23]\.\d degrees to the left of .* --laser-pose 0\.16,0,[34]\.\d$", told
+    )
 
 
 def test_a_laser_that_looks_where_it_is_said_to_is_left_alone() -> None:
     mapper, _, _ = driven(improve=False)
     assert abs(mapper.mounting_error) < radians(0.5)
+    assert mapper.remarks(ORIGIN) == ()
 
 
 def test_a_robot_that_stands_makes_no_key_frames() -> None:
@@ -151,7 +157,7 @@ def test_a_robot_that_was_lifted_and_turned_is_found_at_once() -> None:
     move = Pose2(begin.x - 0.4, begin.y + 0.3) @ Pose2(0.0, 0.0, 2.0) @ Pose2(-begin.x, -begin.y)
     mapper, true = moved_unnoticed(move)
     assert off(mapper, true) < 0.05
-    assert (mapper.pieces, mapper.remarks) == (1, ())
+    assert (mapper.pieces, mapper.remarks()) == (1, ())
 
 
 def test_a_robot_that_was_carried_away_begins_a_piece_that_is_joined_later() -> None:
@@ -159,10 +165,10 @@ def test_a_robot_that_was_carried_away_begins_a_piece_that_is_joined_later() -> 
     torn = [edge.second for edge in mapper.survey.edges if edge.torn]
     assert len(torn) == 1
     assert off(mapper, true) < 0.05
-    assert "moved" in mapper.remarks[0]
-    assert "joined" in mapper.remarks[0]
+    assert "moved" in mapper.remarks()[0]
+    assert "joined" in mapper.remarks()[0]
     again = Mapper.of(mapper.state)
-    assert (again.pieces, again.remarks) == (1, mapper.remarks)
+    assert (again.pieces, again.remarks()) == (1, mapper.remarks())
 
 
 def test_a_piece_that_nothing_joins_is_told() -> None:
@@ -174,7 +180,7 @@ def test_a_piece_that_nothing_joins_is_told() -> None:
         mapper.add(look(elsewhere, place, Pose2(0.25 * number), count=181))
         mapper.apply(mapper.snapshot.improve())
     assert mapper.pieces == 2
-    assert "2 pieces" in mapper.remarks[0]
+    assert "2 pieces" in mapper.remarks()[0]
     assert Mapper.of(mapper.state).pieces == 2
 
 

@@ -8,7 +8,7 @@ import pytest
 from pioneer3.geometry import Pose2
 from pioneer3.nav.frames import KeyFrame
 from pioneer3.nav.matching import Cloud
-from pioneer3.nav.relocalization import CONTRADICTED, DOUBTED, Vicinity
+from pioneer3.nav.relocalization import CONTRADICTED, Vicinity
 from tests.unit.nav.halls import HALL, look
 
 BEFORE = Pose2(2.0, 1.5)
@@ -24,7 +24,7 @@ def around(walls: np.ndarray, *places: Pose2) -> Vicinity:
 
 @pytest.mark.parametrize("place", [Pose2(2.3, 1.6, 0.4), Pose2(10.0, 1.5, 1.0), Pose2(10.0, 6.0)])
 def test_what_is_seen_from_another_place_is_no_contradiction(place: Pose2) -> None:
-    assert around(HALL, BEFORE).contradiction(look(HALL, place), place) < DOUBTED / 4
+    assert around(HALL, BEFORE).contradiction(look(HALL, place), place) < CONTRADICTED / 8
 
 
 @pytest.mark.parametrize("move", [Pose2(0.0, 0.0, 0.7), Pose2(0.0, 0.0, -2.5), Pose2(1.5, 0.5)])
@@ -37,7 +37,7 @@ def test_somebody_who_has_come_is_no_reason_to_be_elsewhere() -> None:
     scan = look(HALL, BEFORE)
     near = np.abs(np.arctan2(scan.points[:, 1], scan.points[:, 0]) - 0.3) < 0.25
     scan.points[near] *= (0.8 / np.hypot(*scan.points[near].T))[:, None]
-    assert around(HALL, BEFORE).contradiction(scan, BEFORE) < DOUBTED
+    assert around(HALL, BEFORE).contradiction(scan, BEFORE) < CONTRADICTED / 2
 
 
 def test_a_place_is_found_whatever_the_heading() -> None:
