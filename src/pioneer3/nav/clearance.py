@@ -4,7 +4,6 @@ Farther than a margin from everything a robot drives as it likes, as long as it 
 that. Nearer to something it may only get farther from that, also by a turn.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import product
 from math import hypot, inf
@@ -108,34 +107,37 @@ class Clearance:
         return passed
 
     def _nearest(self, asked: Twist2, before: Float, around: Float) -> Twist2:
-        kept = np.empty(len(around))
-        model = self.model
-        outline = np.array([model.length_front, model.length_rear, model.width / 2, self.margin])
-        fast(rooms, CACHE)(around, outline, kept)
-        np.minimum(kept, self.margin, out=kept)
+        model, limits, found = self.model, self.limits, np.empty((len(around), 2))
+        outline = np.array(
+            [model.length_front, model.length_rear, model.width / 2, self.margin, -ROUNDING]
+        )
+        motion = np.array(
+            [
+                limits.acceleration,
+                limits.deceleration,
+                limits.turn_acceleration,
+                limits.turn_deceleration,
+                REACTION,
+                HOLD,
+                STEP,
+            ]
+        )
+        fast(rooms, CACHE)(around, outline, found)
+        order = found[:, 1].argsort()
+        kept = np.minimum(found[order, 0], self.margin)
+        walls = np.column_stack([around, found[:, 1]])[order]
 
-        def room(commands: Sequence[tuple[float, float]]) -> Float:
-            limits, out = self.limits, np.empty(len(commands))
-            motion = np.array(
-                [
-                    limits.acceleration,
-                    limits.deceleration,
-                    limits.turn_acceleration,
-                    limits.turn_deceleration,
-                    REACTION,
-                    HOLD,
-                    STEP,
-                ]
-            )
-            fast(room_along, CACHE)(np.array(commands), before, motion, outline, around, kept, out)
+        def room(*commands: tuple[float, float]) -> Float:
+            out = np.empty(len(commands))
+            fast(room_along, CACHE)(np.array(commands), before, motion, outline, walls, kept, out)
             return out
 
-        if room([(asked.v, asked.w)])[0] >= -ROUNDING:
-            return asked
         shares = np.linspace(0.0, 1.0, SHARES).tolist()
         tries = sorted(product(shares, repeat=2), key=lambda each: hypot(1 - each[0], 1 - each[1]))
-        commands = [(v * asked.v, w * asked.w) for v, w in tries[1:]]
-        left = room(commands)
-        fits = np.flatnonzero(left >= -ROUNDING)
-        most = np.flatnonzero(left >= left.max() - ROUNDING)
-        return Twist2(*commands[fits[0] if len(fits) else most[-1]])
+        commands = list(dict.fromkeys((v * asked.v, w * asked.w) for v, w in tries))
+        for command in commands:
+            if room(command)[0] >= -ROUNDING:
+                return Twist2(*command)
+        outline[4] = -inf  # all come too near: each to its end
+        left = room(*commands)
+        return Twist2(*commands[np.flatnonzero(left >= left.max() - ROUNDING)[-1]])

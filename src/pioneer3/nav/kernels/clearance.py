@@ -89,8 +89,10 @@ def room_along(
         before: Measured speed and turn rate, and the command before [m/s, rad/s], shape (4,).
         motion: Acceleration and deceleration [m/s^2], the same of turns [rad/s^2], the longest
             delay, how long a command is held, and the step of time [s], shape (7,).
-        outline: Front, rear, half of the width, and the most that is kept [m], shape (4,).
-        walls: Segments or points in the robot's frame [m], shape (S, 4).
+        outline: Front, rear, half of the width, the most that is kept, and the room less than which
+            a command is followed no further [m], shape (5,).
+        walls: Segments or points in the robot's frame, and their distances from its middle [m],
+            which ascend, shape (S, 5).
         kept: From each of them [m], shape (S,).
         out: For each command; `inf` where all walls are farther than is kept, shape (C,).
     """
@@ -102,7 +104,7 @@ def room_along(
         for late in range(2):
             x, y, theta, v, w, time = 0.0, 0.0, 0.0, before[0], before[1], 0.0
             delay = motion[4] if late else 0.0
-            while True:
+            while least >= outline[4]:
                 wanted_v, wanted_w = commands[i, 0], commands[i, 1]
                 if time < delay:
                     wanted_v, wanted_w = before[2], before[3]
@@ -119,8 +121,10 @@ def room_along(
                 y += mean_v * dt * sin(middle)
                 theta += mean_w * dt
                 time += dt
-                c, s = cos(theta), sin(theta)
+                c, s, away = cos(theta), sin(theta), around + hypot(x, y)
                 for j in range(len(walls)):
+                    if walls[j, 4] > away:
+                        break
                     ax, ay = walls[j, 0] - x, walls[j, 1] - y
                     bx, by = walls[j, 2] - x, walls[j, 3] - y
                     if off_segment(0.0, 0.0, ax, ay, bx, by) > around:
@@ -140,8 +144,8 @@ def room_along(
 
 @kernel
 def rooms(walls: Float, outline: Float, out: Float) -> None:
-    """Write the gap between an outline and each wall of its frame, shape (S,) [m]."""
+    """Write the gap between an outline and each wall of its frame, and its distance [m], (S, 2)."""
     for j in range(len(walls)):
-        out[j] = room_beside(
-            walls[j, 0], walls[j, 1], walls[j, 2], walls[j, 3], outline[0], outline[1], outline[2]
-        )
+        ax, ay, bx, by = walls[j, 0], walls[j, 1], walls[j, 2], walls[j, 3]
+        out[j, 0] = room_beside(ax, ay, bx, by, outline[0], outline[1], outline[2])
+        out[j, 1] = off_segment(0.0, 0.0, ax, ay, bx, by)
