@@ -45,14 +45,11 @@ class Axis:
     """Towards zero [1/s^2], positive; 0 means at once."""
     top = _Row(TOP)
     """Highest speed [1/s]."""
+    target = _Row(TARGET)
+    """Velocity wanted [1/s]."""
 
     def __init__(self, drives: DriveArrays, axis: int, number: int) -> None:
         self._axes, self._axis, self._number = drives.axes, axis, number
-
-    @property
-    def target(self) -> float:
-        """Velocity wanted [1/s]."""
-        return self.get(TARGET)
 
     @property
     def remaining(self) -> float | None:
@@ -62,12 +59,12 @@ class Axis:
 
     def go(self, velocity: float) -> None:
         """Hold `velocity`, at most :attr:`top`."""
-        self.set(TARGET, velocity)
+        self.target = velocity
         self.set(REMAINING, nan)
 
     def travel(self, distance: float) -> None:
         """Cover `distance` and stand: a trapezoid."""
-        self.set(TARGET, 0.0)
+        self.target = 0.0
         self.set(REMAINING, distance)
 
     def get(self, row: int) -> float:

@@ -1,17 +1,8 @@
 """The robot's controller: commands become motion, the world becomes reports.
 
-With its parts the only bridge between ARCOS and the simulated world. Facts: protocol.md 2.7, 3, 4,
-5, facts.md 12; where the old emulator is wrong (facts.md 9, 13), this follows the real firmware.
-
-===========  ======================================================
-part         purpose
-===========  ======================================================
-steering     commands that drive
-instruments  the standard report
-laser        the laser in the robot's own stream
-accessories  all other devices
-console      commands to the simulator itself
-===========  ======================================================
+With the other modules here and the accessories the only bridge between ARCOS and the simulated
+world. Facts: protocol.md 2.7, 3, 4, 5, facts.md 12; where the old emulator is wrong (facts.md 9,
+13), this follows the real firmware.
 """
 
 from collections.abc import Callable

@@ -16,7 +16,7 @@ from pioneer3.models.lasers import LaserModel, LaserProtocol
 from pioneer3.sim.body import Body
 from pioneer3.sim.laser_scanner import Arc, LaserScanner
 from pioneer3.sim.server.faults import LinkFaults
-from pioneer3.sim.server.laser_hosts import LaserHosts, OneHost, SeveralHosts
+from pioneer3.sim.server.laser_hosts import OneHost, SeveralHosts
 from pioneer3.sim.server.listeners import PtyListener, TcpListener
 from pioneer3.sim.world import World
 
@@ -58,7 +58,7 @@ class SimulatedLaser:
         self._silent_until = -inf
         self._faults = LinkFaults()
         kind = SeveralHosts if model.protocol is LaserProtocol.COLA else OneHost
-        self.hosts: LaserHosts = kind(device, self._faults, label=lambda: self.label, wake=wake)
+        self.hosts = kind(device, self._faults, label=lambda: self.label, wake=wake)
         device.switch_on(world.time - SWITCHED_ON)
         device.tick(world.time - SAID)
         self.hosts.exchange(world.time, heard=False)

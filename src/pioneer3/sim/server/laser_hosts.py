@@ -19,10 +19,9 @@ import logging
 from collections.abc import Callable
 from math import inf
 from random import Random
-from typing import Protocol
 
 from pioneer3.lasers.device import DeviceConnection, LaserDevice
-from pioneer3.sim.server.clients import STALE, ClientHandler, ClientSlot, HostConnection
+from pioneer3.sim.server.clients import STALE, ClientSlot, HostConnection
 from pioneer3.sim.server.faults import CableDirection, LinkFaults
 
 log = logging.getLogger(__name__)
@@ -89,30 +88,6 @@ class Cable:
         self._to_host.clear()
 
 
-class LaserHosts(ClientHandler, Protocol):
-    """The hosts of one laser."""
-
-    @property
-    def full(self) -> bool:
-        """Whether one more host would be turned away at once."""
-
-    @property
-    def connected(self) -> bool:
-        """Whether any host is connected."""
-
-    def admit(self, client: HostConnection) -> None:
-        """Give `client` a connection, now or soon, or turn it away."""
-
-    def exchange(self, now: float, *, heard: bool) -> None:
-        """Pass the bytes of hosts and laser on at `now` [s]; if not `heard`, all are lost."""
-
-    def shut(self, *, closed: bool) -> None:
-        """Disconnect all hosts and turn others away, or no longer."""
-
-    def use(self, faults: LinkFaults) -> None:
-        """Give every cable these faults."""
-
-
 class OneHost:
     """A host at a time.
 
@@ -140,10 +115,12 @@ class OneHost:
 
     @property
     def full(self) -> bool:
+        """Whether one more host would be turned away at once."""
         return self._slot.full
 
     @property
     def connected(self) -> bool:
+        """Whether any host is connected."""
         return self._slot.host is not None
 
     def set_terminal(self, speed: Callable[[], int | None]) -> None:
@@ -151,6 +128,7 @@ class OneHost:
         self._terminal_speed = speed
 
     def admit(self, client: HostConnection) -> None:
+        """Give `client` a connection, now or soon, or turn it away."""
         self._slot.admit(client)
 
     def received(self, client: HostConnection, data: bytes) -> None:
@@ -163,6 +141,7 @@ class OneHost:
             self._hang_up()
 
     def exchange(self, now: float, *, heard: bool) -> None:
+        """Pass the bytes of hosts and laser on at `now` [s]; if not `heard`, all are lost."""
         self._now, self._heard = now, heard
         cable, host = self._cable, self._slot.host
         if cable is None:
@@ -198,11 +177,13 @@ class OneHost:
         return was_right or self._understands(client)
 
     def shut(self, *, closed: bool) -> None:
+        """Disconnect all hosts and turn others away, or no longer."""
         self._slot.closed = closed
         if closed:
             self._slot.disconnect_all()
 
     def use(self, faults: LinkFaults) -> None:
+        """Give every cable these faults."""
         self._faults = faults
         if self._cable is not None:
             self._cable.replace(faults)
@@ -233,7 +214,7 @@ class OneHost:
 
 
 class SeveralHosts:
-    """Several hosts, each with a connection of its own; arguments as for :class:`OneHost`."""
+    """Several hosts, each with a connection of its own; all else as for :class:`OneHost`."""
 
     def __init__(
         self,
