@@ -37,13 +37,6 @@ class FakePublisher:
         self.messages.append(deepcopy(message))  # it is filled again
 
 
-class FakeSubscription:
-    """A subscription that nothing ends."""
-
-    def unregister(self) -> None:
-        pass
-
-
 class FakeMiddleware:
     """A middleware in which a test is everybody else."""
 
@@ -107,9 +100,9 @@ class FakeMiddleware:
 
     def subscribe(
         self, name: str, type_name: str, receive: Receive, *, queue: int, left: Lose | None = None
-    ) -> FakeSubscription:
+    ) -> Callable[[], None]:
         self.receivers[name], self.leaving[name] = receive, left
-        return FakeSubscription()
+        return lambda: None
 
     def serve(self, name: str, type_name: str, handle: Callable[[Any], Response]) -> None:
         self.services[name] = handle

@@ -23,7 +23,7 @@ async def flicks(topic: str, middleware: Topics) -> AsyncIterator[Key]:
         turns = message.angular_velocity
         hand_over(loop, keys.put_nowait, key_of_rotation(turns.x, turns.y, turns.z))
 
-    subscription = await asyncio.to_thread(middleware.subscribe, topic, IMU, receive, queue=QUEUE)
+    unsubscribe = await asyncio.to_thread(middleware.subscribe, topic, IMU, receive, queue=QUEUE)
     drives = False
     try:
         while True:
@@ -36,4 +36,4 @@ async def flicks(topic: str, middleware: Topics) -> AsyncIterator[Key]:
                 drives = key is not Key.STOP
                 yield key
     finally:
-        subscription.unregister()
+        unsubscribe()

@@ -14,7 +14,7 @@ from pioneer3.models import RobotModel
 from pioneer3.robot.assemble import SONAR_MAX
 from pioneer3.ros.client.graph import ODOMETRY, RobotTopics
 from pioneer3.ros.messages.update import NANO, nanoseconds
-from pioneer3.ros.node.middleware import Sender, Subscription, Topics
+from pioneer3.ros.node.middleware import Sender, Topics, Unsubscribe
 from pioneer3.state import Battery, Bumpers, Motors, Odometry, Snapshot, Sonar
 from pioneer3.tasks import hand_over
 
@@ -161,7 +161,7 @@ class SnapshotSubscriber:
         self._take = take
         self._middleware = middleware
         self._loop = asyncio.get_running_loop()
-        self._subscriptions: list[Subscription] = []
+        self._subscriptions: list[Unsubscribe] = []
         self._delay = Delay()
         self._motors_known = self._motors is None
         self._began_at = inf
@@ -190,8 +190,8 @@ class SnapshotSubscriber:
         """Subscribe no more, in a thread; also while :meth:`open` is at work in another one."""
         with self._lock:
             self._open = False
-        for subscription in self._subscriptions:
-            subscription.unregister()
+        for unsubscribe in self._subscriptions:
+            unsubscribe()
 
     def _subscribe(self, name: str, type_name: str, take: Callable[[Any], None]) -> None:
         def receive(message: Any, _: Sender) -> None:

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from importlib import import_module
 from typing import Any
 
-from pioneer3.ros.ros2.backend import MessageType
+from pioneer3.ros.ros2.backend import MessageType, to_dds
 from pioneer3.ros.ros2.types import MessageTypes
 from pioneer3.ros.typestore import ARRAY, BASE, NAME
 
@@ -34,7 +34,7 @@ class SampleTypes:
         fields = {name: getattr(types, kind) for name, kind in head.items()}
         for name, desc in self._fields[type_.name][1]:
             fields[name] = self._field(*desc)
-        made = make_idl_struct(type_.name.replace("/", "_"), type_.dds_name, fields)
+        made = make_idl_struct(type_.name.replace("/", "_"), to_dds(type_.name), fields)
         if not head:
             self._structs[type_.name] = made
         return made

@@ -58,17 +58,20 @@ class DiagnosticLevel(IntEnum):
 OK, WARN, ERROR, STALE = DiagnosticLevel
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class DiagnosticStatus:
-    """The state of one part of the robot, as in diagnostic_msgs/DiagnosticStatus.
+Values = tuple[tuple[str, str], ...]
+"""Numbers and texts by stable keys."""
+Found = tuple[DiagnosticLevel, str, Values]
+"""The state of a part, without its name."""
 
-    `message` is for people; `values` are numbers and texts by stable keys.
-    """
+
+@dataclass(frozen=True, slots=True)
+class DiagnosticStatus:
+    """The state of one part of the robot, as in diagnostic_msgs/DiagnosticStatus, for people."""
 
     part: str
     level: DiagnosticLevel
     message: str
-    values: tuple[tuple[str, str], ...] = ()
+    values: Values = ()
 
     def __str__(self) -> str:
         return f"{self.part}: {self.message}"
@@ -102,11 +105,11 @@ def diagnose(health: Health) -> tuple[DiagnosticStatus, ...]:
     if snapshot is None:
         gone = "no robot is connected"
         why, url = f"{gone}: {health.lost}" if health.lost else gone, ("url", health.info.url)
-        link = DiagnosticStatus(part="Link", level=ERROR, message=why, values=(url,))
-        parts = [DiagnosticStatus(part=part, level=STALE, message=gone) for part in PARTS]
+        link = DiagnosticStatus("Link", ERROR, why, (url,))
+        parts = [DiagnosticStatus(part, STALE, gone) for part in PARTS]
     else:
-        link = _link(health, snapshot)
-        parts = [check(health, snapshot) for check in PARTS.values()]
+        link = DiagnosticStatus("Link", *_link(health, snapshot))
+        parts = [DiagnosticStatus(part, *check(health, snapshot)) for part, check in PARTS.items()]
     return link, *parts, *health.lasers, *health.navigation, *_topics(health)
 
 
@@ -147,7 +150,7 @@ def diagnostics(message: Any, update: DiagnosticsUpdate) -> None:
         message.status.append(status)
 
 
-def _link(health: Health, now: Snapshot) -> DiagnosticStatus:
+def _link(health: Health, now: Snapshot) -> Found:
     link, config = now.link, health.info.config
     cycle = (config.sip_cycle_ms or 0) * MS if config else 0.0
     expected = 1 / (cycle or USUAL_CYCLE)
@@ -158,23 +161,19 @@ def _link(health: Health, now: Snapshot) -> DiagnosticStatus:
         f"{link.rate:.1f} readings/s, {expected:g} expected" if slow else "",
         f"{link.bad_checksums} of {frames} frames spoilt" if noisy else "",
     ]
-    return DiagnosticStatus(
-        part="Link",
-        level=WARN if slow or noisy else OK,
-        message="; ".join(filter(None, words)) or "connected",
-        values=(
-            ("url", health.info.url),
-            ("baud", str(health.info.speed or "")),
-            ("readings_per_s", f"{link.rate:.2f}"),
-            ("readings", str(link.reports)),
-            ("bad_checksums", str(link.bad_checksums)),
-            ("bytes_skipped", str(link.bytes_skipped)),
-            ("sessions", str(link.sessions)),
-        ),
+    values = (
+        ("url", health.info.url),
+        ("baud", str(health.info.speed or "")),
+        ("readings_per_s", f"{link.rate:.2f}"),
+        ("readings", str(link.reports)),
+        ("bad_checksums", str(link.bad_checksums)),
+        ("bytes_skipped", str(link.bytes_skipped)),
+        ("sessions", str(link.sessions)),
     )
+    return WARN if slow or noisy else OK, "; ".join(filter(None, words)) or "connected", values
 
 
-def _motors(health: Health, now: Snapshot) -> DiagnosticStatus:
+def _motors(health: Health, now: Snapshot) -> Found:
     motors, faults, celsius = now.motors, _faults(now, DRIVE), now.inputs.temperature
     level, message = OK, "on" if motors.enabled else "off"
     if not (motors.enabled or health.auto_enable):
@@ -187,23 +186,19 @@ def _motors(health: Health, now: Snapshot) -> DiagnosticStatus:
         level, message = ERROR, "the stop button on the robot is pressed"
     if health.emergency:
         level, message = ERROR, "the emergency stop is latched"
-    return DiagnosticStatus(
-        part="Motors",
-        level=level,
-        message=message,
-        values=(
-            ("enabled", _yes(motors.enabled)),
-            ("left_stalled", _yes(motors.left_stalled)),
-            ("right_stalled", _yes(motors.right_stalled)),
-            ("stop_button", _yes(motors.stop_button)),
-            ("emergency_stop", _yes(health.emergency)),
-            ("temperature_celsius", "" if celsius is None else str(celsius)),
-            ("faults", faults),
-        ),
+    values = (
+        ("enabled", _yes(motors.enabled)),
+        ("left_stalled", _yes(motors.left_stalled)),
+        ("right_stalled", _yes(motors.right_stalled)),
+        ("stop_button", _yes(motors.stop_button)),
+        ("emergency_stop", _yes(health.emergency)),
+        ("temperature_celsius", "" if celsius is None else str(celsius)),
+        ("faults", faults),
     )
+    return level, message, values
 
 
-def _battery(health: Health, now: Snapshot) -> DiagnosticStatus:
+def _battery(health: Health, now: Snapshot) -> Found:
     battery, faults = now.battery, _faults(now, POWER)
     config = health.info.config
     shutdown = (config.shutdown_decivolts or 0) * DECIVOLT if config else 0.0
@@ -214,80 +209,63 @@ def _battery(health: Health, now: Snapshot) -> DiagnosticStatus:
         level, message = WARN, f"{message}: {faults}"
     if 0 < battery.voltage <= shutdown:
         level, message = ERROR, f"{message}: at {shutdown:g} V the robot shuts down"
-    return DiagnosticStatus(
-        part="Battery",
-        level=level,
-        message=message,
-        values=(
-            ("voltage", f"{battery.voltage:.1f}"),
-            ("charge", "" if battery.charge is None else f"{battery.charge:.2f}"),
-            ("charging", battery.charging),
-            ("faults", faults),
-        ),
+    values = (
+        ("voltage", f"{battery.voltage:.1f}"),
+        ("charge", "" if battery.charge is None else f"{battery.charge:.2f}"),
+        ("charging", battery.charging),
+        ("faults", faults),
     )
+    return level, message, values
 
 
-def _sonar(_: Health, now: Snapshot) -> DiagnosticStatus:
+def _sonar(_: Health, now: Snapshot) -> Found:
     sonar = now.sonar
     known = [metres for metres in sonar.ranges if metres == metres]  # noqa: PLR0124
     nearest = sonar.nearest
-    return DiagnosticStatus(
-        part="Sonar",
-        level=OK,
-        message=f"{len(known)} of {len(sonar.ranges)} transducers read" if sonar.enabled else "off",
-        values=(
-            ("enabled", _yes(sonar.enabled)),
-            ("transducers", str(len(sonar.ranges))),
-            ("read", str(len(known))),
-            ("nearest", f"{nearest:.3f}" if isfinite(nearest) else ""),
-        ),
+    values = (
+        ("enabled", _yes(sonar.enabled)),
+        ("transducers", str(len(sonar.ranges))),
+        ("read", str(len(known))),
+        ("nearest", f"{nearest:.3f}" if isfinite(nearest) else ""),
     )
+    count = f"{len(known)} of {len(sonar.ranges)} transducers read"
+    return OK, count if sonar.enabled else "off", values
 
 
-def _odometry(_: Health, now: Snapshot) -> DiagnosticStatus:
+def _odometry(_: Health, now: Snapshot) -> Found:
     faults, state = _faults(now, ENCODERS), now.odometry
     here, speed = state.robot_in_odom, state.twist
-    return DiagnosticStatus(
-        part="Odometry",
-        level=ERROR if faults else OK,
-        message=faults or f"{speed.v:.2f} m/s, {speed.w:.2f} rad/s",
-        values=(
-            ("x", f"{here.x:.3f}"),
-            ("y", f"{here.y:.3f}"),
-            ("heading", f"{here.theta:.3f}"),
-            ("speed", f"{speed.v:.3f}"),
-            ("turn_rate", f"{speed.w:.3f}"),
-        ),
+    values = (
+        ("x", f"{here.x:.3f}"),
+        ("y", f"{here.y:.3f}"),
+        ("heading", f"{here.theta:.3f}"),
+        ("speed", f"{speed.v:.3f}"),
+        ("turn_rate", f"{speed.w:.3f}"),
     )
+    return ERROR if faults else OK, faults or f"{speed.v:.2f} m/s, {speed.w:.2f} rad/s", values
 
 
-def _command(health: Health, _: Snapshot) -> DiagnosticStatus:
+def _command(health: Health, _: Snapshot) -> Found:
     why = health.why_not_moving
     words = why.text if why else ""
     warns = why.wants_help if why else health.refused is not None
-    return DiagnosticStatus(
-        part="Command",
-        level=WARN if warns else OK,
-        message=(health.refused if warns else None) or words or "moving",
-        values=(
-            ("driver", health.driver or ""),
-            ("why_not_moving", words),
-            ("help", why.symptom.command if why else ""),
-            ("ignored_because", health.refused or ""),
-        ),
+    values = (
+        ("driver", health.driver or ""),
+        ("why_not_moving", words),
+        ("help", why.symptom.command if why else ""),
+        ("ignored_because", health.refused or ""),
     )
+    return WARN if warns else OK, (health.refused if warns else None) or words or "moving", values
 
 
 def _topics(health: Health) -> Iterator[DiagnosticStatus]:
     """Yield a warning while endpoints of other nodes cannot talk to this one."""
     if health.unheard:
         numbered = ((f"endpoint_{number}", each) for number, each in enumerate(health.unheard))
-        yield DiagnosticStatus(
-            part="Topics", level=WARN, message="; ".join(health.unheard), values=tuple(numbered)
-        )
+        yield DiagnosticStatus("Topics", WARN, "; ".join(health.unheard), tuple(numbered))
 
 
-PARTS: Final[dict[str, Callable[[Health, Snapshot], DiagnosticStatus]]] = {
+PARTS: Final[dict[str, Callable[[Health, Snapshot], Found]]] = {
     "Motors": _motors,
     "Battery": _battery,
     "Sonar": _sonar,
@@ -326,26 +304,22 @@ def laser_status(laser: LaserDriver) -> DiagnosticStatus:
         level, message = ERROR, state.message if state else "not asked yet"
     elif laser.scans > LATE * expected and laser.rate < SLOW_SCANS * expected:
         level, message = WARN, f"{laser.rate:.1f} scans/s, {expected:.1f} expected"
-    return DiagnosticStatus(
-        part=laser.name.capitalize(),
-        level=level,
-        message=message,
-        values=(
-            *_place(laser.config.url),
-            ("Vendor Name", identity.vendor),
-            ("Product Name", identity.product),
-            ("Firmware Version", identity.firmware),
-            ("Firmware Date", identity.firmware_date),
-            ("Protocol Version", identity.protocol),
-            ("Device ID", device_id(identity)),
-            ("Device Status", identity.status),
-            ("Computed Latency", f"{laser.latency:.4f}"),
-            ("User Time Offset", f"{laser.config.time_offset:.4f}"),
-            ("Scan Rate", f"{laser.rate:.2f}"),
-            ("Scans", str(laser.scans)),
-            ("Scan Thread Lost Count", str(laser.losses)),
-        ),
+    values = (
+        *_place(laser.config.url),
+        ("Vendor Name", identity.vendor),
+        ("Product Name", identity.product),
+        ("Firmware Version", identity.firmware),
+        ("Firmware Date", identity.firmware_date),
+        ("Protocol Version", identity.protocol),
+        ("Device ID", device_id(identity)),
+        ("Device Status", identity.status),
+        ("Computed Latency", f"{laser.latency:.4f}"),
+        ("User Time Offset", f"{laser.config.time_offset:.4f}"),
+        ("Scan Rate", f"{laser.rate:.2f}"),
+        ("Scans", str(laser.scans)),
+        ("Scan Thread Lost Count", str(laser.losses)),
     )
+    return DiagnosticStatus(laser.name.capitalize(), level, message, values)
 
 
 def device_id(identity: LaserIdentity) -> str:

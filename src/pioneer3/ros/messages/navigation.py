@@ -224,21 +224,20 @@ def navigation_status(
 def _localization(map_name: str, estimate: "Estimate") -> DiagnosticStatus:
     pose, deviation = estimate.robot_in_map, estimate.deviation
     known = pose if estimate.stage != "lost" else None
-    return DiagnosticStatus(
-        part="Localization",
-        level=DiagnosticLevel.OK if estimate.sure else DiagnosticLevel.WARN,
-        message=estimate.reason if estimate.sure else f"not sure: {estimate.reason}",
-        values=(
-            ("map", map_name),
-            ("sure", "yes" if estimate.sure else "no"),
-            ("stage", estimate.stage),
-            ("agreement", f"{estimate.agreement:.2f}"),
-            ("deviation", f"{deviation:.3f}" if isfinite(deviation) else ""),
-            ("x", f"{known.x:.3f}" if known else ""),
-            ("y", f"{known.y:.3f}" if known else ""),
-            ("heading", f"{known.theta:.3f}" if known else ""),
-        ),
+    values = (
+        ("map", map_name),
+        ("sure", "yes" if estimate.sure else "no"),
+        ("stage", estimate.stage),
+        ("agreement", f"{estimate.agreement:.2f}"),
+        ("deviation", f"{deviation:.3f}" if isfinite(deviation) else ""),
+        ("x", f"{known.x:.3f}" if known else ""),
+        ("y", f"{known.y:.3f}" if known else ""),
+        ("heading", f"{known.theta:.3f}" if known else ""),
     )
+    if estimate.sure:
+        return DiagnosticStatus("Localization", DiagnosticLevel.OK, estimate.reason, values)
+    message = f"not sure: {estimate.reason}"
+    return DiagnosticStatus("Localization", DiagnosticLevel.WARN, message, values)
 
 
 def _goal(state: "NavigatorState | None") -> DiagnosticStatus:
@@ -247,9 +246,8 @@ def _goal(state: "NavigatorState | None") -> DiagnosticStatus:
         here = state.estimate.robot_in_map
         left = f"{state.way.rest_from(here.x, here.y).length:.1f}"
     message = f"on the way to {goal}" if goal else "no goal"
-    return DiagnosticStatus(
-        part="Navigation",
-        level=DiagnosticLevel.WARN if problem else DiagnosticLevel.OK,
-        message=f"{message}: {problem}" if problem else message,
-        values=(("goal", str(goal or "")), ("left", left), ("problem", problem)),
-    )
+    values = (("goal", str(goal or "")), ("left", left), ("problem", problem))
+    if problem:
+        message = f"{message}: {problem}"
+        return DiagnosticStatus("Navigation", DiagnosticLevel.WARN, message, values)
+    return DiagnosticStatus("Navigation", DiagnosticLevel.OK, message, values)

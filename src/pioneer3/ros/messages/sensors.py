@@ -109,20 +109,31 @@ def touches(message: Any, update: StateUpdate) -> None:
     message.is_dense = True
 
 
-def voltage(message: Any, update: StateUpdate) -> None:
-    """Fill a std_msgs/Float64 [V]."""
-    message.data = update.snapshot.battery.voltage
+def _data(value_of: Callable[[StateUpdate], object]) -> Callable[[Any, StateUpdate], None]:
+    """Return the function that fills a message whose only field is `data`."""
+
+    def fill(message: Any, update: StateUpdate) -> None:
+        message.data = value_of(update)
+
+    return fill
 
 
-def recharge_state(message: Any, update: StateUpdate) -> None:
-    """Fill a std_msgs/Int8 with one of :data:`RECHARGE_STATES`."""
-    message.data = RECHARGE_STATES[update.snapshot.battery.charging]
+voltage = _data(lambda update: update.snapshot.battery.voltage)
+"""Fills a std_msgs/Float64 [V]."""
+recharge_state = _data(lambda update: RECHARGE_STATES[update.snapshot.battery.charging])
+"""Fills a std_msgs/Int8 with one of :data:`RECHARGE_STATES`."""
+charge = _data(lambda update: _known(update.snapshot.battery.charge))
+"""Fills a std_msgs/Float32, 0 to 1; NaN where the robot does not know."""
+emergency_stop = _data(lambda update: update.stopped)
+"""Fills a std_msgs/Bool: whether the robot is stopped, by our latch or by its own button."""
+compass = _data(lambda update: update.snapshot.inputs.compass)
+"""Fills a std_msgs/Float32 with the heading as the robot's compass states it [rad]."""
+motors = _data(lambda update: update.snapshot.motors.enabled)
+"""Fills a std_msgs/Bool: whether the motors have power."""
 
 
-def charge(message: Any, update: StateUpdate) -> None:
-    """Fill a std_msgs/Float32, 0 to 1; NaN where the robot does not know."""
-    known = update.snapshot.battery.charge
-    message.data = nan if known is None else known
+def _known(charge: float | None) -> float:
+    return nan if charge is None else charge
 
 
 def battery(message: Any, update: StateUpdate) -> None:
@@ -133,20 +144,10 @@ def battery(message: Any, update: StateUpdate) -> None:
     message.current = message.charge = message.capacity = message.design_capacity = nan
     if hasattr(message, "temperature"):  # not every version of the message has it
         message.temperature = nan
-    message.percentage = nan if state.charge is None else state.charge
+    message.percentage = _known(state.charge)
     message.power_supply_status = SUPPLY_STATUS[state.charging]
     message.power_supply_technology = getattr(message, "POWER_SUPPLY_TECHNOLOGY_VRLA", 0)
     message.present = True
-
-
-def emergency_stop(message: Any, update: StateUpdate) -> None:
-    """Fill a std_msgs/Bool: whether the robot is stopped, by our latch or by its own button."""
-    message.data = update.stopped
-
-
-def compass(message: Any, update: StateUpdate) -> None:
-    """Fill a std_msgs/Float32 with the heading as the robot's compass states it [rad]."""
-    message.data = update.snapshot.inputs.compass
 
 
 def digital(message: Any, update: StateUpdate) -> None:
@@ -159,11 +160,6 @@ def analog(message: Any, update: StateUpdate) -> None:
     """Fill a std_msgs/Float32MultiArray: the number of the selected port, and its voltage [V]."""
     lines = update.snapshot.inputs
     message.data = [float(lines.analog_port), lines.analog]
-
-
-def motors(message: Any, update: StateUpdate) -> None:
-    """Fill a std_msgs/Bool: whether the motors have power."""
-    message.data = update.snapshot.motors.enabled
 
 
 def sonar_cloud(message: Any, update: StateUpdate) -> None:

@@ -32,6 +32,8 @@ Receive = Callable[[Any, Sender], None]
 """Takes a message, in any thread."""
 Lose = Callable[[Sender], None]
 """Told of a sender that is known to be gone, in any thread; ROS 1 tells of none."""
+Unsubscribe = Callable[[], None]
+"""Ends a subscription to one topic."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,13 +58,6 @@ class Publisher(Protocol):
         """
 
 
-class Subscription(Protocol):
-    """A subscription to one topic."""
-
-    def unregister(self) -> None:
-        """Receive no more."""
-
-
 class Topics(Protocol):
     """Publishing and subscribing."""
 
@@ -79,7 +74,7 @@ class Topics(Protocol):
 
     def subscribe(
         self, name: str, type_name: str, receive: Receive, *, queue: int, left: Lose | None = None
-    ) -> Subscription:
+    ) -> Unsubscribe:
         """Call `receive` with each message; of `queue` that wait the newest stay."""
 
 

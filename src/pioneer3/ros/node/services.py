@@ -29,20 +29,14 @@ SET_BOOL: Final = "std_srvs/SetBool"
 
 
 @dataclass(frozen=True, slots=True)
-class MapResponse:
-    """Response of nav_msgs/GetMap: a nav_msgs/OccupancyGrid."""
+class NavigationResponse:
+    """Response of nav_msgs: of GetMap with an OccupancyGrid, of GetPlan with a Path."""
 
-    map: Any
-
-
-@dataclass(frozen=True, slots=True)
-class PlanResponse:
-    """Response of nav_msgs/GetPlan: a nav_msgs/Path."""
-
-    plan: Any
+    map: Any = None
+    plan: Any = None
 
 
-AnyResponse = Response | MapResponse | PlanResponse
+AnyResponse = Response | NavigationResponse
 
 
 class Services:
@@ -142,9 +136,9 @@ class Services:
         assert self._navigation is not None
         return self._navigation
 
-    async def make_plan(self, request: Any) -> PlanResponse:
+    async def make_plan(self, request: Any) -> NavigationResponse:
         """Return the way that a request asks for."""
-        return PlanResponse(await self.navigation.make_plan(request))
+        return NavigationResponse(plan=await self.navigation.make_plan(request))
 
     def clear_costmaps(self) -> Response:
         """Forget what the robot has seen and the map does not show."""
@@ -170,7 +164,8 @@ class Services:
     def _serve(self, service: "Service", request: Any) -> AnyResponse:
         """Act in the loop; return the response. In a thread of the middleware."""
         if service is MAP:
-            return MapResponse(self.navigation.make_map())  # which takes long for large maps
+            found = self.navigation.make_map()  # which takes long for large maps
+            return NavigationResponse(map=found)
 
         given_up = False
 
@@ -203,8 +198,9 @@ class Services:
         return response
 
     def _not_served(self, service: "Service", reason: str) -> AnyResponse:
-        is_plan = service is PLAN
-        return PlanResponse(self.navigation.no_plan()) if is_plan else Response(False, reason)
+        if service is PLAN:
+            return NavigationResponse(plan=self.navigation.no_plan())
+        return Response(False, reason)
 
 
 @dataclass(frozen=True, slots=True)
@@ -323,7 +319,7 @@ MAP: Final = Service(
     standard="static_map",
     ros2="map_server/map",
     type_name="nav_msgs/GetMap",
-    act=lambda services, _: MapResponse(services.navigation.make_map()),
+    act=lambda services, _: NavigationResponse(map=services.navigation.make_map()),
     optional="a map",
     note="as on `map`",
 )

@@ -14,7 +14,7 @@ from typing import Any, Final
 from pioneer3.errors import ConfigError
 from pioneer3.models.description.xml import MAKER
 from pioneer3.ros.node.driving_parameters import DrivingParameters
-from pioneer3.ros.node.middleware import QUEUE, Lose, Receive, Sender
+from pioneer3.ros.node.middleware import QUEUE, Lose, Receive, Sender, Unsubscribe
 from pioneer3.ros.node.parameters import NodeParameters
 from pioneer3.ros.ros1.definitions import DEFINITIONS
 from pioneer3.ros.ros1.reconfigure import Reconfigure
@@ -120,6 +120,9 @@ class RospyTopics:
     """Publishing and subscribing; :func:`find_rospy` comes first."""
 
     def __init__(self) -> None:
+        import rospy
+
+        self._rospy = rospy
         self._asked: set[str] = set()
 
     def make(self, type_name: str) -> Any:
@@ -135,9 +138,7 @@ class RospyTopics:
 
     def tell_unused_rules(self) -> None:
         """Warn of each remapping of a name that this node does not have, in a thread."""
-        import rospy
-
-        own = f"{rospy.get_name()}/"
+        own = f"{self._rospy.get_name()}/"
         for source, target in _rules().items():
             full, last = _full(source), source.rpartition("/")[2].lstrip("~")
             if full in self._asked or _is_known(_full(target)):
@@ -145,17 +146,17 @@ class RospyTopics:
             meant = sorted(each for each in self._asked if each.rpartition("/")[2] == last)
             name = meant[0].replace(own, "~") if meant else ""
             hint = f"; did you mean '{name}:={target}'?" if name else ""
-            rospy.logwarn(f"{source}:={target} changes nothing: there is no {full} here{hint}")
+            self._rospy.logwarn(
+                f"{source}:={target} changes nothing: there is no {full} here{hint}"
+            )
 
     def _once(self, name: str) -> str:
         """Return a name after remapping that rospy does not remap again.
 
         It looks the full name up in its rules twice, so one rule would follow another.
         """
-        import rospy
-
         final = self.resolve(name)
-        rospy.names.get_resolved_mappings().pop(final, None)
+        self._rospy.names.get_resolved_mappings().pop(final, None)
         return final
 
     def advertise(
@@ -166,10 +167,8 @@ class RospyTopics:
 
     def subscribe(
         self, name: str, type_name: str, receive: Receive, *, queue: int, left: Lose | None = None
-    ) -> Any:
-        """Call `receive` in a thread of the connection; return the `rospy.Subscriber`."""
-        import rospy
-
+    ) -> Unsubscribe:
+        """Call `receive` in a thread of the connection."""
         senders: dict[int, Sender] = {}
 
         def received(message: Any) -> None:
@@ -180,13 +179,13 @@ class RospyTopics:
             receive(message, sender)
 
         full = self._once(name)
-        subscriber = rospy.Subscriber(
+        subscriber = self._rospy.Subscriber(
             full, message_class(type_name), received, queue_size=queue, tcp_nodelay=True
         )
         if left is not None:
             watch = partial(_watch, subscriber, senders, left)
             Thread(target=watch, name=f"publishers of {full}", daemon=True).start()
-        return subscriber
+        return subscriber.unregister  # type: ignore[no-any-return]
 
 
 def _rules() -> dict[str, str]:
@@ -246,26 +245,18 @@ class RospyMiddleware(RospyTopics):
     @property
     def name(self) -> str:
         """Full name of the node."""
-        import rospy
-
-        return str(rospy.get_name())
+        return str(self._rospy.get_name())
 
     def stamp(self, age: float) -> Any:
         """Return the ROS time of the moment `age` seconds ago."""
-        import rospy
-
-        return rospy.Time.from_sec(max(0.0, rospy.get_rostime().to_sec() - age))
+        return self._rospy.Time.from_sec(max(0.0, self._rospy.get_rostime().to_sec() - age))
 
     def age(self, stamp: Any) -> float | None:
         """Return the time since a stamp [s]; `None` for a stamp of 0."""
-        import rospy
-
-        return float((rospy.get_rostime() - stamp).to_sec()) if stamp else None
+        return float((self._rospy.get_rostime() - stamp).to_sec()) if stamp else None
 
     def serve(self, name: str, type_name: str, handle: Callable[[Any], Any]) -> None:
         """Offer a service."""
-        import rospy
-
         package, kind = type_name.split("/")
         srv = import_module(f"{package}.srv")
 
@@ -275,19 +266,17 @@ class RospyMiddleware(RospyTopics):
                 setattr(response, field, getattr(result, field))
             return response
 
-        rospy.Service(self._once(name), getattr(srv, kind), handled)
+        self._rospy.Service(self._once(name), getattr(srv, kind), handled)
 
     def describe(self, urdf: str) -> None:
         """Set `robot_description`, unless it has a description that is not of this package."""
-        import rospy
-
         name = self.resolve(DESCRIPTION)
-        there = rospy.get_param(DESCRIPTION, "")
+        there = self._rospy.get_param(DESCRIPTION, "")
         if there and MAKER not in str(there):
-            rospy.logwarn(f"{name} is somebody else's: it stays as it is")
+            self._rospy.logwarn(f"{name} is somebody else's: it stays as it is")
             return
         if there != urdf:
-            rospy.set_param(DESCRIPTION, urdf)
+            self._rospy.set_param(DESCRIPTION, urdf)
         self._described = urdf
 
     def reconfigure(self, parameters: NodeParameters, driving: DrivingParameters) -> None:
@@ -296,25 +285,20 @@ class RospyMiddleware(RospyTopics):
 
     def forget(self) -> None:
         """Leave the parameter server as it was."""
-        import rospy
-
-        with suppress(OSError, KeyError, rospy.ROSException):  # the master may be gone
-            if self._described is not None and rospy.get_param(DESCRIPTION, "") == self._described:
-                rospy.delete_param(DESCRIPTION)
+        with suppress(OSError, KeyError, self._rospy.ROSException):  # the master may be gone
+            ours = self._described
+            if ours is not None and self._rospy.get_param(DESCRIPTION, "") == ours:
+                self._rospy.delete_param(DESCRIPTION)
         if self._reconfigure is not None:
             self._reconfigure.forget()
 
     def on_shutdown(self, call: Callable[[], None]) -> None:
         """Call `call` in a thread of rospy's when somebody shuts the node down."""
-        import rospy
-
-        rospy.on_shutdown(call)
+        self._rospy.on_shutdown(call)
 
     def warn(self, sentence: str) -> None:
         """Log a warning."""
-        import rospy
-
-        rospy.logwarn(sentence)
+        self._rospy.logwarn(sentence)
 
     def mismatches(self) -> Sequence[str]:
         """Return nothing: rospy itself logs publishers of other types."""

@@ -74,11 +74,6 @@ class MessageType:
     name: str
     hash: str = ""
 
-    @property
-    def dds_name(self) -> str:
-        """Its name on the wire: `nav_msgs::msg::dds_::Odometry_`."""
-        return to_dds(self.name)
-
 
 @dataclass(frozen=True, slots=True)
 class ServiceType:

@@ -8,7 +8,7 @@ from typing import Any, Final
 
 from pioneer3.ros.messages.update import NANO, nanoseconds
 from pioneer3.ros.node.driving_parameters import DrivingParameters
-from pioneer3.ros.node.middleware import QUEUE, Lose, Receive, Sender
+from pioneer3.ros.node.middleware import QUEUE, Lose, Receive, Sender, Unsubscribe
 from pioneer3.ros.node.parameters import NodeParameters
 from pioneer3.ros.ros2.arguments import RosArguments
 from pioneer3.ros.ros2.backend import (
@@ -58,17 +58,6 @@ class SerializedPublisher:
             content, message = message, self._types.make(self._type)
             message.data = content
         self._writer.write(self._types.encode(message))
-
-
-class SerializedSubscription:
-    """A subscription to one topic."""
-
-    def __init__(self, reader: Closable) -> None:
-        self._reader = reader
-
-    def unregister(self) -> None:
-        """Receive no more."""
-        self._reader.close()
 
 
 class RosClock:
@@ -136,14 +125,14 @@ class Ros2Topics:
 
     def subscribe(
         self, name: str, type_name: str, receive: Receive, *, queue: int, left: Lose | None = None
-    ) -> SerializedSubscription:
+    ) -> Unsubscribe:
         """Call `receive` in a thread of the backend; other bytes are told of once, and counted."""
         full = checked_topic(self.resolve(name))
         return self._subscribe(full, type_name, receive, self._qos_to_read(full, queue), left)
 
     def _subscribe(
         self, full: str, type_name: str, receive: Receive, qos: Qos, left: Lose | None = None
-    ) -> SerializedSubscription:
+    ) -> Unsubscribe:
         type_ = self._types.message_type(type_name)
         qos = overridden(qos, full, EndpointKind.SUBSCRIBER, self._arguments.parameters)
         refused: dict[bytes, int] = {}
@@ -173,7 +162,7 @@ class Ros2Topics:
         reader = self._backend.subscribe(full, type_, qos, received, gone)
         self._own[EndpointKind.SUBSCRIBER, full] = Own(EndpointKind.SUBSCRIBER, type_, qos)
         self._open.append(reader)
-        return SerializedSubscription(reader)
+        return reader.close
 
     def warn(self, sentence: str) -> None:
         """Log a warning."""
