@@ -22,6 +22,7 @@ from pioneer3.sim.relief import Ramp, Step
 from pioneer3.sim.world import World
 from pioneer3.sim.worldfile import Box, WorldFile
 from pioneer3.sim.worldfile.spec import Physics, Wall
+from tests.support import moves
 
 Float = NDArray[np.float64]
 
@@ -79,7 +80,7 @@ class Drive:
         """Let time pass until the robot stands; call `each` at every step."""
         self.wait(TICK)
         for _ in range(round(LONGEST / TICK)):
-            if not self.body.drive.moves and self.body.speeds == (0.0, 0.0):
+            if not moves(self.body.drive) and self.body.speeds == (0.0, 0.0):
                 return
             self.world.step(TICK)
             each()

@@ -27,6 +27,7 @@ from pioneer3.sim.dynamics import dynamics_of
 from pioneer3.sim.equipment import Equipment
 from pioneer3.sim.firmware import Firmware
 from pioneer3.sim.kernels import CACHE, Kernels
+from pioneer3.sim.motion import WheelDrive
 from pioneer3.sim.realism import Realism
 from pioneer3.sim.world import World
 from pioneer3.sim.worldfile.spec import Physics
@@ -67,6 +68,13 @@ def decoded(data: bytes) -> list[Command]:
 def wall_at(x: float) -> LineMap:
     """Return a map with one wall across the x axis."""
     return LineMap(name="wall", walls=np.array([[x, -5.0, x, 5.0]]))
+
+
+def moves(drive: WheelDrive) -> bool:
+    """Return whether any wheel of a simulated robot turns, or is about to."""
+    axes = (drive.linear, drive.angular)
+    wanted = drive.powered and any(axis.target for axis in axes)
+    return wanted or any(axis.velocity or axis.remaining is not None for axis in axes)
 
 
 def is_at(pose: Pose2, place: Pose2) -> bool:

@@ -42,8 +42,8 @@ def html_table(rows: Mapping[str, str]) -> str:
     return f"<table>{''.join(cells)}</table>"
 
 
-def free_name(wanted: str, taken: set[str]) -> str:
+def free_name(wanted: str, taken: set[str], between: str = " ") -> str:
     """Return `wanted`, or `wanted 2`, `wanted 3` if that is taken."""
     if wanted not in taken:
         return wanted
-    return next(name for n in count(2) if (name := f"{wanted} {n}") not in taken)
+    return next(name for n in count(2) if (name := f"{wanted}{between}{n}") not in taken)

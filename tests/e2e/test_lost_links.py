@@ -14,7 +14,7 @@ from pioneer3.navigation.connect import connect_async
 from pioneer3.robot.supervisor import Connection
 from pioneer3.runtime.robot import Robot
 from tests.faults import Noise
-from tests.support import SimulatedRobot, frame, hold, is_at, until
+from tests.support import SimulatedRobot, frame, hold, is_at, moves, until
 
 STOP = bytes.fromhex("fafb031d001d")
 FRESH = 0.6  # a pause longer than the expiry of 0.5 s
@@ -209,7 +209,7 @@ async def test_one_byte_in_a_hundred_spoilt_for_a_minute_is_survived() -> None:
             await hold(driver, 0.2, 0.3, seconds=1.5)
             fastest = max(fastest, robot.speed)
             driver.stop()
-            waited.append(await until(lambda: not robot.body.drive.moves))
+            waited.append(await until(lambda: not moves(robot.body.drive)))
             await asyncio.sleep(FRESH)
         assert max(waited) <= 1.5
         assert 0.15 < fastest < 0.21

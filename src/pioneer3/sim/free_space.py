@@ -121,9 +121,8 @@ class Circle(NamedTuple):
 class Obstructions(NamedTuple):
     """Walls and solid obstacles, where robots cannot stand.
 
-    Attributes:
-        barriers: Walls and sides: segments [m], shape (S, 4).
-        solids: Convex polygons: the sides of each [m], shape (S, 4).
+    Barriers are walls and sides: segments [m], shape (S, 4); solids are convex polygons: the sides
+    of each, likewise.
     """
 
     barriers: Float
@@ -150,12 +149,9 @@ class Obstructions(NamedTuple):
 
 
 class FreePlaces:
-    """Places for robots that need a circle of one radius.
+    """Places for robots that need a circle of one radius: centres (N, 2), a cell apart [m].
 
-    Attributes:
-        centres: Of the places [m], shape (N, 2).
-        cell: Their distance [m].
-        open: Whether each place is still free, shape (N,).
+    Those that are still free are `open` (N,).
     """
 
     def __init__(self, grid: FreeGrid, cells: Bool) -> None:

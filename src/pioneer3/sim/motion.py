@@ -128,11 +128,3 @@ class WheelDrive:
         """Stand at once: something is in the way."""
         for axis in (self.linear, self.angular):
             axis.velocity = 0.0
-
-    @property
-    def moves(self) -> bool:
-        """Whether anything turns, or is about to."""
-        wanted = (self.linear.target, self.angular.target) if self.powered else (0.0, 0.0)
-        moving = (self.linear.velocity, self.angular.velocity)
-        left = (self.linear.remaining, self.angular.remaining)
-        return any(moving) or any(wanted) or any(x is not None for x in left)

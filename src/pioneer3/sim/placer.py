@@ -15,6 +15,7 @@ from pioneer3.errors import ConfigError
 from pioneer3.geometry import ORIGIN, Pose2, wrap
 from pioneer3.maps import LineMap
 from pioneer3.models import RobotModel, load_model
+from pioneer3.names import free_name
 from pioneer3.sim.collision import overlap, turning_circle
 from pioneer3.sim.equipment import Equipment
 from pioneer3.sim.free_space import (
@@ -296,12 +297,8 @@ def _shown(start: Start) -> str:
 class SpawnedRobot:
     """A robot at the beginning of a simulation.
 
-    Attributes:
-        name: For people; no two robots have the same.
-        pose: Its start [m, rad].
-        port: TCP port; `None` for the next free one.
-        host: Address to listen at; empty for that of all robots.
-        in_the_way: It starts in a wall or an obstacle, so it cannot move.
+    No two robots have the same name; port and host are as in :class:`RobotSpec`. One that is
+    `in_the_way` starts in a wall or an obstacle, so it cannot move.
     """
 
     name: str
@@ -361,16 +358,7 @@ def assign_names(robots: Sequence[RobotSpec], models: Sequence[RobotModel]) -> l
             raise ConfigError(f"robot {name}: {count} robots have this name; give each its own")
     names, used = [], set(given)
     for robot, model in zip(robots, models, strict=True):
-        name = robot.name or unique_name(model.name, used)
+        name = robot.name or free_name(model.name, used, "-")
         used.add(name)
         names.append(name)
     return names
-
-
-def unique_name(wanted: str, used: set[str]) -> str:
-    """Return `wanted`, with a number if it is among `used`."""
-    name, number = wanted, 1
-    while name in used:
-        number += 1
-        name = f"{wanted}-{number}"
-    return name

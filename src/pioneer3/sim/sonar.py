@@ -6,12 +6,11 @@ measures from the robot's pose at the end of the step. The others keep their lat
 realism all transducers measure whenever they are asked.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import chain
 from math import lcm
-from typing import Protocol
 
 import numpy as np
 from numpy.random import Generator
@@ -30,46 +29,12 @@ MOST_KEPT = 64
 """Firing groups that are kept: default orders in steps of 20 ms to 0.1 s need at most 16."""
 
 
-class Cast(Protocol):
-    """A function that casts rays among walls and robots as they are now."""
-
-    def __call__(self, mounts: Mounts, owners: Int32 | None) -> Float:
-        """Return exact ranges of transducers of some robots or all [m], (F, mounts.most)."""
-
-
-class Sonars(Protocol):
-    """The transducers of all robots of a world. Ranges are in metres."""
-
-    def set_robots(self, robots: Sequence[Body], before: Sequence[int]) -> None:
-        """Replace the robots; `before` has the number that each had until now, -1 for a new one."""
-
-    def change_firing(self, body: Body) -> None:
-        """Apply a changed `body.firing`."""
-
-    def invalidate(self) -> None:
-        """Discard all measurements: the map has changed."""
-
-    def move(self, poses: Float) -> None:
-        """Apply poses (3, N) set from outside: a robot or an obstacle was moved by hand."""
-
-    def advance(self, dt: float, poses: Float) -> None:
-        """Let `dt` [s] pass, in which robots have driven to `poses` (3, N)."""
-
-    def expect(self, bodies: Iterable[Body]) -> None:
-        """Announce the robots that :meth:`ranges` will be called for until the next step."""
-
-    def ranges(self, body: Body) -> Float:
-        """Return the latest ranges of one robot, shape (M,)."""
-
-    def all_ranges(self) -> Float:
-        """Return the latest ranges of all robots, shape (N, largest M)."""
-
-    def new_ranges(self, body: Body) -> tuple[Int, Float]:
-        """Return the transducers that fired since the last call, and their ranges, both (F,)."""
+Cast = Callable[[Mounts, Int32 | None], Float]
+"""Returns exact ranges of transducers of some robots or all now [m], (F, mounts.most)."""
 
 
 class SimultaneousSonars:
-    """`Sonars` of which all transducers measure whenever they are asked.
+    """All transducers measure whenever they are asked; all ranges are in metres.
 
     Each robot has a random generator in `own`, so that asking one changes no other; `rng` serves if
     all are asked.
@@ -84,6 +49,7 @@ class SimultaneousSonars:
         self._expected: list[int] = []
 
     def set_robots(self, robots: Sequence[Body], before: Sequence[int]) -> None:
+        """Replace the robots; `before` has the number that each had until now, -1 for a new one."""
         self._mounts, _ = mounts_of(robots, self._errors)
         absent = self._mounts.absent
         self._absent = absent if absent.any() else None
@@ -91,22 +57,27 @@ class SimultaneousSonars:
         self._exact.clear()
 
     def change_firing(self, body: Body) -> None:
-        pass
+        """Apply a changed `body.firing`."""
 
     def invalidate(self) -> None:
+        """Discard all measurements: the map has changed."""
         self._exact.clear()
 
     def move(self, poses: Float) -> None:
+        """Apply poses (3, N) set from outside: a robot or an obstacle was moved by hand."""
         self._exact.clear()
 
     def advance(self, dt: float, poses: Float) -> None:
+        """Let `dt` [s] pass, in which robots have driven to `poses` (3, N)."""
         self._expected = []
         self._exact.clear()
 
     def expect(self, bodies: Iterable[Body]) -> None:
+        """Announce the robots that :meth:`ranges` will be called for until the next step."""
         self._expected = [body.number for body in bodies]
 
     def ranges(self, body: Body) -> Float:
+        """Return the latest ranges of one robot, shape (M,)."""
         if body.number not in self._exact:
             together = self._expected if body.number in self._expected else [body.number]
             ranges = self._cast(self._mounts, np.array(together, dtype=np.int32))
@@ -114,12 +85,14 @@ class SimultaneousSonars:
         return self._heard(self._exact[body.number][: len(body.model.sonars)], self._own[body])
 
     def all_ranges(self) -> Float:
+        """Return the latest ranges of all robots, shape (N, largest M)."""
         heard = self._heard(self._cast(self._mounts, None), self._rng)
         if self._absent is not None:
             heard[self._absent] = SONAR_RANGE
         return heard
 
     def new_ranges(self, body: Body) -> tuple[Int, Float]:
+        """Return the transducers that fired since the last call, and their ranges, both (F,)."""
         numbers = _numbers(body.firing)
         return numbers, self.ranges(body)[numbers]
 
@@ -184,7 +157,7 @@ class FiringSchedule:
 
 
 class SequentialSonars:
-    """`Sonars` of which transducers fire one after the other.
+    """Transducers fire one after the other; methods are as in :class:`SimultaneousSonars`.
 
     A robot that is new or was moved by hand measures with all transducers at once, so that no range
     of another place is ever reported.
@@ -282,6 +255,10 @@ class SequentialSonars:
         heard[mounts.absent[moved]] = SONAR_RANGE
         self._ranges[moved], self._reported[moved] = heard, NEVER
         self._moved[:], self._any_moved = False, False
+
+
+Sonars = SimultaneousSonars | SequentialSonars
+"""The transducers of all robots of a world."""
 
 
 def mounts_of(robots: Sequence[Body], errors: SonarErrors) -> tuple[Mounts, list[Firing]]:

@@ -46,24 +46,16 @@ DOCKED_ANGLE = radians(20)
 
 
 class World:
-    """Robots among walls.
+    """Robots among walls; without a map on an empty plane.
 
-    Args:
-        line_map: What stands still; `None` is an empty plane.
-        kernels: Move robots and cast rays; if not given, Python runs them as they are.
-        seed: Of everything random; the same seed and the same steps give the same world to the
-            last bit. `None` takes another one each time.
-        realism: How wrong wheels and sensors are; not at all if not given.
-        dynamics: How robots and boxes move; on a plane if not given.
+    The same seed and the same steps give the same world to the last bit; `None` takes another seed
+    each time. Wheels and sensors are as wrong as the realism says, not at all if not given; robots
+    and boxes move on a plane, which does not look at the relief, unless other dynamics are given.
+    Kernels may be replaced at any time: all compute the same; if not given, Python runs them.
 
-    Attributes:
-        relief: Its heights; a plane does not look at them.
-        robots: What drives, in the order of the arrays.
-        time: Since the beginning [s].
-        kernels: May be replaced at any time: all compute the same.
-        drives: Of the robots, as arrays; (.., N).
-        outlines: Poses and sizes of the N robots, then of the obstacles, as arrays. Who writes
-            poses into it sets its `stale`.
+    `time` is that since the beginning [s]. The robots are in the order of the arrays: of their
+    `drives`, (.., N), and of `outlines`, poses and sizes of the N robots, then of the obstacles.
+    Who writes poses into it sets its `stale`.
     """
 
     def __init__(

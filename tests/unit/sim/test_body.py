@@ -9,6 +9,7 @@ from pioneer3.models import load_model
 from pioneer3.sim.body import AMBIENT, EMPTY, FULL, Body
 from pioneer3.sim.kernels.drives import CAPACITY, DRIVE_HEAT, DRIVE_POWER, IDLE_POWER
 from pioneer3.sim.world import World
+from tests.support import moves
 
 MODEL = load_model("p3at-sh")
 
@@ -62,7 +63,7 @@ def test_a_reset_brings_it_home_at_rest() -> None:
     assert body.robot_in_world != body.home
     body.reset()
     assert (body.robot_in_world, body.robot_in_odom) == (Pose2(1, 1, 1), ORIGIN)
-    assert not body.drive.moves
+    assert not moves(body.drive)
 
 
 def test_the_end_of_a_session_takes_the_power_and_what_the_host_has_set() -> None:

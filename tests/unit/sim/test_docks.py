@@ -11,7 +11,7 @@ from pioneer3.models import load_model
 from pioneer3.sim.body import AMBIENT, Body
 from pioneer3.sim.kernels.drives import CAPACITY, HEAT_TIME, IDLE_POWER, STALL_HEAT
 from pioneer3.sim.world import CHARGE_POWER, DOCKED, DOCKED_ANGLE, World
-from tests.support import wall_at
+from tests.support import moves, wall_at
 
 MAP = """2D-Map
 LineMinPos: -5000 -5000
@@ -71,7 +71,7 @@ def test_a_robot_drives_into_a_dock_and_out_again(docks: LineMap) -> None:
     low = body.battery.voltage
     for distance, charges in ((1.0, True), (-1.0, False)):
         body.drive.linear.travel(distance)
-        while body.drive.moves:
+        while moves(body.drive):
             world.step(0.1)
         world.step(60.0 if charges else 1.0)
         assert body.charging == charges

@@ -11,6 +11,7 @@ from pioneer3.sim.body import Body
 from pioneer3.sim.kernels import Kernels
 from pioneer3.sim.kernels.drives import HARDEST, SUBSTEP
 from pioneer3.sim.world import World
+from tests.support import moves
 
 MODEL = replace(
     load_model("p3dx-sh"),
@@ -183,21 +184,21 @@ def test_an_emergency_stop_brakes_hard_and_obeys_again_once_it_stands(kernels: K
 def test_an_emergency_stop_at_rest_leaves_it_obedient(kernels: Kernels) -> None:
     bench = Bench(kernels)
     bench.drive.emergency_stop()
-    assert not bench.drive.moves
+    assert not moves(bench.drive)
     assert bench.drive.obeys
 
 
 def test_it_moves_while_anything_turns_or_is_about_to(kernels: Kernels) -> None:
     drive = Bench(kernels).drive
-    assert not drive.moves
+    assert not moves(drive)
     drive.angular.go(0.1)
-    assert drive.moves
+    assert moves(drive)
     drive.power(on=False)
-    assert not drive.moves
+    assert not moves(drive)
     drive.linear.velocity = 0.1
-    assert drive.moves
+    assert moves(drive)
     drive.halt()
-    assert not drive.moves
+    assert not moves(drive)
 
 
 def test_an_arc_ends_where_geometry_says(kernels: Kernels) -> None:

@@ -21,6 +21,7 @@ from pioneer3.sim.realism import (
     Realism,
 )
 from pioneer3.sim.world import World
+from tests.support import moves
 
 Float = NDArray[np.float64]
 
@@ -42,7 +43,7 @@ def constant(**errors: float) -> Realism:
 def finish(world: World, bodies: Iterable[Body]) -> None:
     """Let time pass until nobody moves."""
     bodies = tuple(bodies)
-    while any(body.drive.moves for body in bodies):
+    while any(moves(body.drive) for body in bodies):
         world.step(0.1)
 
 
@@ -226,7 +227,7 @@ def spread_after(errors: OdometryErrors, way: float, turn: float, dt: float = 0.
     for body in world.robots:
         body.drive.linear.travel(way)
         body.drive.angular.travel(turn)
-    while any(body.drive.moves for body in world.robots):
+    while any(moves(body.drive) for body in world.robots):
         world.step(dt)
     pairs = [(body.robot_in_world, body.robot_in_odom) for body in world.robots]
     return np.array([(a.x - b.x, a.theta - b.theta) for a, b in pairs]).T

@@ -8,9 +8,10 @@ import pytest
 
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
+from pioneer3.names import free_name
 from pioneer3.sim.collision import stands_in
 from pioneer3.sim.equipment import EquipmentOptions
-from pioneer3.sim.placer import SpawnedRobot, obstacle_outlines, spawn_robots, unique_name
+from pioneer3.sim.placer import SpawnedRobot, obstacle_outlines, spawn_robots
 from pioneer3.sim.worldfile import Box, Person, RobotSpec, WorldFile, load_world
 
 
@@ -78,5 +79,5 @@ def test_a_peoplebot_keeps_its_table_sensors() -> None:
 
 
 def test_new_names_are_free() -> None:
-    assert unique_name("bob", set()) == "bob"
-    assert unique_name("bob", {"bob", "bob-2"}) == "bob-3"
+    assert free_name("bob", set(), "-") == "bob"
+    assert free_name("bob", {"bob", "bob-2"}, "-") == "bob-3"

@@ -122,8 +122,7 @@ def description(message: Any, update: DescriptionUpdate) -> None:
 class WheelAngles:
     """Adds up the turns of the wheels, from odometry: Pioneers report no more by themselves.
 
-    Attributes:
-        turned: Angles of the left wheels and of the right ones since the beginning [rad].
+    Left and right wheels have `turned` so far since the beginning [rad].
     """
 
     def __init__(self) -> None:

@@ -48,23 +48,14 @@ class Beam:
 class MessageOptions:
     """The options of messages that ROS leaves open.
 
-    Attributes:
-        frames: Names of the frames, without the prefix.
-        prefix: Before every name of a frame, such as `robot1/`.
-        odometry_tf: Whether `/tf` has the robot's pose.
-        ranges: Whether each transducer has a topic.
-        cloud: Whether all echoes have one.
-        description: Whether the robot is described: `/tf_static` and `robot_description`.
-        wheels_tf: Whether `/tf` has the turning wheels; else `/tf_static` has them.
-        pose_variances: While the wheels turn; x, y, z [m^2], roll, pitch, yaw [rad^2].
-        twist_variances: The same of the velocities.
-        beam: Of the sonars.
-        sonar_height: Above the floor [m]; `None` for the model's.
-        wheel_joints: Names of joints: left before right, front before rear; none for the default.
-        map_frame: Of the map; robots may share it, so it has no prefix.
-        map_tf: Whether `/tf` has the odom frame in the map.
-        tolerance: So far into the future that transform is stamped [s], as AMCL does: it holds
-            until the next one.
+    A prefix such as `robot1/` is before every name in `frames`, but not before that of the map,
+    which robots may share. `/tf` has the robot's pose with `odometry_tf`, turning wheels with
+    `wheels_tf`, else `/tf_static` has them, and the odom frame in the map with `map_tf`, stamped
+    `tolerance` [s] into the future, as AMCL does: it holds until the next one. With `ranges` each
+    transducer has a topic, with `cloud` all echoes have one; the height of the sonars [m] is `None`
+    for the model's. With `description` the robot has `/tf_static` and `robot_description`.
+    Variances are those while the wheels turn: x, y, z [m^2], roll, pitch, yaw [rad^2]. Wheel joints
+    are left before right, front before rear; none for the default.
     """
 
     frames: Frames = field(default_factory=Frames)

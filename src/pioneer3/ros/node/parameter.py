@@ -222,9 +222,7 @@ class Parameter:
 class Foreign:
     """A parameter of another node that has no effect here.
 
-    Attributes:
-        node: The other node.
-        instead: Words for its place; a name such as `~port` is one of ours, in ROS 2 without `~`.
+    In the words `instead` a name such as `~port` is one of ours, in ROS 2 without `~`.
     """
 
     node: str

@@ -230,9 +230,7 @@ class Service:
     """One row of the table.
 
     Attributes:
-        compatibility: Name in RosAria, `~` for below the node's own; `None` if it has none.
-        standard: Name in the other profiles.
-        ros2: Name in ROS 2; empty where it is the same, `None` if it has none.
+        compatibility: As of a :class:`~pioneer3.ros.node.topic.Topic`, and so are the other names.
         type_name: Type of the service in ROS 1; in ROS 2 a Trigger tells more than an Empty.
         act: Does the work in the loop, given the request.
         optional: Part of a robot that it takes, where robots may be without; empty for all others.

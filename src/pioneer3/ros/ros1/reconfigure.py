@@ -17,7 +17,7 @@ class Reconfigure:
         import rospy
         from dynamic_reconfigure.server import Server
 
-        self._parameters = parameters
+        self._rospy, self._parameters = rospy, parameters
         self._before: Mapping[str, object] = rospy.get_param("~", {})
         for name, value in self._values(parameters.wanted).items():
             rospy.set_param(f"~{name}", value)  # the server takes them for the present values
@@ -25,25 +25,21 @@ class Reconfigure:
 
     def forget(self) -> None:
         """Put back the earlier parameters: the next node must not take these for new ones."""
-        import rospy
-
-        with suppress(OSError, KeyError, rospy.ROSException):  # the master may be gone
+        with suppress(OSError, KeyError, self._rospy.ROSException):  # the master may be gone
             for each in self._parameters.parameters:
                 if each.rosaria in self._before:
-                    rospy.set_param(f"~{each.rosaria}", self._before[each.rosaria])
+                    self._rospy.set_param(f"~{each.rosaria}", self._before[each.rosaria])
                 else:
-                    rospy.delete_param(f"~{each.rosaria}")
+                    self._rospy.delete_param(f"~{each.rosaria}")
 
     def _set(self, config: Any, _level: int) -> Any:
         """Take new values, in rospy's thread; return those in force."""
-        import rospy
-
         try:
             self._parameters.set(
                 {each.name: config[each.rosaria] for each in self._parameters.parameters}
             )
         except ConfigError as error:
-            rospy.logwarn(str(error))
+            self._rospy.logwarn(str(error))
         config.update(self._values(self._parameters.values))
         return config
 

@@ -20,16 +20,11 @@ DEPTH: Final = 10
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Qos:
-    """Quality of service of a publisher or a subscriber.
+    """Quality of service of a publisher or a subscriber: else best effort, volatile.
 
-    Attributes:
-        reliable: Whether lost messages are sent again; else best effort.
-        transient_local: Whether late subscribers get the last messages; else volatile.
-        depth: Length of the history; the newest stay.
-        lifespan: Age from which on a message reaches nobody any more [s]; `inf` for none.
-        deadline: Longest time between two messages [s]; `inf` promises and asks for nothing.
-        lease: Longest time between two signs of life of the publisher [s]; `inf` as above.
-        manual: Whether the publisher itself gives the signs of life, not its middleware.
+    Of the history the newest `depth` stay. From the age of its lifespan [s] on a message reaches
+    nobody; the deadline is the longest time between two messages, the lease that between two signs
+    of life [s], which the publisher itself gives if they are `manual`. `inf` is for none.
     """
 
     reliable: bool = True

@@ -55,9 +55,8 @@ OF_ITS_ZENOH: Final = "ZENOH_SESSION_CONFIG_URI names the settings of rmw_zenoh_
 class Network:
     """Where a node is: its backend, and the options of `DdsOptions` and `ZenohOptions`.
 
-    Attributes:
-        distro: Distribution of the peers; `None` for that of `ROS_DISTRO`, else Jazzy.
-        domain: Number of the domain; `None` for that of `ROS_DOMAIN_ID`, else 0.
+    Without a distribution of the peers that of `ROS_DISTRO` counts, else Jazzy; without a domain
+    that of `ROS_DOMAIN_ID`, else 0.
     """
 
     backend: BackendName = BackendName.AUTO

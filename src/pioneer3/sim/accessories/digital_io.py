@@ -28,10 +28,8 @@ ALL_HIGH = (1 << LINES) - 1
 class DigitalIo(ReportingAccessory):
     """32 inputs and 8 outputs, all high at first, and 8 analog ports of 0 to 5 V.
 
-    Attributes:
-        outputs: Bits, 1 is high.
-        ports_on: Outputs of the controller that SETPBIOPORT switched on; 11 is laser power.
-        selected: The analog port that the standard report shows.
+    Of the bits of `outputs` 1 is high; SETPBIOPORT has switched on the controller's `ports_on`, of
+    which 11 is laser power; the standard report shows the analog port `selected`.
     """
 
     def __init__(self, held_low: Callable[[], int] = lambda: 0) -> None:
@@ -145,11 +143,7 @@ class TableTop:
 
 
 class TableIr:
-    """Holds an input line low while a surface is above its sensor.
-
-    Attributes:
-        covered: Sensors that are covered by hand.
-    """
+    """Holds an input line low while a surface is above its sensor, or covers it by hand."""
 
     def __init__(self, body: CarryingRobot, wiring: TableWiring = "new") -> None:
         self.tables: tuple[TableTop, ...] = ()

@@ -89,16 +89,9 @@ CENTRE, TOP = 512, 1023
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StickPosition:
-    """The position of the stick.
+    """The position of the stick, from -1 to 1, and of the throttle, 0 to 1; all finite.
 
-    Attributes:
-        forward: -1 backward to 1 forward.
-        left: -1 right to 1 left.
-        throttle: 0 to 1.
-        button1: Pressed; robots drive by joystick only while it is.
-
-    Raises:
-        ConfigError: A value is not finite.
+    Robots drive by joystick only while `button1` is pressed.
     """
 
     forward: float = 0.0

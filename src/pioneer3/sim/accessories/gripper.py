@@ -30,12 +30,9 @@ SAME = 1e-9
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class HeldObject:
-    """An object between the paddles.
+    """An object between the paddles, so wide from one to the other [m].
 
-    Attributes:
-        width: Across the gripper, from paddle to paddle [m].
-        outer: It breaks the beam at the paddles' tips.
-        inner: It breaks the beam at their root.
+    It breaks the `outer` beam at the paddles' tips, and the `inner` one at their root.
     """
 
     width: float = 0.05
@@ -49,11 +46,9 @@ class HeldObject:
 
 
 class Paddles:
-    """The opening between two paddles that move together.
+    """The opening between two paddles that move together [m].
 
-    Attributes:
-        opening: Between them [m].
-        squeeze: Time for which they press after they have met resistance [s].
+    They `squeeze` for so long after they have met resistance [s].
     """
 
     def __init__(self) -> None:

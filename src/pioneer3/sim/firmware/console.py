@@ -41,13 +41,10 @@ class StepTimes:
 
 @dataclass(slots=True, kw_only=True)
 class Console:
-    """Obeys the SIM commands of one robot's host.
+    """Obeys the SIM commands of one robot's host; its last hundred texts for people are `messages`.
 
-    Attributes:
-        equipment: The accessories that SIMINFO names besides drive, sonar and laser.
-        tell: Takes MAP_CHANGED when the host has loaded, or failed to load, a map.
-        step_times: The times in SIMSTAT; for the server to set.
-        messages: Texts for people, the last hundred.
+    `tell` takes MAP_CHANGED when the host has loaded, or failed to load, a map; the server sets
+    `step_times`, those in SIMSTAT.
     """
 
     world: World

@@ -32,12 +32,10 @@ DIFFUSE = 0.45
 
 
 class LoadScene(Struct, tag=True):
-    """Another world.
+    """Another world: the model of MuJoCo in its own binary format (MJB).
 
-    Attributes:
-        model: Of MuJoCo as its own binary format (MJB).
-        groups: The group of each geom while no robot is hidden, 32-bit integers. The model's own
-            ones change while robots are hidden.
+    The groups are those of each geom while no robot is hidden, 32-bit integers; the model's own
+    ones change while robots are hidden.
     """
 
     model: bytes
@@ -45,17 +43,11 @@ class LoadScene(Struct, tag=True):
 
 
 class TakePicture(Struct, tag=True, kw_only=True):
-    """A picture of the last world.
+    """A picture of the last world, by the camera of that name in the model.
 
-    Attributes:
-        camera: Its name in the model.
-        qpos: Of MuJoCo's data, 64-bit floats.
-        people: Of MuJoCo's data `mocap_pos`, the same.
-        hidden: Names of robots that are not to be seen.
-        pan: To the left [rad].
-        tilt: Up [rad].
-        view: Angle from the left edge to the right one [rad].
-        quality: Of the JPEG, 1 to 95.
+    `qpos` is that of MuJoCo's data, `people` its `mocap_pos`, both 64-bit floats; the robots named
+    in `hidden` are not to be seen. `pan` is to the left, `tilt` up, `view` the angle from the left
+    edge to the right one [rad]; the quality is that of the JPEG, 1 to 95.
     """
 
     camera: str

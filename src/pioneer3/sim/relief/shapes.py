@@ -81,11 +81,10 @@ class Hull:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Terrain:
-    """A floor of many heights on a grid; compares by identity.
+    """A floor of many heights, 0 to 1, on a grid (rows, columns); compares by identity.
 
-    Attributes:
-        size: Its third number is the height of 1 in `heights` above the foot [m].
-        heights: 0 to 1, shape (rows, columns); columns go along the x axis, rows along the y axis.
+    Columns go along the x axis, rows along the y axis; the third number of the size is the height
+    of 1 above the foot [m].
     """
 
     pose: Pose2

@@ -174,13 +174,10 @@ class Cylinder:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Table:
-    """A top on four legs; with a back it is a chair, which faces along its own x axis.
+    """A top on four square legs; with a back it is a chair, which faces along its own x axis.
 
-    Attributes:
-        height: Of the upper side of the top [m].
-        thickness: Of the top [m].
-        leg_width: Of the legs, which are square, and of the back [m].
-        back: Height of the back above the top [m]; 0 is none.
+    The upper side of the top is at `height`, from which the back rises [m]; 0 is none. The back is
+    as thick as the legs.
     """
 
     table: ClassVar[str] = "table"
@@ -263,12 +260,9 @@ class HeightField(GroundSolid):
 class Mesh:
     """A mesh of a file; what it touches meets its convex hull.
 
-    Its file is read once: a world that runs does not change with it.
-
-    Attributes:
-        file: STL or OBJ, z upwards.
-        z: Height of the origin of the mesh, which is at `pose` [m].
-        scale: Of the file's unit [m]: 0.001 for millimetres.
+    Its file, STL or OBJ with z upwards, is read once: a world that runs does not change with it.
+    The origin of the mesh is at `pose` and `z` [m]; the scale is that of the file's unit, 0.001 for
+    millimetres.
     """
 
     table: ClassVar[str] = "mesh"

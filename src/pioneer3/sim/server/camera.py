@@ -51,14 +51,9 @@ class Shot:
 
 
 class SimulatedCamera:
-    """One camera: it takes pictures while somebody looks.
+    """One camera: it takes pictures while somebody looks; `taken` is the number that were rendered.
 
-    `wake` is called when there is a picture to render.
-
-    Attributes:
-        address: Host and number of its TCP port, or `None`.
-        taken: Number of pictures that were rendered.
-        shot: The picture that is to be rendered.
+    `wake` is called when there is a `shot` to render. Its `address` is host and number of its port.
     """
 
     def __init__(

@@ -22,11 +22,8 @@ class LinkFaults:
     Time is simulated and the random numbers are seeded, so the same bytes at the same ticks have
     the same faults.
 
-    Attributes:
-        frozen: Nothing passes either way and all that is sent is lost, as out of a radio's range;
-            the connection stays.
-        unplugged: No host is connected, and new ones are turned away.
-        seed: Of the random generators; each direction has its own.
+    While it is `frozen` nothing passes either way and all that is sent is lost, as out of a radio's
+    range; the connection stays. `unplugged`: no host is connected, and new ones are turned away.
     """
 
     def __init__(

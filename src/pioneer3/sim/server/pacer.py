@@ -23,12 +23,10 @@ class Pacer:
     The same bytes at the same ticks give the same simulation at any speed: a pacer decides only
     at which real time a tick happens.
 
-    Attributes:
-        lock_step: A cycle of 100 ms begins only when every host has sent a valid packet since its
-            last report, or :attr:`patience` has passed. A host whose watchdog has expired is not
-            waited for, and without hosts time runs at :attr:`speed`. Bytes of a cycle are taken
-            at its end, so one packet, or one write, per report makes a run repeatable.
-        patience: [s, real].
+    In lock step a cycle of 100 ms begins only when every host has sent a valid packet since its
+    last report, or the patience [s, real] has passed. A host whose watchdog has expired is not
+    waited for, and without hosts time runs at :attr:`speed`. Bytes of a cycle are taken at its end,
+    so one packet, or one write, per report makes a run repeatable.
     """
 
     def __init__(

@@ -35,11 +35,9 @@ class RobotPort:
     `wake` is called whenever a host has sent bytes. With `keep_session` hosts on the network leave
     as on a serial line.
 
-    Attributes:
-        address: Host and number of its TCP port, `None` without.
-        pending: Whether there is something for :meth:`take`.
-        due: When to call :meth:`tick` next [s, simulated].
-        report_tick: The tick of the cycle in which this session's reports are sent.
+    Its `address` is host and number of its TCP port. If something is `pending`, :meth:`take` comes
+    next, :meth:`tick` when it is `due` [s, simulated]. This session's reports are sent in the
+    `report_tick` of the cycle.
     """
 
     def __init__(

@@ -16,12 +16,13 @@ from pioneer3.errors import CommandError, DeviceError, PioneerError
 from pioneer3.geometry import Pose2
 from pioneer3.links.hosts import url_of
 from pioneer3.models import RobotModel, load_model
+from pioneer3.names import free_name
 from pioneer3.sim.body import Body
 from pioneer3.sim.collision import footprint_hits, hits, overlap, stands_in
 from pioneer3.sim.equipment import Equipment
 from pioneer3.sim.firmware import Firmware
 from pioneer3.sim.obstacles import Obstacle
-from pioneer3.sim.placer import PlacementRequest, Placer, unique_name
+from pioneer3.sim.placer import PlacementRequest, Placer
 from pioneer3.sim.server import Simulation
 from pioneer3.sim.server.faults import LinkFaults
 from pioneer3.sim.server.laser import SimulatedLaser
@@ -38,13 +39,10 @@ log = logging.getLogger(__name__)
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SimulatedRobot:
-    """One robot of a running simulation.
+    """One robot of a running simulation, with its range finder that has a port of its own.
 
-    Attributes:
-        name: For people; to programs it is `MobileSim`, unless it has a laser with a port of its
-            own.
-        url: For hosts; `memory:NAME` where it does not listen.
-        laser: Its range finder with a port of its own, or `None`.
+    Its name is for people; to programs it is `MobileSim`, unless it has such a laser. Its URL is
+    for hosts; `memory:NAME` where it does not listen.
     """
 
     name: str
@@ -87,13 +85,10 @@ class SimulatedRobot:
 class RunningSimulation:
     """A simulator that listens; made by :func:`pioneer3.sim.server.start.simulator`.
 
-    Attributes:
-        robots: In the order of their ports; those of a factory come and go.
-        pace: The speed of time; may be changed at any time.
-        factory_url: Of the port where every client gets a robot of its own, or `None`.
-        acts_urls: Of the colour trackers of the first robots; empty without.
-        notes: Warnings for the person who started it, one per line.
-        progress: A line for that person about work that has just begun; empty without.
+    Robots are in the order of their ports; those of a factory, whose port gives every client a
+    robot of its own, come and go. The first ones may have colour trackers (ACTS). `notes` are
+    warnings for the person who started it, one per line, and `progress` one about work that has
+    just begun. The pace of time may be changed at any time.
     """
 
     def __init__(
@@ -169,7 +164,7 @@ class RunningSimulation:
         model = spec.equipment.model_with(load_model(spec.model))
         equipment = spec.equipment.equipment_of(model)
         async with self._adding:
-            name = unique_name(spec.name or model.name, {robot.name for robot in self.robots})
+            name = free_name(spec.name or model.name, {each.name for each in self.robots}, "-")
             body = Body(model, self._place_for(PlacementRequest(name, model, spec.start)))
             self.world.add(body)
             firmware = Firmware(

@@ -93,13 +93,10 @@ class Simulation:
         ports: Sequence[int | None] = (),
         hosts: Sequence[str] = (),
     ) -> None:
-        """Open a TCP port per robot, on consecutive numbers.
+        """Open a TCP port per robot at `host`, on consecutive numbers; 0 takes free ones.
 
-        Args:
-            first_port: The first number; 0 takes free ones.
-            host: Address of this machine to listen at.
-            ports: A robot's own number, or `None` for the next; may be shorter than the robots.
-            hosts: A robot's own address of this machine, or empty for `host`; likewise.
+        `ports` has a robot's own number, or `None` for the next, and `hosts` its own address of
+        this machine, or empty for `host`; both may be shorter than the robots.
 
         Raises:
             PortBusyError: Another program listens there.
