@@ -80,11 +80,14 @@ class Run:
         self.truth.append(truth)
 
     def improve(self) -> None:
-        """Look for loops."""
-        began = process_time()
-        improvement = self.mapper.snapshot.improve()
-        self.mapper.apply(improvement)
-        self.beside.append(1000 * (process_time() - began))
+        """Look for loops, step by step."""
+        while True:
+            began = process_time()
+            improvement = self.mapper.snapshot.improve()
+            self.mapper.apply(improvement)
+            self.beside.append(1000 * (process_time() - began))
+            if self.mapper.snapshot.is_looked_through:
+                return
 
     @property
     def poses(self) -> list[Pose2]:

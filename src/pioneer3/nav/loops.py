@@ -24,12 +24,12 @@ ASKED_PASSES = 2
 """Passes of the same place that are asked."""
 ATTEMPT_WAY = 0.5
 """Way from one attempt to the next [m]."""
-DRIFT_SHARE = 0.02
+DRIFT_SHARE = 0.04
 """Distance of a robot from where it is thought to be at most, as a share of the way since the last
 loop."""
 DRIFT_START = 0.3
 """Distance of a robot from where it is thought to be from the beginning [m]."""
-MOST_DRIFT = 6.0
+MOST_DRIFT = 15.0
 """Distance beyond which is not searched [m]."""
 TURN_DRIFT = 0.002
 """Error of the heading at most by the way since the last loop [rad/m]."""
@@ -112,14 +112,24 @@ class MapSnapshot:
     looked: int
     waiting: tuple[Edge, ...]
 
+    @property
+    def is_looked_through(self) -> bool:
+        """Whether all key frames have been looked for."""
+        return self.looked >= len(self.survey.frames)
+
     def improve(self) -> Improvement:
-        """Look for places that the robot has been at before."""
-        search = _Search(self)
-        for number in range(self.looked, len(self.survey.frames)):
-            search.look_for(number)
-        if self.looked < len(self.survey.frames):
+        """Look for a place that the robot has been at before.
+
+        It ends after the first key frame that had to be compared with others, as that takes long.
+        """
+        search, looked, count = _Search(self), self.looked, len(self.survey.frames)
+        while looked < count and not search.look_for(looked):
+            looked += 1
+        if looked < count:
+            looked += 1
+        elif not self.is_looked_through:
             search.join()
-        return search.finish()
+        return search.finish(looked)
 
 
 class _Search:
@@ -138,11 +148,14 @@ class _Search:
         self._found = self._fresh = 0
         self._piece = pieces_of(len(self._frames), self._edges)
 
-    def look_for(self, number: int) -> None:
-        """Look for the place of a key frame among older ones, and close the loops found."""
+    def look_for(self, number: int) -> bool:
+        """Look for the place of a key frame among older ones, and close the loops found.
+
+        Return whether there were any that it was compared with.
+        """
         way = self._ways[number]
         if number < RECENT_FRAMES + AROUND_FRAMES or way - self._tried < ATTEMPT_WAY:
-            return
+            return False
         drift = min(MOST_DRIFT, DRIFT_START + DRIFT_SHARE * (way - self._closed))
         query = self._query(number)
         for old in self._candidates(number, SEEN_APART + drift):
@@ -150,13 +163,14 @@ class _Search:
             edge = self._close(old, number, query, drift)
             if edge is not None:
                 self._take(edge)
+        return bool(self._tried == way)
 
-    def finish(self) -> Improvement:
-        """Return the result."""
+    def finish(self, looked: int) -> Improvement:
+        """Return the result; key frames before the number `looked` have been looked for."""
         return Improvement(
             poses=self._poses,
             edges=(*self._edges,),
-            looked=len(self._frames),
+            looked=looked,
             waiting=(*self._waiting,),
             loops=self._found,
             pieces=len(np.unique(self._piece)),
@@ -210,7 +224,7 @@ class _Search:
     def join(self) -> None:
         """Look for the place of a piece of the map in the one that the map began with.
 
-        Each call asks a few places: those beside the tear, and others in turn.
+        Each call asks a few places: that beside the tear, and others in turn.
         """
         for piece in np.unique(self._piece[self._piece != self._piece[0]])[-ASKED_PIECES:].tolist():
             members = np.flatnonzero(self._piece == piece)

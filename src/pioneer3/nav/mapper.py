@@ -263,6 +263,12 @@ class Mapper:
         self._way_of_scan, self._turn_of_scan = self._way, self._turn
         return self._here
 
+    def improve(self) -> None:
+        """Look for all loops at once; a thread takes them one by one, as this may take seconds."""
+        self.apply(self.snapshot.improve())
+        while not self.snapshot.is_looked_through:
+            self.apply(self.snapshot.improve())
+
     def apply(self, improvement: Improvement) -> None:
         """Take better poses for the key frames of a snapshot; what came later moves along."""
         survey, count = self._survey, len(improvement.poses)

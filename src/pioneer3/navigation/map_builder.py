@@ -218,7 +218,7 @@ class MapBuilder:
 
     def finished(self) -> LineMap:
         """Close the last loops and return the map. This takes a while."""
-        self.mapper.apply(self.mapper.snapshot.improve())
+        self.mapper.improve()
         room = self._robot.info.model.corner
         cell = self._robot.settings.mapper.cell
         return drawn(self.mapper.survey, room, cell, name=self._name, objects=self.objects)
@@ -263,7 +263,10 @@ class MapBuilder:
 
     async def _improve(self) -> None:
         before = self.mapper.odom_in_map
-        self.mapper.apply(await self._in_thread(self.mapper.snapshot.improve))
+        count, looked = len(self.mapper.survey.frames), 0
+        while looked < count:
+            self.mapper.apply(await self._in_thread(self.mapper.snapshot.improve))
+            looked = self.mapper.snapshot.looked
         here = self.mapper.robot_in_map
         was = before @ (self.mapper.odom_in_map.inverse() @ here)
         if self._trip is not None and hypot(was.x - here.x, was.y - here.y) > BENT_BY:

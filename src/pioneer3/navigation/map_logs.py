@@ -92,7 +92,7 @@ class _Mapping:
 
     def improve(self) -> None:
         """Look for loops."""
-        self.mapper.apply(self.mapper.snapshot.improve())
+        self.mapper.improve()
 
     def take(self, entry: Entry) -> None:
         """Take a reading."""
@@ -165,7 +165,7 @@ async def map_recording(
             f"{path}: no scans of a laser are in this recording; `pioneer3 map build --record` asks"
             " a simulator for them"
         )
-    builder.mapper.apply(builder.mapper.snapshot.improve())
+    builder.mapper.improve()
     return LogMap(mapper=builder.mapper, places=(), source="a recording", notes=())
 
 

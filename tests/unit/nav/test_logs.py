@@ -40,7 +40,7 @@ def test_a_log_of_a_real_robot_becomes_a_map(name: str, rmse: float, most: float
             last = len(mapper.survey.frames) - 1
             seen.append((last, mapper.survey.poses[last].inverse() @ here))
             truth.append(entry.corrected)
-            mapper.apply(mapper.snapshot.improve())
+            mapper.improve()
     errors = trajectory_errors([mapper.survey.poses[k] @ off for k, off in seen], truth)
     assert sqrt(float(np.mean(errors**2))) < rmse
     assert errors.max() < most

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from pioneer3.geometry import ORIGIN, Pose2
-from pioneer3.nav.loops import RECENT_FRAMES
+from pioneer3.nav.loops import ASKED_PASSES, RECENT_FRAMES
 from pioneer3.nav.mapper import Mapper
+from pioneer3.nav.particles import rows_of
 from tests.unit.nav.halls import HALL, ROUND, look
 
 
@@ -39,7 +40,7 @@ def driven(*, improve: bool, rounds: int = 1) -> tuple[Mapper, list[float], list
             errors.append(hypot(here.x - place.x, here.y - place.y))
             kept += [place] * (len(mapper.survey.frames) - len(kept))
             if improve:
-                mapper.apply(mapper.snapshot.improve())
+                mapper.improve()
         odom_before_lap = odom_before_lap @ drifting(len(ROUND) - 1)
         back = ROUND[-1].inverse() @ ROUND[0]
         odom_before_lap @= back
@@ -105,6 +106,35 @@ def test_loops_are_found_and_right() -> None:
     assert max(errors) < 0.05
 
 
+def test_a_step_of_the_search_for_loops_compares_one_place_at_most() -> None:
+    mapper, _, _ = driven(improve=False, rounds=2)
+    steps = 0
+    while not mapper.snapshot.is_looked_through:
+        before = sum(edge.loop for edge in mapper.survey.edges)
+        mapper.apply(mapper.snapshot.improve())
+        assert sum(edge.loop for edge in mapper.survey.edges) - before <= ASKED_PASSES
+        steps += 1
+    assert steps > 5
+
+
+def test_a_loop_is_found_though_the_map_has_drifted_by_six_percent() -> None:
+    mapper, _, places = driven(improve=False, rounds=2)
+    survey, state = mapper.survey, mapper.state
+    drifted = [
+        Pose2(0.06 * frame.way) @ pose
+        for frame, pose in zip(survey.frames, survey.poses, strict=True)
+    ]
+    ways = [drifted[edge.first].inverse() @ drifted[edge.second] for edge in survey.edges]
+    again = Mapper.of(state | {"poses": rows_of(drifted), "edges": rows_of(ways)})
+    again.improve()
+    loops = [edge for edge in again.survey.edges if edge.loop]
+    assert len(loops) >= 2
+    for edge in loops:
+        true = places[edge.first].inverse() @ places[edge.second]
+        off = true.inverse() @ edge.second_in_first
+        assert hypot(off.x, off.y) < 0.15
+
+
 def test_what_was_added_while_a_thread_worked_moves_along() -> None:
     mapper, _, _ = driven(improve=False)
     snapshot, before = mapper.snapshot, mapper.survey.poses
@@ -142,7 +172,7 @@ def moved_unnoticed(move: Pose2) -> tuple[Mapper, list[Pose2]]:
             odometry = ROUND[0].inverse() @ place if way is not back else to_odometry @ place
             mapper.add(look(HALL, place, odometry, count=181))
             kept += [place] * (len(mapper.survey.frames) - len(kept))
-            mapper.apply(mapper.snapshot.improve())
+            mapper.improve()
     return mapper, kept
 
 
@@ -178,7 +208,7 @@ def test_a_piece_that_nothing_joins_is_told() -> None:
     for number in range(12, 24):
         place = Pose2(1.0 + 0.25 * (number - 12), 3.0, 0.1)
         mapper.add(look(elsewhere, place, Pose2(0.25 * number), count=181))
-        mapper.apply(mapper.snapshot.improve())
+        mapper.improve()
     assert mapper.pieces == 2
     assert "2 pieces" in mapper.remarks()[0]
     assert Mapper.of(mapper.state).pieces == 2
