@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.nav_doubtful import doubtful_map
 from pioneer3.geometry import Pose2, wrap
 from pioneer3.maps import Extent, LineMap, read_map, shipped_map
 from pioneer3.models import RobotModel, load_model
@@ -64,6 +65,7 @@ class Hardship:
         late: Age of the odometry that comes with a scan [s].
         scan_time: From the first reading of a scan to the last one [s].
         askew: The laser is mounted so much to the left of what is known [rad].
+        far: Longest range of the laser [m].
     """
 
     people: int = 0
@@ -72,6 +74,7 @@ class Hardship:
     late: float = 0.0
     scan_time: float = 0.0
     askew: float = 0.0
+    far: float = 32.0
 
 
 EASY = Hardship()
@@ -120,9 +123,11 @@ def flat() -> LineMap:
 
 @cache
 def map_of(name: str) -> LineMap:
-    """Return one of :data:`MAPS`, or the flat."""
+    """Return one of :data:`MAPS`, the flat, or one of :mod:`benchmarks.nav_doubtful`."""
     if name == "flat":
         return flat()
+    if (doubtful := doubtful_map(name)) is not None:
+        return doubtful
     return shipped_map("office") if name == "shipped" else read_map(SHARED / f"{name}.map")
 
 
@@ -292,7 +297,7 @@ class Course:
             ranges = np.where(rng.random(BEAMS) < hardship.short, ranges * rng.random(), ranges)
         laser = self.body.model.laser
         assert laser is not None
-        measured = np.where(ranges >= 31.9, inf, ranges)
+        measured = np.where(ranges >= hardship.far - 0.1, inf, ranges)
         takes_time = hardship.scan_time > 0
         return Scan(
             stamp=self.world.time - hardship.scan_time,
@@ -303,7 +308,7 @@ class Course:
             angles=tuple(np.linspace(-VIEW / 2, VIEW / 2, BEAMS).tolist()),
             ranges=tuple(measured.tolist()),
             beam_time=hardship.scan_time / (BEAMS - 1),
-            far=32.0,
+            far=hardship.far,
         )
 
     def _steer(self) -> None:

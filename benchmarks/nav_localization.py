@@ -28,6 +28,7 @@ from benchmarks.nav_course import (
     map_of,
     maps,
 )
+from benchmarks.nav_doubtful import FURNISHED, MOVED, ROOMS
 from benchmarks.table import Row
 from pioneer3.geometry import Pose2
 from pioneer3.models import load_model
@@ -40,7 +41,7 @@ Float = NDArray[np.float64]
 T = TypeVar("T")
 
 MODELS = ("p3at-sh", "p3dx-sh")
-NAMES = "laser", "unknown", "kidnapped", "sonar"
+NAMES = "laser", "unknown", "doubtful", "kidnapped", "sonar"
 MINUTES = 5.0
 """Of each drive with a known start."""
 SEARCH_TIME = 2.0
@@ -54,6 +55,10 @@ TRIALS = 4
 SETTLED = 200
 """Moments of a drive by sonar that are not counted, as its start is not known well."""
 PEOPLE = Hardship(people=5)
+REACHES = 4.0, 8.0, 32.0
+"""Ranges of the laser among identical rooms [m]."""
+STARTS, TOLD_STARTS = 100, 60
+"""Starts where places look alike, unknown and told."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,7 +98,7 @@ class Listener:
         self.course = Course(run.where, run.model, run.seed, hardship)
         self.rng = np.random.default_rng((run.seed, 9))
         model = load_model(run.model)
-        self.localizer = Localizer(map_of(run.where), model, self.rng)
+        self.localizer = Localizer(map_of(run.where.replace(MOVED, FURNISHED)), model, self.rng)
         self.localizer.prepare()
         self._mounts = np.array([(mount.x, mount.y, mount.theta) for mount in model.sonars])
         self._pending: tuple[float, Candidates] | None = None
@@ -172,6 +177,18 @@ def found(run: Run, hardship: Hardship = EASY) -> list[Track]:
     return tracks
 
 
+def told(run: Run) -> list[Track]:
+    """Return how a laser finds starts that somebody told."""
+    listener = Listener(run)
+    tracks = []
+    for _ in range(TRIALS):
+        listener.course.put(listener.course.random_pose())
+        truth = listener.course.body.robot_in_world
+        listener.localizer.start(known_start(truth, listener.rng, 0.3, 0.15))
+        tracks.append(listener.follow(AGAIN_WITHIN))
+    return tracks
+
+
 def carried(run: Run, hardship: Hardship = EASY) -> list[Track]:
     """Return how a laser notices that its robot was carried away, and finds it again."""
     listener = Listener(run, hardship)
@@ -245,6 +262,34 @@ def unknown_rows(seeds: int) -> Iterator[Row]:
         yield Row(f"{what}: a search, median", float(np.median(searches)), "s", None)
 
 
+def doubtful_rows(share: float) -> Iterator[Row]:
+    """Yield the rows about places that look alike, of a `share` of the starts."""
+    starts, told_starts = (round(share * n / TRIALS) for n in (STARTS, TOLD_STARTS))
+    rooms = [Run(ROOMS, MODELS[n % 2], n) for n in range(starts)]
+    for far in REACHES:
+        what = f"identical rooms, laser of {far:g} m"
+        lists = _all(partial(found, hardship=Hardship(far=far)), what, rooms)
+        yield from _wrongly(what, [track for _, each in lists for track in each])
+    what = "furniture moved by 30 %, unknown start"
+    moved = [Run(f"{MOVED}:{n}", MODELS[n % 2], n) for n in range(starts)]
+    yield from _wrongly(what, [track for _, each in _all(found, what, moved) for track in each])
+    what = "furniture moved by 30 %, told start"
+    tracks = [t for _, each in _all(told, what, moved[:told_starts]) for t in each]
+    yield from _wrongly(what, tracks)
+    right = sum(bool(track.sure[-1] and track.off[-1] < RIGHT) for track in tracks)
+    bar = 100 * 58 / 60
+    named = f"{what}: right in the end, of {len(tracks)}"
+    yield Row(named, 100 * right / len(tracks), "%", bar, more_is_better=True)
+
+
+def _wrongly(what: str, tracks: Sequence[Track]) -> Iterator[Row]:
+    """Yield the time that robots are sure of a wrong place, and the share that is found."""
+    seconds = sum(0.1 * int((track.sure & (track.off > WRONG)).sum()) for track in tracks)
+    yield Row(f"{what}: wrongly sure, of {len(tracks)}", seconds, "s", 0)
+    right = 100 * float(np.mean([_right_after(track) < np.inf for track in tracks]))
+    yield Row(f"{what}: found in {AGAIN_WITHIN:g} s", right, "%", None)
+
+
 def carried_rows(seeds: int, hours: float) -> Iterator[Row]:
     """Yield the row "kidnapped"."""
     lists = _all(carried, "kidnapped", seeds)
@@ -282,8 +327,14 @@ def sonar_rows(seeds: int, minutes: float) -> Iterator[Row]:
     yield Row("sonar: wrongly sure", wrong, "", None)
 
 
-def _all(work: Callable[[Run], T], what: str, seeds: int) -> Iterator[tuple[Run, T]]:
-    runs = [Run(*each) for each in product(maps(), MODELS, range(seeds))]
+def _all(
+    work: Callable[[Run], T], what: str, seeds: int | Sequence[Run]
+) -> Iterator[tuple[Run, T]]:
+    """Yield each run with its result: those given, or so many `seeds` on each map."""
+    if isinstance(seeds, int):
+        runs = [Run(*each) for each in product(maps(), MODELS, range(seeds))]
+    else:
+        runs = [*seeds]
     with Pool() as pool:
         for number, result in enumerate(pool.imap(work, runs)):
             print(f"\r{what}: {number + 1} of {len(runs)}", end="", file=sys.stderr, flush=True)
@@ -297,6 +348,7 @@ def rows(*, quick: bool = False, names: Collection[str] = NAMES) -> Iterator[Row
     groups = {
         "laser": lambda: laser_rows(seeds, minutes),
         "unknown": lambda: unknown_rows(1 if quick else 4),
+        "doubtful": lambda: doubtful_rows(0.08 if quick else 1.0),
         "kidnapped": lambda: carried_rows(1 if quick else 2, 0.1 if quick else 1.0),
         "sonar": lambda: sonar_rows(seeds, max(2.0, minutes)),
     }

@@ -38,9 +38,15 @@ SCAN_SIGMA = 0.05
 """Standard deviation of a tracked hypothesis after a scan is taken [m]."""
 SCAN_TURN_SIGMA = 0.03
 """Standard deviation of its heading after a scan is taken [rad]."""
-NEW_WAY = 0.5
+NOISE = 1.5
+"""Difference of the logarithms of a scan's likelihoods that tells nothing: the edge of a door may
+hide one beam of forty, and does so in each scan from there."""
+MOST_TOLD = 4.0
+"""Difference of the logarithms that one scan tells at most: a cupboard that was moved makes the
+right place look wrong from everywhere around."""
+NEW_WAY = 1.0
 """Way after which a scan tells as much as the first one [m]; scans before tell the same again."""
-NEW_TURN = 0.5
+NEW_TURN = 1.0
 """Turn after which a scan tells as much as the first one [rad]."""
 TRACK_SCALES = (0.4, 0.3, 0.2, 0.1, 0.05)
 """Distances at which points lose their weight, step by step [m]."""
@@ -49,14 +55,16 @@ TRACK_SCALES = (0.4, 0.3, 0.2, 0.1, 0.05)
 class Hypotheses:
     """Poses (H, 3) [m, rad] on the map with the logarithms of their weights; the best is the first.
 
-    The `verdict` tells how the latest scan agreed with each.
+    The `verdict` tells how the latest scan agreed with each. Those that explain every scan as well
+    as the best of that scan, but for its noise, keep their weight.
     """
 
     def __init__(self, poses: Float, logs: Float, verdict: Agreement) -> None:
         self.poses, self.logs, self.verdict = poses, logs, verdict
+        self._agreed, self._seen = verdict.agreement, 1.0
 
     @classmethod
-    def found(cls, poses: Float, likelihood: ScanLikelihood, most: int = MOST_HYPOTHESES) -> Self:
+    def found(cls, poses: Float, likelihood: ScanLikelihood, most_told: float = MOST_TOLD) -> Self:
         """Return those of `poses` (P, 3) that remain after a scan was brought into line with each.
 
         They are wrong by some decimeters and degrees at most.
@@ -65,8 +73,8 @@ class Hypotheses:
         best, _ = likelihood.refined(poses, loose)
         best = best[_first_in_bins(best, likelihood.cost(best))]
         verdict = likelihood.judged(best)
-        self = cls(best, verdict.log_likelihood, verdict)
-        self._thin(most)
+        self = cls(best, _told(verdict, most_told), verdict)
+        self._thin(MOST_HYPOTHESES)
         return self
 
     def move(self, motion: Pose2) -> None:
@@ -81,7 +89,9 @@ class Hypotheses:
         self.poses, _ = likelihood.refined(self.poses, information, TRACK_SCALES)
         self.verdict = likelihood.judged(self.poses)
         new = hypot(motion.x, motion.y) / NEW_WAY + abs(motion.theta) / NEW_TURN
-        self.logs = self.logs + min(1.0, new) * self.verdict.log_likelihood
+        share = min(1.0, new)
+        self.logs = self.logs + share * _told(self.verdict, MOST_TOLD)
+        self._agreed, self._seen = self._agreed + share * self.verdict.agreement, self._seen + share
         self._thin(MOST_HYPOTHESES)
 
     @property
@@ -97,6 +107,11 @@ class Hypotheses:
     def agreement(self) -> float:
         """How well the latest scan agrees with the best, 0 to 1."""
         return float(self.verdict.agreement[0])
+
+    @property
+    def explained(self) -> float:
+        """How well all scans so far agree with the best, 0 to 1."""
+        return float(self._agreed[0] / self._seen)
 
     def near(self, poses: Float, deviations: Float) -> None:
         """Weigh all by how near one of `poses` (S, 3) is, with these standard deviations (3,)."""
@@ -126,7 +141,7 @@ class Hypotheses:
 
     def _thin(self, most: int) -> None:
         """Keep the best of those that are near each other, and none that is unlikely."""
-        order = np.argsort(-self.logs, kind="stable")
+        order = np.lexsort((-self._agreed, -self.logs))
         order = order[self.logs[order] > self.logs[order[0]] - LEAST_LIKELY]
         kept: list[int] = []
         poses = self.poses[order]
@@ -141,10 +156,18 @@ class Hypotheses:
                     break
         chosen = np.array(kept, dtype=np.intp)
         self.poses, self.logs = self.poses[chosen], self.logs[chosen]
+        self._agreed = self._agreed[chosen]
         v = self.verdict
         self.verdict = Agreement(
             v.agree[chosen], v.short[chosen], v.through[chosen], v.misfit[chosen]
         )
+
+
+def _told(verdict: Agreement, most: float) -> Float:
+    """Return the logarithms of the weights that one scan tells, shape (H,)."""
+    logs = verdict.log_likelihood
+    told: Float = (logs - logs.max() + NOISE).clip(-most, 0.0)
+    return told
 
 
 def _first_in_bins(poses: Float, costs: Float) -> Int:

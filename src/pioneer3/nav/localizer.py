@@ -46,7 +46,7 @@ CERTAIN_SHARE = 0.98
 SURE_WAY = 1.0
 """Way that a robot drives after a search before it is sure [m]."""
 SEARCH_WAY = 4.0
-"""Way after which a search that has led to nothing is repeated [m]."""
+"""Way after which a search is repeated that has led to nothing that explains the scans [m]."""
 SURE_DEVIATION = 0.5
 """Standard deviation below which the position of a sure robot is [m]."""
 GUESSES = 200
@@ -217,7 +217,11 @@ class Localizer:
     def wants_search(self) -> bool:
         """Whether a search is due."""
         now = self._now
-        in_vain = now.hypotheses is not None and now.driven > SEARCH_WAY
+        in_vain = (
+            now.hypotheses is not None
+            and now.driven > SEARCH_WAY
+            and now.hypotheses.explained < self._settings.agreement
+        )
         return self._beams is not None and (now.stage == "lost" or in_vain)
 
     def search(self) -> GlobalSearch | None:
@@ -296,7 +300,7 @@ class Localizer:
         now = self._now
         guesses = poses[:, None] + deviations * self._rng.standard_normal((GUESSES, 3))
         likelihood = ScanLikelihood.of(self._walls, beams, COMPARED_BEAMS)
-        hypotheses = Hypotheses.found(np.vstack([poses, guesses.reshape(-1, 3)]), likelihood)
+        hypotheses = Hypotheses.found(np.vstack([poses, guesses.reshape(-1, 3)]), likelihood, inf)
         hypotheses.near(poses, deviations)
         now.hypotheses, now.start, now.at, now.looked = hypotheses, None, self._odom, beams.stamp
         self._compare(hypotheses, hypotheses.agreement)
@@ -308,7 +312,7 @@ class Localizer:
         certain = hypotheses.share >= CERTAIN_SHARE or (
             now.told and deviation_of(now.fix.covariance) < SURE_DEVIATION
         )
-        agrees = agreement >= self._settings.agreement or (
+        agrees = min(agreement, hypotheses.explained) >= self._settings.agreement or (
             now.told
             and agreement >= self._settings.told_agreement
             and not self._sees_through(hypotheses.poses[0])
