@@ -7,6 +7,7 @@ Fences name the terminal or the file in their title: ```` ```sh title="Second te
 |---|---|
 | `<!-- beside: COMMAND -->` | runs from here to the end of the page, such as `pioneer3 sim` |
 | `<!-- serial -->` | a simulated robot is at /dev/ttyUSB0, from here on |
+| `<!-- serial: --fit laser=urg-04lx -->` | and its laser is at /dev/ttyACM0 |
 | `<!-- goes on -->` | this block's last line runs until its terminal is needed, or to the end |
 | `<!-- each goes on -->` | each line of this block is an example: it runs until it says something |
 | `<!-- fails -->` | the last line of this block ends with an error |

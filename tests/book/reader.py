@@ -42,15 +42,21 @@ ALONE: Final = ("unshare", "--net", "--mount", "--pid", "--fork", "--kill-child"
 """Makes a computer of its own: network, mounts, and processes that end with the reader."""
 _ADAPTER: Final = """\
 set -e
+plug() {  # device, vendor, product
+    mkdir -p $1 bus/usb-serial usb-$1/interface/port/driver
+    ln -s ../usb-$1/interface/port $1/device
+    ln -s ../../../bus/usb-serial usb-$1/interface/port/subsystem
+    echo $2 >usb-$1/idVendor; echo $3 >usb-$1/idProduct; echo 0600 >usb-$1/bcdDevice
+    echo 00 >usb-$1/interface/bInterfaceNumber; echo 0 >usb-$1/interface/port/port_number
+}
 mount -t tmpfs tmpfs /sys/class/tty
 cd /sys/class/tty
-mkdir -p ttyUSB0 bus/usb-serial usb/interface/port/driver
-ln -s ../usb/interface/port ttyUSB0/device
-ln -s ../../../bus/usb-serial usb/interface/port/subsystem
-echo 0403 >usb/idVendor; echo 6001 >usb/idProduct; echo 0600 >usb/bcdDevice
-echo 00 >usb/interface/bInterfaceNumber; echo 0 >usb/interface/port/port_number
+plug ttyUSB0 0403 6001
+[ -z "$1" ] || plug ttyACM0 15d1 0000
+[ -z "$1" ] || touch /dev/ttyACM0
+[ -z "$1" ] || mount --bind "$1" /dev/ttyACM0
 """
-"""Shows a USB adapter with a serial port, as the kernel would."""
+"""Shows a USB adapter with a serial port, and a laser at "$1" if any, as the kernel would."""
 _PROMPT: Final = re.compile(r"\[done (\d+)\]")
 _SETTINGS: Final = "PS1= PS2=; stty -echo; PROMPT_COMMAND='printf \"\\n[done %s]\\n\" $?'\n"
 _NUMBER: Final = re.compile(r"(?:\\-)?\d+(?:\\\.\d+)*")
@@ -179,8 +185,8 @@ class Reader:
                     self._desk.look(path)
             case Comment(word="beside", text=text):
                 self._beside(text)
-            case Comment(word="serial"):
-                self._plug_in()
+            case Comment(word="serial", text=text):
+                self._plug_in(text)
             case Comment(word="end", text=name):
                 self._at(name).interrupt()
             case Comment(word="press", text=text):
@@ -263,16 +269,15 @@ class Reader:
         shell.type(f"{command}\n")
         shell.await_words()
 
-    def _plug_in(self) -> None:
+    def _plug_in(self, options: str) -> None:
         """Let a robot be at /dev/ttyUSB0, as the group `dialout` may use it."""
-        self._beside("pioneer3 sim --pty --port 8199")
+        self._beside(f"pioneer3 sim --pty --port 8199 {options}".rstrip())
         beside = next(reversed(self._shells.values()))
-        beside.terminal.until(lambda: "/dev/pts/" in beside.said, PATIENCE)
-        found = re.search(r"/dev/pts/\d+", beside.said)
-        assert found
+        beside.terminal.until(lambda: "Ctrl-C ends it" in beside.said, PATIENCE)
+        robot, laser, *_ = *re.findall(r"/dev/pts/\d+", beside.said), ""
         subprocess.run(["mount", "-t", "tmpfs", "tmpfs", "/run"], check=True)
-        subprocess.run(["sh", "-c", DEVICES, "sh", found[0]], check=True)
-        subprocess.run(["sh", "-c", _ADAPTER], check=True)
+        subprocess.run(["sh", "-c", DEVICES, "sh", robot], check=True)
+        subprocess.run(["sh", "-c", _ADAPTER, "sh", laser], check=True)
 
     def _write(self, name: str, text: str) -> None:
         path = self.folder / name
