@@ -147,6 +147,7 @@ async def explore(studio: Studio) -> None:
         async with run("--fit", "laser=utm-30lx", folder=Path(folder)) as address:
             desk = await studio.live(address)
             await desk.click(".views [data-view=modes]")
+            await desk.select_option("#mode-time", label="1 hour")
             await desk.click("#map-begin")
             await desk.click("#map-explore:enabled")
             known = f"parseFloat(document.getElementById('map-state').textContent) > {KNOWN_EARLY}"
@@ -154,7 +155,8 @@ async def explore(studio: Studio) -> None:
             await studio.take(desk, "page-making-a-map")
             if not studio.wants("map-built"):
                 return
-            await until(desk, STANDS, "the end of exploring", EXPLORING)
+            explored = desk.get_by_text("Explored: no edge of the map is left.")
+            await seen(explored, "the end of exploring", EXPLORING)
             await desk.click("#map-save")
             await seen(desk.get_by_text("Saved lab.map"), "a map that is saved")
         built = drawn(read_map(Path(folder) / "lab.map"))
