@@ -64,16 +64,18 @@ class Hypotheses:
         self._agreed, self._seen = verdict.agreement, 1.0
 
     @classmethod
-    def found(cls, poses: Float, likelihood: ScanLikelihood, most_told: float = MOST_TOLD) -> Self:
+    def found(cls, poses: Float, likelihood: ScanLikelihood, *, told: bool = False) -> Self:
         """Return those of `poses` (P, 3) that remain after a scan was brought into line with each.
 
-        They are wrong by some decimeters and degrees at most.
+        They are wrong by some decimeters and degrees at most. Of a few places that were `told` the
+        scan decides.
         """
         loose = np.diag([0.15**-2, 0.15**-2, 0.08**-2])
         best, _ = likelihood.refined(poses, loose)
         best = best[_first_in_bins(best, likelihood.cost(best))]
         verdict = likelihood.judged(best)
-        self = cls(best, _told(verdict, most_told), verdict)
+        logs = verdict.log_likelihood if told else _told(verdict)
+        self = cls(best, logs, verdict)
         self._thin(MOST_HYPOTHESES)
         return self
 
@@ -90,7 +92,7 @@ class Hypotheses:
         self.verdict = likelihood.judged(self.poses)
         new = hypot(motion.x, motion.y) / NEW_WAY + abs(motion.theta) / NEW_TURN
         share = min(1.0, new)
-        self.logs = self.logs + share * _told(self.verdict, MOST_TOLD)
+        self.logs = self.logs + share * _told(self.verdict)
         self._agreed, self._seen = self._agreed + share * self.verdict.agreement, self._seen + share
         self._thin(MOST_HYPOTHESES)
 
@@ -163,10 +165,10 @@ class Hypotheses:
         )
 
 
-def _told(verdict: Agreement, most: float) -> Float:
+def _told(verdict: Agreement) -> Float:
     """Return the logarithms of the weights that one scan tells, shape (H,)."""
     logs = verdict.log_likelihood
-    told: Float = (logs - logs.max() + NOISE).clip(-most, 0.0)
+    told: Float = (logs - logs.max() + NOISE).clip(-MOST_TOLD, 0.0)
     return told
 
 

@@ -300,7 +300,8 @@ class Localizer:
         now = self._now
         guesses = poses[:, None] + deviations * self._rng.standard_normal((GUESSES, 3))
         likelihood = ScanLikelihood.of(self._walls, beams, COMPARED_BEAMS)
-        hypotheses = Hypotheses.found(np.vstack([poses, guesses.reshape(-1, 3)]), likelihood, inf)
+        around = np.vstack([poses, guesses.reshape(-1, 3)])
+        hypotheses = Hypotheses.found(around, likelihood, told=True)
         hypotheses.near(poses, deviations)
         now.hypotheses, now.start, now.at, now.looked = hypotheses, None, self._odom, beams.stamp
         self._compare(hypotheses, hypotheses.agreement)
