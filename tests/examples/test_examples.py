@@ -73,7 +73,7 @@ def test_the_code_in_the_readme_runs(url: str) -> None:
 
 def test_the_code_about_notebooks_runs_but_for_its_views(url: str) -> None:
     blocks = blocks_of("docs/how-to/notebook.md", url)
-    assert len(blocks) == 4
+    assert len(blocks) == 5
     kept = [block for block in blocks if "view()" not in block]
     run("\n".join([*kept, "assert len(speeds) > 20", "robot.close()"]))
 
