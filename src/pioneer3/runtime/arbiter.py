@@ -33,9 +33,9 @@ WEB = 80
 PROGRAM = 50
 """Priorities of inputs, above that of modes: the order of twist_mux (facts.md 14.6)."""
 KEEP_APART = 10
-"""Priority of the limiter by other robots, below all: it knows the turn that is asked for."""
+"""Priority of the limiter by other robots: it knows the turn that is asked for."""
 LAST_CHECK = 0
-"""Priority of the limiter by walls: it knows the motion that all others ask for."""
+"""Priority of the limiter by walls, below all: it knows the motion that all others ask for."""
 
 MOMENT = 2.0
 """A mode that has stood for so long for want of what it must know ends [s]."""
@@ -142,7 +142,7 @@ class Arbiter:
         self._laser_on = ExitStack()
         self._by_sonar = Stack.alone(LimiterBySonar(), MODE)
         self._apart: Stack | None = None
-        self._last_check: Stack | None = None
+        self._last_checks: list[Stack] = []
         self._clock = asyncio.get_running_loop().time
         supervisor.snapshot_taken = self._take
 
@@ -182,11 +182,12 @@ class Arbiter:
     @contextmanager
     def checking(self, limiter: Action) -> Iterator[None]:
         """Ask a limiter last, whatever mode drives, during the block."""
-        before, self._last_check = self._last_check, Stack.alone(limiter, LAST_CHECK)
+        check = Stack.alone(limiter, LAST_CHECK)
+        self._last_checks.append(check)
         try:
             yield
         finally:
-            self._last_check = before
+            self._last_checks = [each for each in self._last_checks if each is not check]
 
     def decide(self) -> Refusal | None:
         """Resolve now, and drive by the result."""
@@ -226,8 +227,7 @@ class Arbiter:
         stacks = [part.stack for part in self._parts]
         if self.mode is not None:
             stacks.append(self._by_sonar)
-            if self._last_check is not None:
-                stacks.append(self._last_check)
+            stacks += self._last_checks
         if self._apart is not None:
             stacks.append(self._apart)
         return stacks

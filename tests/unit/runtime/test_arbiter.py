@@ -2,7 +2,7 @@
 
 import asyncio
 from collections.abc import AsyncIterator, Awaitable, Callable
-from contextlib import asynccontextmanager
+from contextlib import ExitStack, asynccontextmanager
 from dataclasses import dataclass
 
 import pytest
@@ -315,6 +315,30 @@ async def test_a_mode_that_does_not_know_enough_goes_on_by_itself_only_after_a_m
         if not goes_on:
             assert the.arbiter.ended is not None
             assert the.arbiter.ended.why == "waits; start it again when that is mended"
+
+
+@dataclass
+class Forbidding(Action):
+    """Lets no mode move ahead."""
+
+    name: str = "forbidding"
+
+    def decide(self, situation: Situation) -> Desire:
+        return Desire(v_max=0.0, reason="a wall")
+
+
+async def test_each_last_check_holds_until_its_own_end_whichever_began_first() -> None:
+    async with bridge() as the:
+        before, after = ExitStack(), ExitStack()
+        before.enter_context(the.arbiter.checking(Forbidding()))
+        after.enter_context(the.arbiter.checking(Forbidding()))
+        before.close()  # as a map takes the place of the one before
+        the.arbiter.start(Stack.alone(Waiting(goes=True), MODE))
+        await asyncio.sleep(1.0)
+        assert the.asked == STILL
+        after.close()
+        await asyncio.sleep(1.0)
+        assert the.asked.v == 0.3
 
 
 MODES_BY_SONAR = {

@@ -154,11 +154,10 @@ class MapMaking {
   }
 }
 
-/** A mode's name where a sentence begins. */
+/** Words where a sentence begins. */
 const capital = (text) => text[0].toUpperCase() + text.slice(1);
 const noun = (mode) => WORDS[mode]?.noun ?? mode;
 const doing = (mode, startedBy) => (WORDS[mode]?.doing ?? capital(mode)) + (startedBy ? `, started by ${startedBy}` : "");
-
 
 /** How the last mode ended, in words. */
 function howItEnded(ended) {
