@@ -76,7 +76,7 @@ class LimiterOutline(Action):
         return np.ascontiguousarray(around[near])
 
     def _echoes(self, situation: Situation) -> Float:
-        """Return what the laser sees, or else the sonars hear, shape (N, 4)."""
+        """Return the echoes of the laser, or else of the sonars, shape (N, 4)."""
         if situation.scan is None:
             heard = [(point.x, point.y) for point in situation.around.points()]
             return _points(np.array(heard).reshape(-1, 2))

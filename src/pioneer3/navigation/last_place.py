@@ -51,7 +51,7 @@ class LastPlace:
 
 
 def read_last_place(file: Path) -> LastPlace | None:
-    """Return what is remembered; `None` if that is nothing, or cannot be read."""
+    """Return the place in a file; `None` if there is none, or it cannot be read."""
     try:
         return msgspec.json.decode(file.read_bytes(), type=LastPlace)
     except (OSError, msgspec.MsgspecError, UnicodeDecodeError):

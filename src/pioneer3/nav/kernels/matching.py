@@ -224,7 +224,7 @@ def worth_of(
     off: float,
     limits: Float,
 ) -> float:
-    """Return what the best shift of a block is worth at most, by a raster for blocks of its size.
+    """Return a bound on the worth of the shifts in a block, by a raster for blocks of its size.
 
     The block begins at a shift [cells] of `cells` (N, 2); a block of one cell is worth just this.
     """
