@@ -12,11 +12,10 @@ NO_BEGINNING = ("Of ", "Who ", "What ", "The same ", "It ")
 """A docstring begins with its verb, or with the noun that the thing is."""
 LOCAL_PLANNER = (
     "nav/follower.py",
-    "nav/giving_way.py",
     "nav/manoeuvre.py",
     "nav/mover.py",
     "navigation/follow_way.py",
-    "navigation/going_aside.py",
+    "navigation/recovery.py",
 )
 """Modules that move robots among people, whose constants wait for their new design."""
 ONE_VALUE = ("behaviors", "nav", "navigation")

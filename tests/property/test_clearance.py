@@ -20,8 +20,8 @@ SAMPLES = np.linspace(0.0, 1.0, 201)[:, None]
 
 
 def room_of(model: RobotModel, at: Pose2, walls: Float) -> Float:
-    """Return the room beside an outline, by points along each wall, shape (S,)."""
-    points = walls[:, None, :2] * (1 - SAMPLES) + walls[:, None, 2:] * SAMPLES
+    """Return the room beside an outline, by points along each wall and its radius, shape (S,)."""
+    points = walls[:, None, :2] * (1 - SAMPLES) + walls[:, None, 2:4] * SAMPLES
     c, s = cos(at.theta), sin(at.theta)
     dx, dy = points[..., 0] - at.x, points[..., 1] - at.y
     x, y = c * dx + s * dy, c * dy - s * dx
@@ -29,7 +29,7 @@ def room_of(model: RobotModel, at: Pose2, walls: Float) -> Float:
     off_y = np.abs(y) - model.width / 2
     outside = np.hypot(np.maximum(off_x, 0.0), np.maximum(off_y, 0.0))
     room: Float = np.where(outside > 0, outside, np.maximum(off_x, off_y)).min(axis=1)
-    return room
+    return room - walls[:, 4]
 
 
 def ramped(now: float, wanted: float, faster: float, slower: float) -> float:
@@ -49,7 +49,10 @@ limits = st.builds(
 )
 place = st.floats(-1.5, 1.5)
 wall = st.tuples(place, place, place, place) | st.tuples(place, place).map(lambda p: (*p, *p))
-walls_around = st.lists(wall, min_size=1, max_size=6).map(np.array)
+radius = st.sampled_from([0.0, 0.0, 0.1, 0.28])
+walls_around = st.lists(
+    st.tuples(wall, radius).map(lambda each: (*each[0], each[1])), min_size=1, max_size=6
+).map(np.array)
 models = st.sampled_from(["p3at-sh", "p3dx-sh", "amigo-sh"]).map(load_model)
 
 
@@ -86,9 +89,9 @@ def test_no_command_brings_an_outline_nearer_than_it_may(
 def seen_from(at: Pose2, walls: Float) -> Float:
     c, s = cos(at.theta), sin(at.theta)
     rows = []
-    for ax, ay, bx, by in walls.tolist():
+    for ax, ay, bx, by, around in walls.tolist():
         row: list[float] = []
         for x, y in ((ax, ay), (bx, by)):
             row += [c * (x - at.x) + s * (y - at.y), c * (y - at.y) - s * (x - at.x)]
-        rows.append(row)
+        rows.append([*row, around])
     return np.array(rows)

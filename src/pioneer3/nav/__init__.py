@@ -18,7 +18,6 @@ clusters          echoes of a scan that no wall explains
 mover             one thing that may move: where it is, how fast it goes, and whether it is a person
 moving            people and other things that move
 traffic           several robots on one map: who comes near to whom, and places to let others pass
-giving_way        places beside the ways of others, where a robot can wait until they have passed
 estimate          the result of localization: where a robot is on the map, and how sure that is
 localizer         finds a robot on a map of walls, by its laser or by its sonars
 tracking          keeps track of a robot whose place is known roughly, by its laser or by its sonars

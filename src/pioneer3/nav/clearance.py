@@ -81,11 +81,11 @@ class Clearance:
     _passed: Twist2 = field(default=STILL, init=False)
     _passed_at: float = field(default=-inf, init=False)
 
-    def reach(self, twist: Twist2, asked: Twist2) -> float:
-        """Return the distance within which something matters to a motion [m]."""
+    def horizon(self, twist: Twist2, asked: Twist2) -> tuple[float, float]:
+        """Return the distance [m] and the time [s] within which something matters to a motion."""
         v = max(abs(twist.v), abs(asked.v), abs(self._passed.v))
-        way = v * (REACTION + HOLD) + v * v / (2 * self.limits.deceleration)
-        return self.model.corner + self.margin + way + v * STEP
+        time = REACTION + HOLD + v / self.limits.deceleration
+        return self.model.corner + self.margin + v * (time + STEP), time
 
     def limit(self, asked: Twist2, twist: Twist2, around: Float, now: float) -> Twist2:
         """Return the nearest motion to the one `asked` for that comes too near to nothing.
@@ -95,8 +95,8 @@ class Clearance:
         Args:
             asked: For the next moment.
             twist: As measured.
-            around: Segments, and points as segments without a length, in the robot's frame [m],
-                shape (N, 4).
+            around: Segments in the robot's frame [m], and the room around each that is taken [m],
+                shape (N, 5); points are segments without a length.
             now: [s, monotonic].
         """
         before = self._passed if now - self._passed_at < self.limits.expiry else STILL
@@ -108,9 +108,6 @@ class Clearance:
 
     def _nearest(self, asked: Twist2, before: Float, around: Float) -> Twist2:
         model, limits, found = self.model, self.limits, np.empty((len(around), 2))
-        outline = np.array(
-            [model.length_front, model.length_rear, model.width / 2, self.margin, -ROUNDING]
-        )
         motion = np.array(
             [
                 limits.acceleration,
@@ -122,10 +119,12 @@ class Clearance:
                 STEP,
             ]
         )
-        fast(rooms, CACHE)(around, outline, found)
+        sides = np.array([model.length_front, model.length_rear, model.width / 2])
+        fast(rooms, CACHE)(around, sides, found)
         order = found[:, 1].argsort()
-        kept = np.minimum(found[order, 0], self.margin)
-        walls = np.column_stack([around, found[:, 1]])[order]
+        kept = np.minimum(found[:, 0], self.margin + around[:, 4])[order]
+        outline = np.array([*sides, kept.max(), -ROUNDING])
+        walls = np.column_stack([around[:, :4], found[:, 1]])[order]
 
         def room(*commands: tuple[float, float]) -> Float:
             out = np.empty(len(commands))

@@ -32,28 +32,18 @@ SLOW = 0.15
 """Speed up to which a robot may stay as near to something as it is [m/s]."""
 TOUCHES = 0.02
 """Nearer than this to anything nothing comes nearer at a goal either [m]."""
-PERSONAL = 0.03
-"""Nearer than this to people nothing comes nearer [m]: their places are known no better."""
 NEAR = 0.15
 """More than this beyond the distance to be kept is worth nothing [m]."""
 HEADING, ROOM, CHANGE = 0.35, 1.0, 0.02
 """Worth of a heading along the way [m/rad], of room [m/m], of not changing the turn [m s/rad]."""
-CHANGE_ASIDE = 0.1
-"""The same where the robot may drive either way [m s/rad]: else it dithers."""
 FASTEST_TURN, TURN_GENTLY = 1.5, 0.6
 """[rad/s]."""
 TURN_FIRST = 1.0
 """Farther off its way it turns first, or goes slowly where there is no room for that [rad]."""
-BETTER = 0.03
-"""Less than this is no headway [m in the open]."""
 WORTH = 0.01
 """Beside people a robot stands rather than move for less than this [m in the open]."""
-HESITATES, INSISTS = 30, 15
-"""After so many steps without headway it does not turn where it stands, for so many more."""
 BACK = 0.1
 """Speed backwards, where nothing else goes on [m/s]."""
-FAR = 0.35
-"""Farther obstacles are not told apart [m]."""
 AHEAD = 0.3
 """The way's direction is that to a place so far along it [m]."""
 
@@ -113,20 +103,16 @@ class Follower:
         limits: Bounds on its motion.
         goal: Point [m] in the map's frame, and heading to end with, or `None`.
         cost_to_go: To the goal; replaced whenever a better one is known.
-        either_way: Whether it may as well drive backwards, as somebody comes.
     """
 
     model: RobotModel
     limits: Limits
     goal: tuple[float, float, float | None]
     cost_to_go: CostToGo
-    either_way: bool = False
     _turn: float = field(default=0.0, init=False)
     _fastest_turn: float = field(default=FASTEST_TURN, init=False)
     _at_place: bool = field(default=False, init=False)
     _left: float = field(default=LEFT, init=False)
-    _best: float = field(default=inf, init=False)
-    _without: int = field(default=0, init=False)
 
     def step(
         self,
@@ -149,7 +135,7 @@ class Follower:
         """
         x, y, _ = self.goal
         distance = hypot(x - robot_in_map.x, y - robot_in_map.y)
-        fastest = TURN_GENTLY if gently or self.either_way else FASTEST_TURN
+        fastest = TURN_GENTLY if gently else FASTEST_TURN
         self._fastest_turn = min(fastest, self.limits.max_turn_rate)
         if self._at_place or distance < ARRIVING:
             step = self._arrive(robot_in_map, twist, distance, obstacles)
@@ -171,8 +157,6 @@ class Follower:
         hold = self._hold(robot_in_map)
         judged = self._judge(robot_in_map, twist, commands, obstacles, hold=hold)
         to_go, off, gap, slow_gap = judged.T
-        if self.either_way:
-            off = np.minimum(off, pi - off)
         # nearer to something than it should be, a robot may go on slowly, but no nearer to that
         slow = (np.abs(commands[:, 0]) <= SLOW) & (slow_gap >= -ROUNDING)
         possible = np.isfinite(to_go) & ((gap >= 0.0) | slow)
@@ -180,25 +164,14 @@ class Follower:
         standing = (commands == 0.0).all(axis=1)
         # wheels of a robot that stands stick at turns that are slower
         possible &= (commands[:, 0] != 0.0) | (np.abs(commands[:, 1]) >= SLOWEST_TURN)
-        left, off_way = (
-            self.cost_to_go.at(robot_in_map.x, robot_in_map.y),
-            self._off_way(robot_in_map),
-        )
-        if (
-            self._hesitates(left + HEADING * off_way)
-            and (moves := possible & (commands[:, 0] != 0)).any()
-        ):
-            possible = moves
         if not possible.any():
             self._turn = 0.0
             return WayStep(v=0.0, w=0.0, reason="something is in the way", blocked=True)
         cost = to_go + HEADING * off + ROOM * (NEAR - gap)
         worth = cost.copy()
-        change = CHANGE_ASIDE if self.either_way else CHANGE
-        cost += change * np.abs(commands[:, 1] - self._turn)
-        if not self.either_way:
-            cost[commands[:, 0] < 0] += 1.0
-        if off_way > TURN_FIRST and not self.either_way:
+        cost += CHANGE * np.abs(commands[:, 1] - self._turn)
+        cost[commands[:, 0] < 0] += 1.0
+        if self._off_way(robot_in_map) > TURN_FIRST:
             cost[np.abs(commands[:, 0]) > SLOW] += 1.0
         cost[~possible] = inf
         best = int(cost.argmin())
@@ -211,27 +184,15 @@ class Follower:
         v, w = commands[best].tolist()
         self._turn = w
         stuck = bool(cost[best] >= stands + 2.0)
+        left = self.cost_to_go.at(robot_in_map.x, robot_in_map.y)
         return WayStep(v=v, w=w, reason=f"{left:.1f} m to go", blocked=stuck)
-
-    def _hesitates(self, left: float) -> bool:
-        """Whether the robot has made no headway for a while; `left` is its way and its turn.
-
-        Where it has no room to turn, turning to and fro may look best for ever.
-        """
-        if left < self._best - BETTER or left > self._best + 1.0:  # the way is another one
-            self._best, self._without = left, 0
-        self._without = (self._without + 1) % (HESITATES + INSISTS)
-        return self._without > HESITATES
 
     def _commands(self, top: float) -> Float:
         """Return the velocities to try, shape (C, 2)."""
         rate = self._fastest_turn
         shares = np.linspace(-1.0, 1.0, TURNS)
         turns = rate * shares * np.abs(shares)  # finer where small
-        back = [-min(BACK, top)]
-        if self.either_way:
-            back = [-top, -top / 2, *back]
-        speeds = np.append(np.linspace(0.0, top, SPEEDS), back)
+        speeds = np.append(np.linspace(0.0, top, SPEEDS), -min(BACK, top))
         pairs = np.stack(np.meshgrid(speeds, turns, indexing="ij"), axis=-1)
         commands: Float = pairs.reshape(-1, 2)
         return commands
@@ -249,12 +210,11 @@ class Follower:
     ) -> Float:
         """Return cost to go, heading off the way, and both gaps of each command, shape (C, 4).
 
-        A robot that is no faster than `slow` [m/s] keeps `keep` [m] from each obstacle, and
-        `PERSONAL` at least from people, or as much as it has.
+        A robot that is no faster than `slow` [m/s] keeps `keep` [m] from each obstacle, or as much
+        as it has.
         """
         at, limits = robot_in_map, self.limits
-        gaps, people = gaps_at(at, self.model, obstacles), obstacles[:, 4] > 0.0
-        kept = np.minimum(np.where(people, max(keep, PERSONAL), keep), gaps)
+        kept = np.minimum(keep, gaps_at(at, self.model, obstacles))
         middle = at.theta + twist.w * DELAY / 2
         state = np.array(
             [
@@ -277,7 +237,8 @@ class Follower:
         )
         raster = self.cost_to_go.raster
         frame = np.array([raster.x, raster.y, raster.cell])
-        outline = np.array([*self._outline, KEEP, KEEP_PER_SPEED, FAR, slow])
+        far = KEEP + KEEP_PER_SPEED * limits.max_speed + NEAR
+        outline = np.array([*self._outline, KEEP, KEEP_PER_SPEED, far, slow])
         out = np.empty((len(commands), 4))
         values = self.cost_to_go.values
         side = np.hypot(obstacles[:, 0] - state[0], obstacles[:, 1] - state[1]) - obstacles[:, 4]

@@ -1,7 +1,7 @@
 """Manoeuvres: out of places where a robot that is longer than wide has to line up with a gap."""
 
 from dataclasses import dataclass, field
-from math import atan2, cos, hypot, inf, pi, sin, sqrt
+from math import atan2, cos, hypot, pi, sin, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,7 @@ from pioneer3.limits import Limits
 from pioneer3.models import RobotModel
 from pioneer3.nav.costs import CostMap
 from pioneer3.nav.kernels import CACHE
+from pioneer3.nav.kernels.arcs import ROUNDING
 from pioneer3.nav.kernels.manoeuvres import manoeuvre
 from pioneer3.nav.moving import PERSON_RADIUS
 from pioneer3.nav.planner import CostToGo
@@ -51,20 +52,18 @@ PROGRESS = 0.3
 """A manoeuvre brings the robot so much nearer to its goal [m in the open]."""
 FREE = 0.02
 """With so much room around its farthest corner it turns as it likes [m]."""
-SPEED, TURN_RATE, ROOM = (0.1, 0.3), (0.5, 0.6), (0.06, 0.3)
-"""Of a manoeuvre [m/s, rad/s], with so much room around the robot [m]."""
-LOOK = 0.3
-"""So far ahead it looks for what it would touch, and as far as it needs to slow down [s]."""
+SPEED = 0.2
+"""[m/s]."""
+TURN_RATE = 0.5
+"""[rad/s]."""
 AHEAD = 0.15
 """Arcs are steered by a point so far ahead [m]."""
 THERE, ALIGNED = 0.015, 0.03
 """Near enough [m, rad]."""
-TOUCHES = 0.02
-"""Nearer to something it gives up [m]."""
 SLOWEST_TURN = 0.06
 """Wheels stick below this [rad/s]."""
 APART = PERSON_RADIUS + 0.15
-"""Kept from the line on which somebody walks [m], unless more is asked for."""
+"""Kept from the line on which somebody walks [m]."""
 MOST = 16_000
 """After so many states a search gives up: longer ones would hold up the robot."""
 NOWHERE: Float = np.empty((0, 2))
@@ -86,6 +85,8 @@ def find_manoeuvre(
     """
     here = robot_in_map
     least = cost_to_go.at(here.x, here.y) - PROGRESS
+    if least <= 0.0:
+        return None
     raster, values = cost_to_go.raster, cost_to_go.values
     return _search(here, model, obstacles, raster, values, least=least)
 
@@ -96,8 +97,6 @@ def find_way_aside(
     obstacles: Float,
     ways: Float,
     costs: CostMap,
-    *,
-    apart: float = APART,
 ) -> Float | None:
     """Return the poses of a drive to the nearest place beside the ways of others, if any is near.
 
@@ -107,17 +106,16 @@ def find_way_aside(
         obstacles: Everything nearby, as a follower takes it, shape (N, 5).
         ways: Points of the ways of others [m], shape (K, 2), K at least 1.
         costs: Of the map.
-        apart: Kept between the robot and those ways [m].
 
     Returns:
         As :func:`find_manoeuvre`; one pose if the robot is beside them.
     """
     here = robot_in_map
-    near = _within(SIDE * CELL / 2 + model.corner + apart, here, ways)
+    near = _within(SIDE * CELL / 2 + model.corner + APART, here, ways)
     if not len(near):
         return np.array([[here.x, here.y, here.theta]])
     open_places = np.where(costs.closed, np.inf, 0.0).astype(np.float32)
-    return _search(here, model, obstacles, costs.raster, open_places, ways=near, apart=apart)
+    return _search(here, model, obstacles, costs.raster, open_places, ways=near)
 
 
 def _search(
@@ -128,7 +126,6 @@ def _search(
     values: Float32,
     *,
     ways: Float = NOWHERE,
-    apart: float = APART,
     least: float = 0.0,
 ) -> Float | None:
     reach = SIDE * CELL / 2 + model.corner
@@ -138,12 +135,12 @@ def _search(
     costs, keys = np.full(count, np.inf, dtype=np.float32), np.empty(count, dtype=np.float32)
     things = near[:, [0, 1, 4]]
     # a robot that is nearer to something already only comes no nearer to that
-    things[:, 2] -= np.maximum(GAP - gaps_at(here, model, near) + 0.002, 0.0)
+    things[:, 2] -= np.maximum(GAP - gaps_at(here, model, near) + ROUNDING, 0.0)
     outline = (model.length_front, model.length_rear, model.width / 2, GAP, model.corner + FREE)
     last = fast(manoeuvre, CACHE)(
         np.array([here.x, here.y, here.theta]),
         _moves(),
-        np.array([*outline, least, apart]),
+        np.array([*outline, least, APART]),
         things,
         np.pad(ways, ((0, 0), (0, 1))),
         values,
@@ -175,55 +172,25 @@ class Manoeuvre:
 
     Attributes:
         poses: As found, shape (K, 3).
-        model: The outline of the robot.
         limits: Bounds on its motion.
         done: Whether it is over, for good or ill.
     """
 
     poses: Float
-    model: RobotModel
     limits: Limits
     done: bool = False
     _at: int = field(default=0, init=False)
 
-    def step(self, robot_in_map: Pose2, obstacles: Float) -> tuple[float, float]:
-        """Return the next velocity [m/s, rad/s].
-
-        Args:
-            robot_in_map: Where the robot is [m, rad].
-            obstacles: Everything nearby, as a follower takes it, shape (N, 5).
-        """
-        self.done = self.done or len(self.poses) < 2
-        room = float(gaps_at(robot_in_map, self.model, obstacles).min(initial=inf))
-        brisk = min(max((room - ROOM[0]) / (ROOM[1] - ROOM[0]), 0.0), 1.0)
-        while not self.done:
+    def step(self, robot_in_map: Pose2) -> tuple[float, float]:
+        """Return the next velocity [m/s, rad/s]."""
+        while self._at + 1 < len(self.poses):
             end, way = self._run()
-            for pace in (brisk, 0.0):
-                command = self._command(robot_in_map, end, way, pace)
-                if command is None:
-                    break
-                if not self._touches(robot_in_map, command, obstacles):
-                    return command
+            command = self._drive(robot_in_map, end, way) if way else self._turn(robot_in_map, end)
             if command is not None:
-                break
+                return command
             self._at = end
-            self.done = end + 1 >= len(self.poses)
         self.done = True
         return 0.0, 0.0
-
-    def _command(self, at: Pose2, end: int, way: int, pace: float) -> tuple[float, float] | None:
-        """Return the velocity at a pace of 0 to 1, or `None` at the end of a run."""
-        if way:
-            return self._drive(at, end, way, SPEED[0] + pace * (SPEED[1] - SPEED[0]))
-        return self._turn(at, end, TURN_RATE[0] + pace * (TURN_RATE[1] - TURN_RATE[0]))
-
-    def _touches(self, at: Pose2, command: tuple[float, float], obstacles: Float) -> bool:
-        """Return whether the robot would touch something before it stops."""
-        v, w = command
-        time = LOOK + max(0.0, abs(v) - SPEED[0]) / self.limits.deceleration
-        kept = np.minimum(TOUCHES, gaps_at(at, self.model, obstacles))
-        ahead = at @ Pose2(time * v, 0.0, time * w)
-        return bool((gaps_at(ahead, self.model, obstacles) < kept).any())
 
     def _run(self) -> tuple[int, int]:
         """Return the last pose of the present run, and its direction: 1 or -1, 0 for a turn."""
@@ -240,15 +207,15 @@ class Manoeuvre:
             return 0
         return 1 if dx * cos(theta) + dy * sin(theta) > 0 else -1
 
-    def _turn(self, at: Pose2, end: int, fastest: float) -> tuple[float, float] | None:
+    def _turn(self, at: Pose2, end: int) -> tuple[float, float] | None:
         off = wrap(float(self.poses[end, 2]) - at.theta)
         if abs(off) < ALIGNED:
             return None
         rate = max(SLOWEST_TURN, sqrt(self.limits.turn_deceleration * abs(off)))
-        rate = min(rate, fastest, self.limits.max_turn_rate)
+        rate = min(rate, TURN_RATE, self.limits.max_turn_rate)
         return 0.0, rate if off > 0 else -rate
 
-    def _drive(self, at: Pose2, end: int, way: int, top: float) -> tuple[float, float] | None:
+    def _drive(self, at: Pose2, end: int, way: int) -> tuple[float, float] | None:
         """Return the velocity along a run of arcs, or `None` at its end."""
         x, y, theta = self.poses[end]
         left = way * ((x - at.x) * cos(theta) + (y - at.y) * sin(theta))
@@ -265,9 +232,8 @@ class Manoeuvre:
         dx, dy = to_x - at.x, to_y - at.y
         bearing = wrap(atan2(dy, dx) - at.theta - (pi if way < 0 else 0.0))
         curvature = 2 * sin(bearing) / max(hypot(dx, dy), AHEAD / 2)
-        v = min(top, max(0.03, sqrt(2 * self.limits.deceleration * 0.5 * left)))
-        fastest = TURN_RATE[1]
-        w = max(-fastest, min(fastest, v * curvature))
+        v = min(SPEED, max(0.03, sqrt(2 * self.limits.deceleration * 0.5 * left)))
+        w = max(-TURN_RATE, min(TURN_RATE, v * curvature))
         return way * v, w
 
 

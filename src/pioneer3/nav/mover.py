@@ -84,6 +84,11 @@ class Mover:
         """[m/s]."""
         return hypot(self.vx, self.vy)
 
+    @property
+    def still_since(self) -> float:
+        """Since when it stands [s]; if it left the view while it walked, since then."""
+        return self.seen if self.stands is None else self.stands
+
     def at(self, now: float) -> tuple[float, float]:
         """Return where it is expected at `now` [m]."""
         ahead = min(max(now - self.seen, 0.0), COASTS)

@@ -11,11 +11,11 @@ from pioneer3.jit import fast
 from pioneer3.nav.beams import Beams
 from pioneer3.nav.clusters import has_company
 from pioneer3.nav.costs import CostMap
-from pioneer3.nav.echoes import UNSURE_END, WALL_ECHO, Echoes
+from pioneer3.nav.echoes import BODY_RADIUS, UNSURE_END, WALL_ECHO, Echoes
 from pioneer3.nav.kernels import CACHE
 from pioneer3.nav.kernels.rays import clear_beams, mark_echoes
 from pioneer3.nav.mover import COASTS
-from pioneer3.nav.moving import PARTING, PERSON_RADIUS, Movers
+from pioneer3.nav.moving import BODY_DEPTH, PARTING, PERSON_RADIUS, Movers
 from pioneer3.nav.particles import moved_by
 
 SEEN_RANGE = 6.0
@@ -234,7 +234,22 @@ class Sightings:
         ]
         return np.concatenate([np.empty((0, 2)), *standing])
 
-    def legs(self, people: Float, now: float) -> Float:
+    def bodies(self, x: float, y: float, within: float, now: float) -> Float:
+        """Return all that is seen or heard of people and such around a place, and may move.
+
+        Rows are x, y [m], velocity [m/s] and radius [m], shape (N, 5).
+        """
+        people = self.movers.discs(now)
+        return np.concatenate(
+            [
+                people,
+                standing(self._legs(people, now), BODY_DEPTH),
+                standing(self.echoes.near(x, y, within, now), 0.0),
+                standing(self.echoes.bodies(now), BODY_RADIUS),
+            ]
+        )
+
+    def _legs(self, people: Float, now: float) -> Float:
         """Return echoes of the last scan that may be of legs, but of people who are alone, (N, 2).
 
         Of `people` there are x, y [m], velocity [m/s] and radius [m], shape (W, 5).
@@ -267,6 +282,13 @@ class Sightings:
         self.echoes.forget()
         self._scan_before = self._latest = -inf, np.empty((0, 2))
         self.movers.forget()
+
+
+def standing(points: Float, radius: float) -> Float:
+    """Return things of a radius [m] that stand at places (N, 2) [m], as `bodies` does, (N, 5)."""
+    things = np.zeros((len(points), 5))
+    things[:, :2], things[:, 4] = points, radius
+    return things
 
 
 def in_map(robot_in_map: Pose2, points: Float) -> Float:

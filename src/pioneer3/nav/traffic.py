@@ -2,15 +2,14 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from math import inf
+from math import inf, isfinite
 
 import numpy as np
 
-from pioneer3.arrays import Bool, Float
+from pioneer3.arrays import Float
 from pioneer3.geometry import Pose2
 from pioneer3.nav.beams import Beams
 from pioneer3.nav.costs import CostMap
-from pioneer3.nav.giving_way import nearest_place
 from pioneer3.nav.planner import CostToGo
 
 PASSING_ROOM = 0.2
@@ -19,6 +18,8 @@ OTHERS_WAY = 5.0
 """Length of the ways of others that counts [m]."""
 OWN_WAY = 3.0
 """Length of the own way that is looked at [m]."""
+SPARE_ROOM = 0.03
+"""Room that is needed besides that to turn, where a robot waits [m]."""
 POINT_STRIDE = 4
 """Points of a way of which one counts."""
 
@@ -89,19 +90,25 @@ def meeting(mine: Traveller, other: Traveller) -> float | None:
 def passing_place(costs: CostMap, mine: Traveller, others: Sequence[Traveller]) -> CostToGo | None:
     """Return the way to the nearest place where a robot is in the way of none of the others.
 
-    The `costs` are those of the map with all that is seen.
+    It can turn there, and wait. The `costs` are those of the map with all that is seen.
     """
-    around = costs.with_obstacles(np.concatenate([other.body for other in others]))
-
-    def free(places: Float) -> Bool:
-        beside = np.ones(len(places), dtype=np.bool_)
-        for other in others:
-            apart = mine.corner + other.corner + PASSING_ROOM
-            for point in other.ahead():
-                beside &= np.hypot(*(places - point).T) >= apart
-        return beside
-
-    return nearest_place(around, mine.robot_in_map, free)
+    costs = costs.with_obstacles(np.concatenate([other.body for other in others]))
+    raster, prices, here = costs.raster, costs.costs(), mine.robot_in_map
+    from_robot = CostToGo.of(prices, raster, here.x, here.y)
+    if from_robot is None:
+        return None
+    free = np.isfinite(from_robot.values) & (costs.clearance >= costs.turning + SPARE_ROOM)
+    rows, columns = np.nonzero(free)
+    places = np.stack([columns + 0.5, rows + 0.5], axis=1) * raster.cell + (raster.x, raster.y)
+    cost = from_robot.values[rows, columns].astype(np.float64)
+    for other in others:
+        apart = mine.corner + other.corner + PASSING_ROOM
+        for point in other.ahead():
+            cost[np.hypot(*(places - point).T) < apart] = inf
+    if not np.isfinite(cost).any():
+        return None
+    to_go = CostToGo.of(prices, raster, *places[int(cost.argmin())].tolist())
+    return to_go if to_go is not None and isfinite(to_go.at(here.x, here.y)) else None
 
 
 def _stretch(way: Float, length: float) -> Float:

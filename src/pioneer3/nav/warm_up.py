@@ -13,7 +13,7 @@ from pioneer3.limits import Limits
 from pioneer3.maps import LineMap
 from pioneer3.models import load_model
 from pioneer3.nav.beams import Beams
-from pioneer3.nav.clearance import Clearance, Walls
+from pioneer3.nav.clearance import Clearance
 from pioneer3.nav.costs import CostMap
 from pioneer3.nav.follower import Follower
 from pioneer3.nav.frontiers import find_frontiers
@@ -59,7 +59,7 @@ def warm_up() -> None:
     obstacles = np.pad(seen, ((0, 0), (0, 3)))
     follower.step(ORIGIN, Twist2(), obstacles)
     clearance = Clearance(model=model, limits=limits, margin=2 * half)
-    clearance.limit(Twist2(0.1, 0.1), Twist2(), Walls.of(room.walls).pieces, 20.0)
+    clearance.limit(Twist2(0.1, 0.1), Twist2(), np.zeros((1, 5)), 20.0)
     find_manoeuvre(ORIGIN, model, obstacles, way.cost_to_go)
     _make_map()
     CACHE.complete()

@@ -13,8 +13,8 @@ localization    where it is, from its scans or echoes, and the mode that finds i
 last_place      where it was when a program ended
 ways            ways that are planned anew
 drives          drives along ways: planned anew, held up, given way
-follow_way      the mode that drives along a way, and turns the robot to it
-going_aside     its part that makes room for others
+follow_way      the mode that drives along a way
+recovery        its part for a robot that is held up: manoeuvres, and room for people
 keep_clear      the limiter that is asked last: no outline into walls or echoes
 traffic         robots of one program: frames, who travels where, who waits
 group           formations of them

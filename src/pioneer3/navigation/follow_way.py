@@ -1,4 +1,4 @@
-"""The action that drives along planned ways, and its part that turns a robot to them."""
+"""The action that drives along planned ways."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -13,68 +13,14 @@ from pioneer3.behaviors.actions.limiters import LimiterTableSensor
 from pioneer3.behaviors.actions.recover import StallRecover
 from pioneer3.geometry import Pose2
 from pioneer3.nav.beams import beams_of
-from pioneer3.nav.echoes import BODY_RADIUS
 from pioneer3.nav.follower import Follower
-from pioneer3.nav.manoeuvre import Manoeuvre, find_manoeuvre
-from pioneer3.nav.moving import BODY_DEPTH
 from pioneer3.nav.planner import CostToGo
-from pioneer3.nav.sightings import Sightings, in_map
-from pioneer3.navigation.going_aside import GoingAside
+from pioneer3.nav.sightings import Sightings, in_map, standing
+from pioneer3.navigation.recovery import Recovery
 
 Float = NDArray[np.float64]
 
-HELD_UP, SEARCH_AGAIN = 4.0, 2.0
-"""A robot that comes no nearer for so long looks for a manoeuvre, and again so often [s]."""
-MOVED = 0.2
-"""Nor one that has come so far meanwhile [m]: its way leads elsewhere now."""
-
-
-@dataclass(slots=True)
-class LiningUp:
-    """Looks for a manoeuvre where a robot is held up, and drives it."""
-
-    _manoeuvre: Manoeuvre | None = field(default=None, init=False)
-    _searched: float = field(default=-inf, init=False)
-    _anchor: tuple[float, float] = field(default=(inf, inf), init=False)
-    _anchored: float = field(default=-inf, init=False)
-
-    def decide(
-        self,
-        situation: Situation,
-        robot_in_map: Pose2,
-        obstacles: Float,
-        to_go: CostToGo,
-        held_up: float,
-    ) -> Desire | None:
-        """Return the next velocity, or `None` where no manoeuvre is wanted or found.
-
-        Args:
-            situation: Of now.
-            robot_in_map: Where the robot is [m, rad].
-            obstacles: Everything nearby, as a follower takes it, shape (N, 5).
-            to_go: The cost to its goal.
-            held_up: For how long it has come no nearer [s].
-        """
-        x, y = robot_in_map.x, robot_in_map.y
-        if hypot(x - self._anchor[0], y - self._anchor[1]) > MOVED:
-            self._anchor, self._anchored = (x, y), situation.now
-        held_up = min(held_up, situation.now - self._anchored)
-        late = situation.now - self._searched > SEARCH_AGAIN
-        if self._manoeuvre is None and held_up > HELD_UP and late:
-            self._searched = situation.now
-            poses = find_manoeuvre(robot_in_map, situation.model, obstacles, to_go)
-            if poses is not None:
-                self._manoeuvre = Manoeuvre(poses, situation.model, situation.limits)
-        if self._manoeuvre is None:
-            return None
-        v, w = self._manoeuvre.step(robot_in_map, obstacles)
-        if self._manoeuvre.done:
-            self._manoeuvre = None
-            return None
-        return Desire(v=v, w=w, reason="lines up with a narrow place")
-
-
-PATIENCE, AMONG_PEOPLE = 40.0, 120.0
+PATIENCE, AMONG_PEOPLE = 40.0, 240.0
 """A robot that comes no nearer for so long gives up [s]; people go on sooner or later."""
 DETOUR, DETOURS = 1.0, 8
 """A way that is so much longer [m] is a detour; after so many it has to come nearer on any."""
@@ -127,8 +73,7 @@ class FollowWay(Action):
     failed: str | None = None
     blocked: bool = False
     waits: str = ""
-    _aside: GoingAside = field(init=False)
-    _lining_up: LiningUp = field(default_factory=LiningUp, init=False)
+    _recovery: Recovery = field(init=False)
     _walls: cKDTree = field(init=False)
     _best: float = field(default=inf, init=False)
     _since: float | None = field(default=None, init=False)
@@ -138,7 +83,7 @@ class FollowWay(Action):
 
     def __post_init__(self) -> None:
         """Arrange the walls by their places."""
-        self._aside = GoingAside(self.sightings)
+        self._recovery = Recovery(self.sightings)
         self._walls = cKDTree(self.walls)
 
     @property
@@ -177,33 +122,24 @@ class FollowWay(Action):
         )
         self.arrived, self.blocked = step.arrived, step.blocked
         self.done = self.arrived and self.last
+        self._check_progress(situation.now, robot_in_map)
         if not step.arrived and (recovers := self._recover(situation, robot_in_map, obstacles)):
             return recovers
-        self._check_progress(situation.now, robot_in_map)
         return Desire(v=step.v, w=step.w, reason=step.reason)
 
     def _recover(
         self, situation: Situation, robot_in_map: Pose2, obstacles: Float
     ) -> Desire | None:
-        """Return the velocity of a robot that does not simply go on: for people, or to line up."""
-        x, y, _ = self.follower.goal
-        left = hypot(x - robot_in_map.x, y - robot_in_map.y)
-        aside = self._aside.decide(situation, robot_in_map, obstacles, left, blocked=self.blocked)
-        if aside is not None:
-            self._since = None if self._since is None else self._since + self._aside.forgiven
-            self._check_progress(situation.now, robot_in_map)
-            return aside
-        held_up = self.held_up(situation.now)
-        to_go = self.follower.cost_to_go
-        lines_up = self._lining_up.decide(situation, robot_in_map, obstacles, to_go, held_up)
-        if lines_up is not None:
-            self._check_progress(situation.now, robot_in_map)
-        return lines_up
+        """Return the velocity of a robot that does not simply go on."""
+        to_go, held_up = self.follower.cost_to_go, self.held_up(situation.now)
+        return self._recovery.decide(
+            situation, robot_in_map, obstacles, to_go, held_up, blocked=self.blocked
+        )
 
     def renew(self, walls: Float, sightings: Sightings) -> None:
         """Go on with a map that has grown."""
         self.walls, self.sightings = walls, sightings
-        self._walls, self._aside = cKDTree(walls), GoingAside(sightings)
+        self._walls, self._recovery = cKDTree(walls), Recovery(sightings)
 
     def held_up(self, now: float) -> float:
         """Return for how long it has come no nearer [s]."""
@@ -211,7 +147,8 @@ class FollowWay(Action):
 
     def send_on(self, follower: Follower, *, last: bool) -> None:
         """Drive to the next goal."""
-        self.follower, self.last, self._lining_up = follower, last, LiningUp()
+        self.follower, self.last = follower, last
+        self._recovery = Recovery(self.sightings)
         self.arrived, self._best, self._since = False, inf, None
         self._way, self._nearest, self._detours = None, inf, 0
 
@@ -259,10 +196,7 @@ class FollowWay(Action):
     def _obstacles(self, situation: Situation, robot_in_map: Pose2) -> Float:
         """Return obstacles nearby: x, y [m], velocity [m/s], radius [m] in the map, (N, 5)."""
         x, y, now = robot_in_map.x, robot_in_map.y, situation.now
-        walkers, heard = (
-            self.sightings.movers.discs(now),
-            self.sightings.echoes.near(x, y, LOOK, now),
-        )
+        bodies = self.sightings.bodies(x, y, LOOK, now)
         if situation.scan is not None and (latest := self.sightings.latest(now)) is not None:
             seen = latest
         elif situation.scan is not None:
@@ -277,33 +211,18 @@ class FollowWay(Action):
             seen[np.hypot(seen[:, 0] - x, seen[:, 1] - y) < LOOK],
         ]
         points = np.concatenate(parts)
-        for walker in walkers:
+        for walker in self.sightings.movers.discs(now):
             points = points[np.hypot(*(points - walker[:2]).T) > walker[4] + LEGS]
         off = points - (x, y)
         size = np.where(np.hypot(off[:, 0], off[:, 1]) < CLOSE, CELL, 2 * CELL)
         cells = np.round(off / size[:, None]).astype(np.int64)
         _, chosen = np.unique(cells[:, 0] * 1000 + cells[:, 1], return_index=True)
-        points = np.concatenate([points[chosen], heard])
-        return np.concatenate(
-            [
-                _standing(points, 0.0),
-                walkers,
-                _standing(self.sightings.legs(walkers, now), BODY_DEPTH),
-                _standing(self.sightings.echoes.bodies(now), BODY_RADIUS),
-            ]
-        )
+        return np.concatenate([standing(points[chosen], 0.0), bodies])
 
 
 def stand_unsure(unsure: str) -> Desire:
     """Return the desire to stand until it is known again where the robot is."""
     return Desire(v=0.0, w=0.0, lacks=True, reason=f"not sure where it is: {unsure}")
-
-
-def _standing(points: Float, radius: float) -> Float:
-    """Return obstacles of a radius [m] that stand at some places (N, 2) [m], shape (N, 5)."""
-    obstacles = np.zeros((len(points), 5))
-    obstacles[:, :2], obstacles[:, 4] = points, radius
-    return obstacles
 
 
 def follow_way(

@@ -46,7 +46,8 @@ class LimiterOutline(Action):
         clearance = self._clearance
         if clearance is None or clearance.model is not model or clearance.limits != limits:
             clearance = self._clearance = Clearance(model=model, limits=limits, margin=self.margin)
-        around = self._around(situation, clearance.reach(situation.twist, asked))
+        reach, until = clearance.horizon(situation.twist, asked)
+        around = self._around(situation, reach, until)
         passed = clearance.limit(asked, situation.twist, around, situation.now)
         if passed == asked:
             return None
@@ -59,24 +60,31 @@ class LimiterOutline(Action):
             reason="else the robot comes too near to something",
         )
 
-    def _around(self, situation: Situation, reach: float) -> Float:
-        """Return all that is near, in the robot's frame [m], shape (N, 4)."""
+    def _around(self, situation: Situation, reach: float, until: float) -> Float:
+        """Return all that is near, in the robot's frame [m], shape (N, 5).
+
+        Bodies take the room that they walk through in the next moment, `until` it is over [s].
+        """
         here, now = self.odom_in_map() @ situation.pose, situation.now
         to_robot, parts = here.inverse(), [self._echoes(situation)]
         if self.unsure() is None:
-            walls = self.walls.near(here.x, here.y, reach)
-            parts.append(in_map(to_robot, walls.reshape(-1, 2)).reshape(-1, 4))
+            walls = in_map(to_robot, self.walls.near(here.x, here.y, reach).reshape(-1, 2))
+            parts.append(np.pad(walls.reshape(-1, 4), ((0, 0), (0, 1))))
             if self.sightings is not None:
                 things = self.sightings.near(here.x, here.y, reach, now)
                 parts.append(_points(in_map(to_robot, things)))
+                bodies = self.sightings.bodies(here.x, here.y, reach, now)
+                ahead = bodies[:, :2] + until * bodies[:, 2:4]
+                ends = in_map(to_robot, bodies[:, :2]), in_map(to_robot, ahead)
+                parts.append(np.column_stack([*ends, bodies[:, 4]]))
         around = np.concatenate(parts)
-        x, y = around[:, ::2], around[:, 1::2]
-        near = (x.min(axis=1) < reach) & (x.max(axis=1) > -reach)
-        near &= (y.min(axis=1) < reach) & (y.max(axis=1) > -reach)
+        x, y, reaches = around[:, :4:2], around[:, 1:4:2], reach + around[:, 4]
+        near = (x.min(axis=1) < reaches) & (x.max(axis=1) > -reaches)
+        near &= (y.min(axis=1) < reaches) & (y.max(axis=1) > -reaches)
         return np.ascontiguousarray(around[near])
 
     def _echoes(self, situation: Situation) -> Float:
-        """Return the echoes of the laser, or else of the sonars, shape (N, 4)."""
+        """Return the echoes of the laser, or else of the sonars, shape (N, 5)."""
         if situation.scan is None:
             heard = [(point.x, point.y) for point in situation.around.points()]
             return _points(np.array(heard).reshape(-1, 2))
@@ -87,5 +95,5 @@ class LimiterOutline(Action):
 
 
 def _points(points: Float) -> Float:
-    """Return points (N, 2) as segments without a length, shape (N, 4)."""
-    return np.hstack([points, points])
+    """Return points (N, 2) as segments without a length, with no room around them, (N, 5)."""
+    return np.column_stack([points, points, np.zeros(len(points))])

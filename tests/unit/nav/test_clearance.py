@@ -26,7 +26,8 @@ def clearance() -> Clearance:
 
 def passed(asked: Twist2, *walls: list[float], twist: Twist2 = STILL) -> Twist2:
     """Return what comes of a command beside walls, in the robot's frame."""
-    return clearance().limit(asked, twist, np.array(walls, dtype=np.float64).reshape(-1, 4), 0.0)
+    around = np.pad(np.array(walls, dtype=np.float64).reshape(-1, 4), ((0, 0), (0, 1)))
+    return clearance().limit(asked, twist, around, 0.0)
 
 
 def beside(gap: float) -> list[float]:
@@ -46,6 +47,7 @@ def test_a_robot_that_is_driven_at_a_wall_stands_before_it(speed: float) -> None
     at, v = Pose2(), 0.0
     for tick in range(150):
         ends = in_map(at.inverse(), wall.reshape(-1, 2)).reshape(-1, 4)
+        ends = np.pad(ends, ((0, 0), (0, 1)))
         asked = check.limit(Twist2(speed, 0.0), Twist2(v, 0.0), ends, tick * DT).v
         step = (LIMITS.acceleration if abs(asked) > abs(v) else LIMITS.deceleration) * DT
         v = min(asked, v + step) if asked > v else max(asked, v - step)
@@ -98,3 +100,11 @@ def test_a_robot_turns_in_a_room_that_is_just_wide_enough() -> None:
     corners = [(room * sx, room * sy) for sx, sy in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
     sides = [[*a, *b] for a, b in zip(corners, [*corners[1:], corners[0]], strict=True)]
     assert passed(Twist2(0.0, pi / 2), *sides) == Twist2(0.0, pi / 2)
+
+
+def test_people_are_as_wide_as_they_are() -> None:
+    somebody = np.array([[FRONT + 0.28 + 0.1, 0.0, FRONT + 0.28 + 0.1, 0.0, 0.28]])
+    near = somebody - (0.09, 0.0, 0.09, 0.0, 0.0)
+    assert clearance().limit(Twist2(0.05, 0.0), STILL, somebody, 0.0).v > 0.0
+    assert clearance().limit(Twist2(0.05, 0.0), STILL, near, 0.0).v == 0.0
+    assert clearance().limit(BACK, STILL, near, 0.0) == BACK

@@ -16,8 +16,6 @@ from pioneer3.nav.manoeuvre import (
     BACKWARDS,
     GAP,
     PROGRESS,
-    ROOM,
-    SPEED,
     STEP,
     Manoeuvre,
     find_manoeuvre,
@@ -66,7 +64,7 @@ def gap(pose: Float, points: Float) -> float:
 def test_a_manoeuvre_keeps_clear_and_leads_on(at: tuple[float, float], theta: float) -> None:
     points, there = samples(POCKET.walls, 0.05), to_go(POCKET, 1.0, 3.0)
     here = Pose2(*at, theta)
-    least = min(GAP, gap(np.array([*at, theta]), points) - 0.002)
+    least = min(GAP, gap(np.array([*at, theta]), points) - 1e-6)
     poses = find_manoeuvre(here, AT, things(points), there)
     assert poses is not None
     assert poses[0] == pytest.approx([*at, theta])
@@ -109,9 +107,9 @@ def test_a_robot_drives_it_without_touching_anything(theta: float) -> None:
     at = Pose2(4.98, 3.0, theta)
     poses = find_manoeuvre(at, AT, things(points), there)
     assert poses is not None
-    drive, v, w, nearest = Manoeuvre(poses, AT, LIMITS), 0.0, 0.0, 1.0
+    drive, v, w, nearest = Manoeuvre(poses, LIMITS), 0.0, 0.0, 1.0
     for _ in range(1500):
-        wanted_v, wanted_w = drive.step(at, things(points))
+        wanted_v, wanted_w = drive.step(at)
         if drive.done:
             break
         v += float(np.clip(wanted_v - v, -0.03, 0.03))
@@ -121,48 +119,6 @@ def test_a_robot_drives_it_without_touching_anything(theta: float) -> None:
     assert drive.done
     assert hypot(at.x - poses[-1, 0], at.y - poses[-1, 1]) < 0.05
     assert nearest > 0.0
-
-
-STRAIGHT_BACK = np.stack([5.0 - STEP * np.arange(12), np.full(12, 3.0), np.zeros(12)], axis=1)
-
-
-def test_it_is_faster_where_there_is_room() -> None:
-    speeds = []
-    for beside in (ROOM[0], (ROOM[0] + ROOM[1]) / 2, ROOM[1], 10.0):
-        thing = things(np.array([[5.0, 3.0 + AT.width / 2 + beside]]))
-        v, _ = Manoeuvre(STRAIGHT_BACK, AT, LIMITS).step(Pose2(5.0, 3.0, 0.0), thing)
-        speeds.append(-v)
-    middle = (SPEED[0] + SPEED[1]) / 2
-    assert speeds == pytest.approx([SPEED[0], middle, SPEED[1], SPEED[1]])
-
-
-@pytest.mark.parametrize("off", [0.35, 0.3, 0.2, 0.1])
-def test_it_slows_down_in_time_for_what_is_ahead(off: float) -> None:
-    thing = things(np.array([[5.0 - AT.length_rear - off, 3.0]]))
-    drive, at, v, clear = Manoeuvre(STRAIGHT_BACK, AT, LIMITS), Pose2(5.0, 3.0, 0.0), 0.0, off
-    while not drive.done:
-        wanted, _ = drive.step(at, thing)
-        v += float(np.clip(wanted - v, -0.03, 0.03))
-        at = at @ Pose2(v * 0.1)
-        clear = at.x - AT.length_rear - float(thing[0, 0])
-    while v < 0.0:
-        v = min(0.0, v + 0.03)
-        at = at @ Pose2(v * 0.1)
-    assert 0.0 < at.x - AT.length_rear - float(thing[0, 0]) < clear + 1e-9
-    assert clear < 0.08 or off > 0.3
-
-
-def test_it_gives_up_where_something_has_come_into_its_way() -> None:
-    there = to_go(POCKET, 1.0, 3.0)
-    at = Pose2(5.0, 3.0, pi)
-    poses = find_manoeuvre(at, AT, things(samples(POCKET.walls, 0.05)), there)
-    assert poses is not None
-    drive = Manoeuvre(poses, AT, LIMITS)
-    near = poses[min(2, len(poses) - 1)]
-    thing = things(np.array([[at.x + (AT.length_front + 0.012) * cos(at.theta), at.y]]))
-    assert near is not None
-    assert drive.step(at, thing) == (0.0, 0.0)
-    assert drive.done
 
 
 CORRIDOR = room([0.0, 2.0, 10.0, 2.0], [0.0, 4.0, 10.0, 4.0])
@@ -205,7 +161,7 @@ def test_who_is_beside_their_way_stays() -> None:
     poses = find_way_aside(here, AT, walls, ways, costs(CORRIDOR))
     assert poses is not None
     assert len(poses) == 1
-    assert Manoeuvre(poses, AT, LIMITS).step(here, walls) == (0.0, 0.0)
+    assert Manoeuvre(poses, LIMITS).step(here) == (0.0, 0.0)
 
 
 def test_in_a_narrow_corridor_there_is_no_place_aside() -> None:
@@ -213,15 +169,3 @@ def test_in_a_narrow_corridor_there_is_no_place_aside() -> None:
     obstacles = np.concatenate([things(samples(narrow.walls, 0.05)), person(5.8, 3.0)])
     poses = find_way_aside(Pose2(5.0, 3.0), AT, obstacles, line(5.8, 3.0, -1.0), costs(narrow))
     assert poses is None
-
-
-def test_more_room_is_kept_for_them_if_asked_for() -> None:
-    at, ways = Pose2(5.0, 3.05, 0.0), line(5.8, 3.0, -1.0)
-    open_ = np.concatenate([things(samples(room().walls, 0.05)), person(5.8, 3.0)])
-    ends = []
-    for apart in (APART, APART + 0.3):
-        poses = find_way_aside(at, AT, open_, ways, costs(room()), apart=apart)
-        assert poses is not None
-        assert gap(poses[-1], ways) >= apart - 0.03
-        ends.append(gap(poses[-1], ways))
-    assert ends[1] > ends[0]

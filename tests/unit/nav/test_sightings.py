@@ -242,11 +242,11 @@ def test_the_line_on_which_somebody_comes_is_told(sightings: Sightings) -> None:
 def test_echoes_outside_of_people_may_be_legs(sightings: Sightings) -> None:
     come_and_stand(sightings, 2.0)
     people = sightings.movers.discs(6.9)
-    assert not len(sightings.legs(people, 6.9))
-    assert len(sightings.legs(people[:0], 6.9))
-    assert not len(sightings.legs(people[:0], 9.0))
+    assert not len(sightings._legs(people, 6.9))
+    assert len(sightings._legs(people[:0], 6.9))
+    assert not len(sightings._legs(people[:0], 9.0))
     beside = people + np.array([0.0, 0.4, 0.0, 0.0, 0.0])
-    assert len(sightings.legs(np.concatenate([people, beside]), 6.9))  # of either of the two
+    assert len(sightings._legs(np.concatenate([people, beside]), 6.9))  # of either of the two
 
 
 @pytest.mark.parametrize(("people", "scans", "stays"), [(True, 1, 0), (True, 6, 1), (False, 1, 1)])

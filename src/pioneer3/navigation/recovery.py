@@ -1,0 +1,116 @@
+"""Brings a robot on that is held up: through a narrow place, or aside for people who wait."""
+
+from dataclasses import dataclass, field
+from math import hypot, inf
+
+import numpy as np
+
+from pioneer3.arrays import Float
+from pioneer3.behaviors.action import Desire, Situation
+from pioneer3.geometry import Pose2
+from pioneer3.nav.manoeuvre import Manoeuvre, find_manoeuvre, find_way_aside
+from pioneer3.nav.mover import Mover
+from pioneer3.nav.planner import CostToGo
+from pioneer3.nav.sightings import COMING_WAY, Sightings
+
+MOVED = 0.2
+"""Way below which a robot has not moved [m]."""
+HELD_UP = 4.0
+"""Time without headway after which it looks for a manoeuvre [s]."""
+BLOCKED = 1.0
+"""Time where it is after which a robot that nothing leads on from waits for people [s]."""
+MEETS = 0.95
+"""Distance of people who stand because of the robot [m]."""
+PATIENCE = 12.0
+"""Time that it waits for them to go round it, or turn back, before it goes aside [s]."""
+STAYS = 30.0
+"""Time after which somebody who stands does not wait for it [s]."""
+SEARCH_AGAIN = 2.0
+"""Time from one search to the next one [s]."""
+POINTS = 0.1
+"""Distance from one point of somebody's way to the next [m]."""
+
+
+@dataclass(slots=True)
+class Recovery:
+    """Looks for a manoeuvre where a robot is held up, and drives it.
+
+    Attributes:
+        sightings: Tells who is near.
+    """
+
+    sightings: Sightings
+    _manoeuvre: Manoeuvre | None = field(default=None, init=False)
+    _aside: bool = field(default=False, init=False)
+    _searched: float = field(default=-inf, init=False)
+    _anchor: Pose2 = field(default=Pose2(inf), init=False)
+    _anchored: float = field(default=-inf, init=False)
+
+    def decide(
+        self,
+        situation: Situation,
+        robot_in_map: Pose2,
+        obstacles: Float,
+        to_go: CostToGo,
+        held_up: float,
+        *,
+        blocked: bool,
+    ) -> Desire | None:
+        """Return the next velocity, or `None` where the robot simply goes on.
+
+        Args:
+            situation: Of now.
+            robot_in_map: Where the robot is [m, rad].
+            obstacles: Everything nearby, as a follower takes it, shape (N, 5).
+            to_go: The cost to its goal.
+            held_up: For how long it has come no nearer [s].
+            blocked: Whether no motion leads on.
+        """
+        here, now = robot_in_map, situation.now
+        if hypot(here.x - self._anchor.x, here.y - self._anchor.y) > MOVED:
+            self._anchor, self._anchored = here, now
+        still = now - self._anchored
+        if self._manoeuvre is not None:
+            v, w = self._manoeuvre.step(here)
+            if not self._manoeuvre.done and still < HELD_UP:
+                why = "goes aside for somebody" if self._aside else "lines up with a narrow place"
+                return Desire(v=v, w=w, reason=why)
+            self._manoeuvre, self._anchored, still = None, now, 0.0
+        waiting = self._waiting(here, now)
+        self._aside &= bool(waiting)
+        if self._aside:
+            return Desire(v=0.0, w=0.0, reason="lets somebody pass")
+        late, poses = now - self._searched > SEARCH_AGAIN, None
+        if waiting and blocked and still > BLOCKED:
+            if late and all(now - each.still_since > PATIENCE for each in waiting):
+                model, costs = situation.model, self.sightings.costs
+                poses = find_way_aside(here, model, obstacles, _ways(waiting, here), costs)
+                self._searched, self._aside = now, poses is not None
+            if poses is None:
+                return Desire(v=0.0, w=0.0, reason="waits for somebody")
+        elif late and min(held_up, still) > HELD_UP:
+            poses = find_manoeuvre(here, situation.model, obstacles, to_go)
+            self._searched = now
+        if poses is not None:
+            self._manoeuvre, self._anchored = Manoeuvre(poses, situation.limits), now
+        return None
+
+    def _waiting(self, here: Pose2, now: float) -> list[Mover]:
+        """Return the people who stand so near that the robot may be in their way."""
+        return [
+            each
+            for each in self.sightings.movers.people()
+            if hypot(each.x - here.x, each.y - here.y) < MEETS
+            and (each.stands is not None or now - each.seen > BLOCKED)
+            and now - each.still_since < STAYS
+        ]
+
+
+def _ways(walkers: list[Mover], here: Pose2) -> Float:
+    """Return points on the lines ahead of people, or from them to the robot [m], shape (K, 2)."""
+    steps, points = np.arange(0.0, COMING_WAY, POINTS)[:, None], []
+    for walker in walkers:
+        towards = np.array((here.x - walker.x, here.y - walker.y))
+        ahead = np.array(walker.heading) if any(walker.heading) else towards / hypot(*towards)
+        points.append((walker.x, walker.y) + steps * ahead)
+    return np.concatenate(points)

@@ -1,0 +1,133 @@
+"""A robot that is held up: by a narrow place, or by somebody who waits for it."""
+
+import numpy as np
+import pytest
+
+from pioneer3.arrays import Float
+from pioneer3.geometry import Pose2
+from pioneer3.nav.follower import NO_OBSTACLES
+from pioneer3.nav.mover import Mover
+from pioneer3.nav.planner import CostToGo, Way, plan
+from pioneer3.nav.sightings import Sightings
+from pioneer3.navigation.recovery import BLOCKED, HELD_UP, PATIENCE, STAYS, Recovery
+from tests.unit.behaviors.support import seen
+from tests.unit.nav.offices import costs, room
+
+HERE = Pose2(5.0, 3.0, 0.0)
+DT = 0.1
+
+
+@pytest.fixture(scope="module")
+def to_go() -> CostToGo:
+    way = plan(costs(room()), (2.0, 3.0), (8.0, 3.0))
+    assert isinstance(way, Way)
+    return way.cost_to_go
+
+
+@pytest.fixture
+def recovery() -> Recovery:
+    return Recovery(Sightings(costs(room())))
+
+
+def meet(recovery: Recovery, x: float, now: float) -> Mover:
+    """Put somebody in front of the robot, who walked towards it and stands."""
+    somebody = Mover(
+        x, 3.0, 0.0, 0.0, now, (x + 2.0, 3.0), walks=True, stands=now, heading=(-1.0, 0.0)
+    )
+    recovery.sightings.movers.things = [somebody]
+    return somebody
+
+
+def reasons(
+    recovery: Recovery,
+    to_go: CostToGo,
+    begin: float,
+    seconds: float,
+    *,
+    speed: float = 0.0,
+    held_up: float = 0.0,
+    blocked: bool = True,
+    obstacles: Float = NO_OBSTACLES,
+) -> list[str]:
+    """Return what a robot does that drives at a speed [m/s], or else stands at the same place."""
+    found = []
+    for tick in range(round(seconds / DT)):
+        here = Pose2(HERE.x + speed * tick * DT, HERE.y)
+        now = seen(begin + tick * DT)
+        desire = recovery.decide(now, here, obstacles, to_go, held_up, blocked=blocked)
+        found.append(desire.reason if desire else "")
+        if desire and desire.reason == "waits for somebody":
+            assert (desire.v, desire.w) == (0.0, 0.0)
+    return found
+
+
+def test_a_robot_that_is_alone_goes_on(recovery: Recovery, to_go: CostToGo) -> None:
+    assert not any(reasons(recovery, to_go, 0.0, 10.0))
+
+
+def test_it_waits_for_somebody_then_goes_aside(recovery: Recovery, to_go: CostToGo) -> None:
+    meet(recovery, 5.8, 0.0)
+    found = reasons(recovery, to_go, 0.0, PATIENCE + 1.0)
+    assert not any(found[: round(BLOCKED / DT)])
+    waits = found[round(BLOCKED / DT) + 1 : round(PATIENCE / DT)]
+    assert set(waits) == {"waits for somebody"}
+    assert found[-1] == "goes aside for somebody"
+
+
+@pytest.mark.parametrize(("speed", "blocked"), [(0.3, True), (0.0, False)])
+def test_a_robot_that_gets_on_waits_for_nobody(
+    recovery: Recovery, to_go: CostToGo, speed: float, blocked: bool
+) -> None:
+    meet(recovery, 5.8, 0.0)
+    assert not any(reasons(recovery, to_go, 0.0, 2.0, speed=speed, blocked=blocked))
+
+
+def test_who_stands_farther_away_is_let_be(recovery: Recovery, to_go: CostToGo) -> None:
+    meet(recovery, 7.0, 0.0)
+    assert not any(reasons(recovery, to_go, 0.0, 5.0))
+
+
+def test_it_goes_on_when_they_have_gone(recovery: Recovery, to_go: CostToGo) -> None:
+    meet(recovery, 5.8, 0.0)
+    assert reasons(recovery, to_go, 0.0, 2.0)[-1]
+    recovery.sightings.movers.forget()
+    assert not reasons(recovery, to_go, 2.0, 0.5)[-1]
+
+
+def test_who_does_not_pass_is_let_be(recovery: Recovery, to_go: CostToGo) -> None:
+    """A thing may look like the legs of somebody."""
+    thing = meet(recovery, 5.8, 0.0)
+    found = reasons(recovery, to_go, 0.0, STAYS + 1.0)
+    assert "goes aside for somebody" in found
+    assert not found[-1]
+    thing.x, thing.stands = 4.2, STAYS + 2.0  # somebody else comes
+    assert reasons(recovery, to_go, STAYS + 2.0, 2 * BLOCKED)[-1]
+
+
+def test_it_waits_on_where_no_place_is_beside_their_way(
+    recovery: Recovery, to_go: CostToGo
+) -> None:
+    meet(recovery, 5.8, 0.0)
+    angles = np.linspace(0.0, 2 * np.pi, 40)
+    ring = np.stack([5.0 + 0.48 * np.cos(angles), 3.0 + 0.48 * np.sin(angles)], axis=1)
+    around = np.pad(ring, ((0, 0), (0, 3)))
+    found = reasons(recovery, to_go, 0.0, PATIENCE + 3.0, obstacles=around)
+    assert set(found[round(2 * BLOCKED / DT) :]) == {"waits for somebody"}
+
+
+def test_it_looks_for_a_manoeuvre_once_it_has_come_nowhere_for_a_while(
+    recovery: Recovery, to_go: CostToGo
+) -> None:
+    found = reasons(recovery, to_go, 0.0, HELD_UP + 1.0, held_up=60.0)
+    assert not any(found[: round(HELD_UP / DT)])
+    assert found[-1] == "lines up with a narrow place"
+    others = Recovery(recovery.sightings)
+    assert not any(reasons(others, to_go, 0.0, HELD_UP + 1.0, held_up=60.0, speed=0.3))
+
+
+def test_it_gives_up_a_manoeuvre_that_something_keeps_it_from(
+    recovery: Recovery, to_go: CostToGo
+) -> None:
+    found = reasons(recovery, to_go, 0.0, 3 * HELD_UP, held_up=60.0)
+    begins = round(HELD_UP / DT) + 3
+    assert "" in found[begins : begins + round(HELD_UP / DT) + 1]
