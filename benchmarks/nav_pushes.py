@@ -1,7 +1,7 @@
 """Maps while the robot is pushed, lifted or slips: run as `python -m benchmarks.nav_pushes`.
 
-Odometry misses one motion in each drive. The map is right in the end, or the mapper says that it
-has pieces whose places are not known.
+Odometry misses one motion in each drive. The map is right in the end, or the mapper says that the
+robot was moved.
 """
 
 import argparse
@@ -77,11 +77,11 @@ class Meddler:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pushed:
-    """A drive with a push, and what came of it: RMSE [m], pieces left, processor time [ms]."""
+    """A drive with a push, and what came of it: RMSE [m], remarks, processor time [ms]."""
 
     what: str
     rmse: float
-    pieces: int
+    remarks: tuple[str, ...]
     live: float
     beside: float
 
@@ -103,7 +103,7 @@ class Pushed:
         return cls(
             what=f"{name}, {far:g} m, seed {seed}: {what}",
             rmse=float(np.sqrt((errors**2).mean())),
-            pieces=run.mapper.pieces,
+            remarks=run.mapper.remarks(),
             live=max(run.live),
             beside=max(run.beside),
         )
@@ -122,12 +122,13 @@ def rows(pushes: int = PUSHES, first: int = 0) -> Iterator[Row]:
     right = [each for each in done if each.rmse <= RMSE]
     for each in done:
         if each.rmse > RMSE:
-            told = f"{each.pieces} pieces, which is said" if each.pieces > 1 else "not said"
+            told = "said" if each.remarks else "not said"
             yield Row(f"{each.what}: RMSE, {told}", 100 * each.rmse, "cm", None)
     most = f"{len(done)} pushes: maps within {100 * RMSE:g} cm"
     yield Row(most, len(right), "", RIGHT * len(done), more_is_better=True)
-    silent = sum(each.pieces == 1 for each in done if each not in right)
-    yield Row("of the others, those that nobody was told of", silent, "", 0)
+    silent = [each for each in done if not each.remarks]
+    yield Row("pushes that nobody was told of", len(silent), "", None)
+    yield Row("of them, maps not within that", sum(each not in right for each in silent), "", 0)
     yield Row("a scan in the tick, worst", max(each.live for each in done), "ms", 20.0)
     beside = max(each.beside for each in done)
     yield Row("loops and graph in a thread, worst", beside, "ms", 300.0)

@@ -13,8 +13,12 @@ from pioneer3.nav.beams import Beams
 from pioneer3.nav.matching import Cloud
 from pioneer3.nav.particles import rows_of
 
+LOOP = 1
+"""Bit of an edge's kind, in a file, that says that it closes a loop."""
 TORN = 2
-"""Kind of an edge that is torn, in a file; 1 is that of a loop, 0 that of others."""
+"""Bit of an edge's kind that says that the way is not known."""
+MISSED = 4
+"""Bit of an edge's kind that says that odometry missed a motion."""
 VIEW = 5.0
 """Distance beyond which things seen count as if they were here [m]."""
 
@@ -54,6 +58,7 @@ class Edge:
         loop: Whether it closes a loop, and so may be wrong altogether.
         torn: Whether the way is not known, as odometry missed a motion: the map has two pieces
             there, until loops join them.
+        missed: Whether odometry missed a motion there, by as much as the scans say.
     """
 
     first: int
@@ -62,6 +67,12 @@ class Edge:
     information: Float
     loop: bool = False
     torn: bool = False
+    missed: bool = False
+
+    @property
+    def kind(self) -> int:
+        """The kind in a file: bits."""
+        return LOOP * self.loop + TORN * self.torn + MISSED * self.missed
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -93,7 +104,7 @@ def arrays_of(survey: Survey, looked: int, waiting: Sequence[Edge]) -> dict[str,
         "points": _joined([one.points for one in beams]),
         "clear": _joined([one.clear for one in beams]),
         "ends": np.array(
-            [(e.first, e.second, e.loop + TORN * e.torn) for e in edges], dtype=np.int64
+            [(edge.first, edge.second, edge.kind) for edge in edges], dtype=np.int64
         ).reshape(-1, 3),
         "edges": rows_of([edge.second_in_first for edge in edges]),
         "information": np.array([edge.information for edge in edges]).reshape(-1, 3, 3),
@@ -105,7 +116,9 @@ def survey_of(arrays: Mapping[str, NDArray[Any]]) -> tuple[Survey, int, tuple[Ed
     """Return the survey, and the state of the search, that :func:`arrays_of` was given."""
     looked, waiting = arrays["search"].tolist()
     edges = tuple(
-        Edge(first, second, Pose2(*way), information, bool(kind % TORN), kind >= TORN)
+        Edge(
+            first, second, Pose2(*way), information, *(bool(kind & b) for b in (LOOP, TORN, MISSED))
+        )
         for (first, second, kind), way, information in zip(
             arrays["ends"].tolist(), arrays["edges"].tolist(), arrays["information"], strict=True
         )

@@ -143,7 +143,7 @@ class Mapper:
         self._way_of_scan = self._turn_of_scan = 0.0
         self._looked, self._waiting = 0, tuple[Edge, ...]()
         self._mounting = _Mounting()
-        self._pieces, self._tears = 1, 0
+        self._pieces, self._moves, self._moved_at = 1, 0, -1
 
     @classmethod
     def of(
@@ -161,11 +161,11 @@ class Mapper:
         mapper._survey, mapper._looked, mapper._waiting = survey, looked, waiting
         if survey.frames:
             mapper._pieces = len(np.unique(pieces_of(len(survey.frames), survey.edges)))
-            mapper._tears = sum(edge.torn for edge in survey.edges)
             mapper._way, mapper._turn = survey.frames[-1].way, survey.frames[-1].turn
             away = [hypot(p.x - mapper._here.x, p.y - mapper._here.y) for p in survey.poses]
             mapper._recall(tuple(np.argsort(away)[:RECENT_FRAMES].tolist()))
         for edge in survey.edges:
+            mapper._note(edge)
             if not edge.loop and edge.second == edge.first + 1:
                 first, second = survey.frames[edge.first], survey.frames[edge.second]
                 odometry = first.beams.robot_in_odom.inverse() @ second.beams.robot_in_odom
@@ -225,11 +225,11 @@ class Mapper:
         return (*self._moved(), f"{looks} said to: --laser-pose {pose}")
 
     def _moved(self) -> tuple[str, ...]:
-        if not self._tears:
+        if not self._moves:
             return ()
-        times = "once" if self._tears == 1 else f"{self._tears} times"
+        times = "once" if self._moves == 1 else f"{self._moves} times"
         said = (
-            "; the pieces of the map from before and after have been joined"
+            "; the scans show by how far"
             if self._pieces == 1
             else f": the map has {self._pieces} pieces whose places to each other are not known;"
             " drive to where the robot was before"
@@ -293,7 +293,7 @@ class Mapper:
         since_key = key.beams.robot_in_odom.inverse() @ beams.robot_in_odom
         odometry = self._mounting.seen(since_key, beams.origin)
         slip = self._slip(self._way - key.way, self._turn - key.turn)
-        prior = _expected(self._survey.poses[-1], odometry, *slip)
+        prior = expected = _expected(self._survey.poses[-1], odometry, *slip)
         odometry = odom_of_scan.inverse() @ beams.robot_in_odom
         odometry = self._mounting.seen(odometry, beams.origin)
         guess = self._here @ odometry
@@ -315,20 +315,18 @@ class Mapper:
         if match.inliers < (SURE_INLIERS if far else TRACKED_INLIERS):
             match = Match(pose=prior.pose, information=np.zeros((3, 3)), inliers=match.inliers)
             far = False
-        if match.inliers < self._settings.fit and self._find_again(beams, cloud, match):
+        if match.inliers < self._settings.fit and self._find_again(beams, cloud, match, expected):
             return
         self._here = match.pose
         step = self._survey.poses[-1].inverse() @ self._here
         if hypot(step.x, step.y) >= self._settings.way or abs(step.theta) >= self._settings.turn:
             self._mounting.take(since_key, step)
-            number = len(self._survey.frames)
-            edge = Edge(number - 1, number, step, certainty(match, prior.information))
-            self._keep(KeyFrame.of(beams, cloud, self._way, self._turn), (edge,))
+            self._link(beams, cloud, match, expected, prior.information)
         elif far:
             # what follows is measured from here: odometry missed a motion
-            self._link(beams, cloud, match)
+            self._link(beams, cloud, match, expected)
 
-    def _find_again(self, beams: Beams, cloud: Cloud, match: Match) -> bool:
+    def _find_again(self, beams: Beams, cloud: Cloud, match: Match, expected: Prior) -> bool:
         """Find a robot that was moved without its odometry, or begin a new piece of the map.
 
         Return whether it was moved: the scan contradicts those before it.
@@ -339,7 +337,7 @@ class Mapper:
         found = self._vicinity.find(cloud, beams, match.pose, way=LIFTED_WAY, fit=fit)
         if found is not None:
             self._match, self._here = found, found.pose
-            self._link(beams, cloud, found)
+            self._link(beams, cloud, found, expected)
             return True
         if match.inliers > LOST_INLIERS:
             return False
@@ -349,14 +347,25 @@ class Mapper:
         edge = Edge(number - 1, number, step, TORN_WAY, torn=True)
         self._recent = ()
         self._keep(KeyFrame.of(beams, cloud, self._way, self._turn), (edge,))
-        self._pieces, self._tears = self._pieces + 1, self._tears + 1
+        self._pieces += 1
         return True
 
-    def _link(self, beams: Beams, cloud: Cloud, match: Match) -> None:
-        """Keep a scan, whose place is known by other scans alone."""
+    def _link(
+        self,
+        beams: Beams,
+        cloud: Cloud,
+        match: Match,
+        expected: Prior,
+        known: Float = UNKNOWN_WAY,
+    ) -> None:
+        """Keep a scan with its place by other scans, and what is `known` of that besides.
+
+        By odometry it is `expected` elsewhere, perhaps.
+        """
         number = len(self._survey.frames)
         step = self._survey.poses[-1].inverse() @ self._here
-        edge = Edge(number - 1, number, step, certainty(match, UNKNOWN_WAY))
+        missed = expected.squared_error(self._here) > NEAR_ODOMETRY
+        edge = Edge(number - 1, number, step, certainty(match, known), missed=missed)
         self._keep(KeyFrame.of(beams, cloud, self._way, self._turn), (edge,))
 
     def _slip(self, way: float, turn: float) -> tuple[float, float]:
@@ -387,7 +396,15 @@ class Mapper:
         self._survey = Survey(
             (*survey.frames, frame), (*survey.poses, self._here), survey.edges + edges
         )
+        for edge in edges:
+            self._note(edge)
         self._recall((*self._recent, number)[-RECENT_FRAMES:])
+
+    def _note(self, edge: Edge) -> None:
+        """Count a motion that odometry missed, however many edges it takes."""
+        if edge.torn or edge.missed:
+            self._moves += edge.second != self._moved_at + 1
+            self._moved_at = edge.second
 
     def _recall(self, numbers: tuple[int, ...]) -> None:
         """Match against these key frames from now on."""
