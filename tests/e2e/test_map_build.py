@@ -26,12 +26,15 @@ from pioneer3.navigation.map_files import files_of, load_survey, save_map, save_
 from pioneer3.navigation.map_logs import FastTimeLoop, map_log, map_recording
 from pioneer3.robot.devices.laser import Laser
 from pioneer3.runtime.robot import Robot
+from pioneer3.sim.raycast import ranges_reference
 from pioneer3.sim.realism import Realism
 from pioneer3.sim.worldfile import load_map
 from pioneer3.tasks import running
 from tests.e2e.processes import free_port, p3
 from tests.e2e.processes import running as started
 from tests.support import SimulatedRobot, is_at
+from tests.unit.nav.halls import HALL
+from tests.unit.nav.test_contradictions import THERE_AND_BACK, unsigned
 from tests.unit.web.test_navigation import at_once
 
 pytest.importorskip("numba")
@@ -283,6 +286,32 @@ def test_a_scan_log_of_aria_becomes_a_map_with_its_goals(
     log.write_text("# pioneer3 recording\n")
     assert execute(["map", "build", "--from", str(log), "--odometry", "tf"]) == 2
     assert "not of a recording" in capsys.readouterr().err
+
+
+def test_odometry_that_contradicts_the_scans_is_told_of_and_repaired(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    log, new, angles = tmp_path / "lab.log", tmp_path / "lab.map", np.radians(np.arange(-90, 91))
+    odometry, lines, before = ORIGIN, list[str](), THERE_AND_BACK[0]
+    for number, place in enumerate(THERE_AND_BACK):
+        odometry, before = odometry @ unsigned(before.inverse() @ place), place
+        here = np.array([place.x, place.y])
+        ranges = ranges_reference(here, place.theta + angles, HALL, 30.0).min(axis=1)
+        pose = f"{odometry.x:.4f} {odometry.y:.4f} {odometry.theta:.4f}"
+        read = " ".join(f"{metres:.2f}" for metres in ranges)
+        lines.append(f"FLASER 181 {read} {pose} {pose} {number} host {number}")
+    log.write_text("\n".join(lines))
+    for options, cure, right in (
+        ([], "; --repair-odometry trusts the scans instead", False),
+        (["--repair-odometry", "--force"], "; the scans were trusted", True),
+    ):
+        assert execute(["map", "build", "--from", str(log), "-o", str(new), *options]) == 0
+        told = capsys.readouterr().err
+        assert "odometry contradicts the scans at 0:" in told
+        assert cure in told
+        size = read_map(new).bounds
+        width = size.x_max - size.x_min
+        assert (abs(width - 12.0) < 0.1) == right
 
 
 def test_nothing_is_written_over_unless_asked_for(tmp_path: Path) -> None:

@@ -53,6 +53,7 @@ def build(
     from_: Annotated[Path | None, Parameter(name="--from", metavar="FILE")] = None,
     scans: Annotated[str | None, Parameter(metavar="NAME")] = None,
     odometry: Annotated[str | None, Parameter(metavar="NAME")] = None,
+    repair_odometry: Flag = False,
     start: Annotated[str | None, Parameter(metavar="PLACE", allow_leading_hyphen=True)] = None,
     speed: Speed = SPEED,
     max_speed: Speed | None = None,
@@ -82,6 +83,7 @@ def build(
             a log of CARMEN, or what --record has written; --laser-pose tells where its laser is.
         scans: Of this laser in a log that has several: a topic, ROBOTLASER2, scan2.
         odometry: By this of a log that has several: a topic, tf, robotGlobal.
+        repair_odometry: Trust the scans of a log where its odometry contradicts them.
         start: Where the robot is on the map that is continued: a name, or x,y,heading; without
             it at the map's home, or else it is looked for while you drive.
         speed: Of the forward key, or at most.
@@ -93,11 +95,12 @@ def build(
 
     if from_ is not None:
         target = _target(output, continue_, force=force)
-        return _from_file(from_, target, link, navigation.settings(link), (scans, odometry))
+        settings, sources = navigation.settings(link), (scans, odometry)
+        return _from_file(from_, target, link, settings, sources, repair=repair_odometry)
     require_navigation()
     target = _target(output, continue_, force=force)
-    if scans is not None or odometry is not None:
-        raise ConfigError("--scans and --odometry choose among those of a log: only with --from")
+    if scans is not None or odometry is not None or repair_odometry:
+        raise ConfigError("--scans, --odometry and --repair-odometry are of logs: only with --from")
     begin = _Begin.of(continue_, start)
     keeper = _Keeper(target)
     connect = partial(link.connect, max_speed=max_speed, navigation=navigation)
@@ -275,6 +278,8 @@ def _from_file(
     link: LinkOptions,
     settings: "NavigationSettings",
     sources: tuple[str | None, str | None],
+    *,
+    repair: bool,
 ) -> int:
     from pioneer3.navigation.connect import require_navigation
     from pioneer3.navigation.log_files import SourceChoice, chosen_log, is_recording
@@ -290,7 +295,7 @@ def _from_file(
         if is_recording(source):
             if any(sources):
                 raise ConfigError("--scans, --odometry: not of a recording; --laser names others")
-            code = _play(source, progress, link, settings, made)
+            code = _play(source, progress, link, settings, made, repair=repair)
             if code:
                 return code
         else:
@@ -299,7 +304,7 @@ def _from_file(
                 require_navigation()
                 from pioneer3.navigation.map_logs import map_log
 
-                made.append(map_log(log, progress, settings))
+                made.append(map_log(log, progress, settings, repair=repair))
         (log_map,) = made
         tell("drawing the map")
         from pioneer3.nav.rendering import drawn
@@ -318,6 +323,8 @@ def _play(
     link: LinkOptions,
     settings: "NavigationSettings",
     made: "list[LogMap]",
+    *,
+    repair: bool,
 ) -> int:
     """Add the map of a recording to `made`; return the exit code."""
     from pioneer3.navigation.connect import prepare_navigation, require_navigation
@@ -327,7 +334,8 @@ def _play(
 
     async def play() -> None:
         await prepare_navigation()
-        made.append(await map_recording(source, progress, link.lasers.laser, settings))
+        lasers = link.lasers.laser
+        made.append(await map_recording(source, progress, lasers, settings, repair=repair))
 
     return run_until_told_to_leave(play(), FastTimeLoop)
 

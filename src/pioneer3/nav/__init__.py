@@ -32,6 +32,7 @@ relocalization    finds the place of a scan that is nowhere near where odometry 
 loops             finds places again
 graph             poses from the ways that were measured between them
 mapper            makes a map: poses of a robot, live, from scans and odometry
+contradictions    finds where odometry contradicts the scans of a map
 rendering         draws the map of a survey: which cells are free, and which are walls
 frontiers         where a map ends: places from which a robot sees what is unknown
 exploring         chooses the edge of a map that a robot looks at next, until none is left

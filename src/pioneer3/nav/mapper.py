@@ -62,6 +62,9 @@ FOUND_INLIERS = 0.5
 """Share of inliers below which the place to continue from is not found."""
 UNKNOWN_WAY = np.diag([1.0, 1.0, 10.0])
 """Information of the way to a place that was not found."""
+PLAINLY = 0.2
+"""Share of a scan by which it fits better where odometry is called wrong; or half of what does not
+fit by odometry."""
 SLIPPED = 0.01
 """Share of its information that odometry has where a scan says otherwise."""
 TORN_WAY = 1e-4 * UNKNOWN_WAY
@@ -127,10 +130,19 @@ class _Mounting:
 
 
 class Mapper:
-    """Makes a map from scans and odometry; the robot begins at `start` in it."""
+    """Makes a map from scans and odometry; the robot begins at `start` in it.
 
-    def __init__(self, start: Pose2 = ORIGIN, settings: MapperSettings = AS_SHIPPED.mapper) -> None:
-        self._settings = settings
+    With `repair`, scans tell where odometry is wrong: in the sign of ways, or altogether.
+    """
+
+    def __init__(
+        self,
+        start: Pose2 = ORIGIN,
+        settings: MapperSettings = AS_SHIPPED.mapper,
+        *,
+        repair: bool = False,
+    ) -> None:
+        self._settings, self._repair, self._reversed = settings, repair, False
         self._survey = Survey((), (), ())
         self._recent: tuple[int, ...] = ()
         self._submap = Submap((), ())
@@ -290,21 +302,19 @@ class Mapper:
     def _track(self, beams: Beams, cloud: Cloud, odom_of_scan: Pose2) -> None:
         """Find the robot where odometry leads to from the last key frame and scan."""
         key = self._survey.frames[-1]
-        since_key = key.beams.robot_in_odom.inverse() @ beams.robot_in_odom
+        since_key = self._signed(key.beams.robot_in_odom.inverse() @ beams.robot_in_odom)
         odometry = self._mounting.seen(since_key, beams.origin)
-        slip = self._slip(self._way - key.way, self._turn - key.turn)
-        prior = expected = _expected(self._survey.poses[-1], odometry, *slip)
-        odometry = odom_of_scan.inverse() @ beams.robot_in_odom
+        key_sigmas = slip(self._settings, self._way - key.way, self._turn - key.turn)
+        prior = expected = _expected(self._survey.poses[-1], odometry, *key_sigmas)
+        odometry = self._signed(odom_of_scan.inverse() @ beams.robot_in_odom)
         odometry = self._mounting.seen(odometry, beams.origin)
         guess = self._here @ odometry
         way, turn = self._way - self._way_of_scan, self._turn - self._turn_of_scan
-        sigma, sigma_theta = self._slip(way, turn)
+        sigma, sigma_theta = slip(self._settings, way, turn)
         if self._way_of_scan + self._turn_of_scan > key.way + key.turn:
             # nothing that walks along with the robot is to take it with it in small steps
             prior = prior.joined(_expected(self._here, odometry, sigma, sigma_theta))
-        aside = hypot(odometry.x, odometry.y) * sigma_theta
-        way = min(SEARCHED_WAY, SEARCHED_SIGMAS * (sigma + aside / 2))
-        turn = min(SEARCHED_TURN, SEARCHED_SIGMAS * sigma_theta)
+        way, turn = _window(odometry, sigma, sigma_theta)
         if way > WIDE_WAY or turn > WIDE_TURN:
             guess, _ = self._submap.search(cloud.points, guess, way, turn)
         match = self._match = self._submap.match(cloud, guess, prior)
@@ -312,6 +322,10 @@ class Mapper:
         if far:
             loose = Prior(prior.pose, SLIPPED * prior.information)
             match = self._match = self._submap.match(cloud, match.pose, loose)
+        if self._repair:
+            repaired = self._repaired(beams, cloud, match, odometry, (sigma, sigma_theta))
+            match, far = repaired or match, far or repaired is not None
+            self._match = match
         if match.inliers < (SURE_INLIERS if far else TRACKED_INLIERS):
             match = Match(pose=prior.pose, information=np.zeros((3, 3)), inliers=match.inliers)
             far = False
@@ -325,6 +339,39 @@ class Mapper:
         elif far:
             # what follows is measured from here: odometry missed a motion
             self._link(beams, cloud, match, expected)
+
+    def _repaired(
+        self,
+        beams: Beams,
+        cloud: Cloud,
+        match: Match,
+        odometry: Pose2,
+        sigmas: tuple[float, float],
+    ) -> Match | None:
+        """Return where a scan fits much better than odometry has it since the last one.
+
+        Ways may have the other sign, which they keep from then on; or odometry counts little.
+        """
+        worth = match.inliers - self._vicinity.contradiction(beams, match.pose)
+        if worth > 1 - CLEARLY:
+            return None
+        found = list[tuple[float, bool, Match]]()
+        anywhere = SEARCHED_WAY / SEARCHED_SIGMAS, SEARCHED_TURN / SEARCHED_SIGMAS
+        for step, (sigma, sigma_theta) in (odometry, anywhere), (_backwards(odometry), sigmas):
+            prior = _expected(self._here, step, sigma, sigma_theta)
+            window = _window(step, sigma, sigma_theta)
+            guess, _ = self._submap.search(cloud.points, self._here @ step, *window)
+            other = self._submap.match(cloud, guess, prior)
+            fits = other.inliers - self._vicinity.contradiction(beams, other.pose)
+            found.append((fits, step != odometry, other))
+        fits, turned, other = max(found, key=lambda each: each[0])
+        if fits - worth < min(PLAINLY, (1 - worth) / 2):
+            return None
+        self._reversed ^= turned
+        return other
+
+    def _signed(self, odometry: Pose2) -> Pose2:
+        return _backwards(odometry) if self._reversed else odometry
 
     def _find_again(self, beams: Beams, cloud: Cloud, match: Match, expected: Prior) -> bool:
         """Find a robot that was moved without its odometry, or begin a new piece of the map.
@@ -368,14 +415,6 @@ class Mapper:
         edge = Edge(number - 1, number, step, certainty(match, known), missed=missed)
         self._keep(KeyFrame.of(beams, cloud, self._way, self._turn), (edge,))
 
-    def _slip(self, way: float, turn: float) -> tuple[float, float]:
-        """Return the standard deviations of odometry [m, rad] after a way and a turn."""
-        errors = self._settings
-        return (
-            STILL_ERROR + errors.way_error * way + LEVER * turn,
-            STILL_TURN_ERROR + errors.turn_error * turn + BEND * way,
-        )
-
     def _continue(self, beams: Beams, cloud: Cloud) -> None:
         """Find the robot near where it is said to be on a map that was made before."""
         said = self._here
@@ -413,6 +452,28 @@ class Mapper:
         poses = [survey.poses[number] for number in numbers]
         self._submap = Submap([frame.cloud for frame in frames], poses)
         self._vicinity = Vicinity(frames, poses, self._submap)
+
+
+def slip(settings: MapperSettings, way: float, turn: float) -> tuple[float, float]:
+    """Return the standard deviations of odometry [m, rad] after a way and a turn."""
+    return (
+        STILL_ERROR + settings.way_error * way + LEVER * turn,
+        STILL_TURN_ERROR + settings.turn_error * turn + BEND * way,
+    )
+
+
+def _backwards(step: Pose2) -> Pose2:
+    """Return a way with the other sign and the same turn."""
+    return Pose2(-step.x, -step.y, step.theta)
+
+
+def _window(step: Pose2, sigma: float, sigma_theta: float) -> tuple[float, float]:
+    """Return the way [m] and the turn [rad] within which the end of a step is searched for."""
+    aside = hypot(step.x, step.y) * sigma_theta
+    return (
+        min(SEARCHED_WAY, SEARCHED_SIGMAS * (sigma + aside / 2)),
+        min(SEARCHED_TURN, SEARCHED_SIGMAS * sigma_theta),
+    )
 
 
 def _expected(begin: Pose2, odometry: Pose2, sigma: float, sigma_theta: float) -> Prior:

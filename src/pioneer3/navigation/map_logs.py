@@ -2,7 +2,7 @@
 
 import asyncio
 import selectors
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import hypot
 from pathlib import Path
@@ -13,6 +13,7 @@ from pioneer3.geometry import ORIGIN, Pose2
 from pioneer3.links.tap import read_recording
 from pioneer3.maps import MapObject
 from pioneer3.nav.beams import beams_of
+from pioneer3.nav.contradictions import contradiction_of
 from pioneer3.nav.logged import Entry, LoggedOdometry, LoggedPlace
 from pioneer3.nav.mapper import Mapper
 from pioneer3.nav.settings import AS_SHIPPED, NavigationSettings
@@ -41,13 +42,21 @@ class LogMap:
     notes: tuple[str, ...]
 
 
-def map_log(log: ChosenLog, tell: Tell, settings: NavigationSettings = AS_SHIPPED) -> LogMap:
+def map_log(
+    log: ChosenLog,
+    tell: Tell,
+    settings: NavigationSettings = AS_SHIPPED,
+    *,
+    repair: bool = False,
+) -> LogMap:
     """Return the map of a log: of CARMEN, of ARIA, or a rosbag.
+
+    With `repair`, scans tell where odometry is wrong.
 
     Raises:
         ConfigError: It is damaged, or no scan is in it.
     """
-    mapping = _Mapping(settings)
+    mapping = _Mapping(Mapper(settings=settings.mapper, repair=repair))
     for entry in log.entries():
         mapping.take(entry)
         if mapping.scans and mapping.scans % IMPROVE == 0:
@@ -62,8 +71,16 @@ def map_log(log: ChosenLog, tell: Tell, settings: NavigationSettings = AS_SHIPPE
         mapper=mapping.mapper,
         places=mapping.places,
         source=log.source,
-        notes=(*log.notes, *askew),
+        notes=(*log.notes, *askew, *_contradictions(mapping.mapper, settings, repair=repair)),
     )
+
+
+def _contradictions(mapper: Mapper, settings: NavigationSettings, *, repair: bool) -> Iterator[str]:
+    """Yield a sentence about odometry that contradicts the scans, if it does."""
+    found = contradiction_of(mapper.survey, settings.mapper)
+    cure = "the scans were trusted" if repair else "--repair-odometry trusts the scans instead"
+    if found is not None:
+        yield f"{found}; {cure}"
 
 
 class _Mapping:
@@ -72,8 +89,8 @@ class _Mapping:
     Odometry that leaps has begun anew, if the next reading is near; else one reading is damaged.
     """
 
-    def __init__(self, settings: NavigationSettings) -> None:
-        self.mapper = Mapper(settings=settings.mapper)
+    def __init__(self, mapper: Mapper) -> None:
+        self.mapper = mapper
         self.scans = 0
         self.laser: Pose2 | None = None
         self._places: list[tuple[int, Pose2, LoggedPlace]] = []
@@ -130,6 +147,8 @@ async def map_recording(
     tell: Tell,
     lasers: Sequence[str] = (),
     settings: NavigationSettings = AS_SHIPPED,
+    *,
+    repair: bool = False,
 ) -> LogMap:
     """Return the map of a recording of the robot's bytes; for a :class:`.FastTimeLoop`.
 
@@ -151,7 +170,8 @@ async def map_recording(
     clock = asyncio.get_running_loop().time
     async with connect_robot(f"replay:{path}", lasers=found) as robot:
         robot.settings = settings
-        builder = MapBuilder(robot, in_thread=at_once)
+        mapper = Mapper(settings=settings.mapper, repair=repair)
+        builder = MapBuilder(robot, mapper, in_thread=at_once)
 
         async def watch() -> None:
             while True:
@@ -160,13 +180,14 @@ async def map_recording(
 
         async with running(watch()):
             await builder.run()
-    if not builder.mapper.survey.frames:
+    if not mapper.survey.frames:
         raise DeviceError(
             f"{path}: no scans of a laser are in this recording; `pioneer3 map build --record` asks"
             " a simulator for them"
         )
-    builder.mapper.improve()
-    return LogMap(mapper=builder.mapper, places=(), source="a recording", notes=())
+    mapper.improve()
+    notes = tuple(_contradictions(mapper, settings, repair=repair))
+    return LogMap(mapper=mapper, places=(), source="a recording", notes=notes)
 
 
 class _Jumping(selectors.DefaultSelector):
