@@ -304,6 +304,12 @@ def carried_rows(seeds: int, hours: float) -> Iterator[Row]:
         more_is_better=True,
     )
     yield Row("kidnapped: median", float(np.median(times)), "s", None)
+    noticed = [~np.logical_and.accumulate(track.sure) for track in tracks]
+    wrong = sum(
+        0.1 * int((track.sure & (track.off > WRONG) & since).sum())
+        for track, since in zip(tracks, noticed, strict=True)
+    )
+    yield Row("kidnapped: wrongly sure, once noticed", wrong, "s", 0)
     drives = len(maps()) * len(MODELS)
     drive = partial(tracked, hardship=PEOPLE, minutes=60 * hours / drives)
     lost = sum(track.lost for _, track in _all(drive, "false alarms", 1))

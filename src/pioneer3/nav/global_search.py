@@ -1,5 +1,6 @@
-"""Where on a map a robot may be, from one scan alone."""
+"""Where on a map a robot may be, from a few scans alone."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import ceil, pi, radians
 from typing import Any
@@ -8,12 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pioneer3.arrays import Float, Int32, UInt8
-from pioneer3.geometry import Pose2
 from pioneer3.jit import fast
-from pioneer3.nav.hypotheses import Hypotheses
+from pioneer3.nav.hypotheses import ComparedScan, Hypotheses
 from pioneer3.nav.kernels import CACHE
 from pioneer3.nav.kernels.fields import score_places
-from pioneer3.nav.likelihood import ScanLikelihood
+from pioneer3.nav.particles import MotionErrors
 from pioneer3.nav.raster import DistanceField
 
 SEARCH_CELL = 0.1
@@ -59,31 +59,40 @@ class CandidatePoses:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Candidates:
-    """The robot at a scan, by odometry, and where it may have been on the map; `None`: nowhere."""
+    """The looks of a search, and where the robot may be at the last one; `None`: nowhere."""
 
-    robot_in_odom: Pose2
+    looks: Sequence[ComparedScan]
+    driven: float
     hypotheses: Hypotheses | None
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class GlobalSearch:
-    """A search for a robot's place by one scan. It changes nothing, so any thread may run it."""
+    """A search for a robot's place by the last of some looks; all of them weigh what it finds.
 
-    likelihood: ScanLikelihood
+    It changes nothing, so any thread may run it.
+
+    Attributes:
+        known: Poses that are compared with those found, shape (K, 3).
+        driven: Way between the looks [m].
+    """
+
+    looks: Sequence[ComparedScan]
     places: CandidatePoses
-    robot_in_odom: Pose2
+    known: Float
+    driven: float
+    errors: MotionErrors
 
     def run(self) -> Candidates:
         """Return where the robot may be; it takes up to a few seconds."""
-        points = self.likelihood.points
+        points = self.looks[-1].likelihood.points
         if not len(points) or not len(self.places.free):
-            return Candidates(self.robot_in_odom, None)
+            return Candidates(self.looks, self.driven, None)
         chosen = points[
             np.linspace(0, len(points) - 1, min(SEARCH_BEAMS, len(points))).astype(np.intp)
         ]
-        poses = self._best(chosen)
-        hypotheses = Hypotheses.found(poses, self.likelihood)
-        return Candidates(self.robot_in_odom, hypotheses)
+        poses = np.vstack([self.known, self._best(chosen)])
+        return Candidates(self.looks, self.driven, Hypotheses.found(poses, self.looks, self.errors))
 
     def _best(self, points: Float) -> Float:
         """Return places and headings with the highest scores [m, rad], shape (N, 3)."""

@@ -37,8 +37,10 @@ AGREEMENT_SHARE = 0.015
 """Share of its range within which a point agrees with a wall."""
 THROUGH_DEPTH = 0.2
 """Depth behind a wall from which on a beam that ends there contradicts the map [m]."""
-SHORT_WEIGHT = 0.5
+SHORT_WEIGHT = 0.25
 """Share of a beam that meets something nearer than the map: a person agrees with any place."""
+CONTRADICTION = 2.0
+"""Negative logarithm of the likelihood of a beam that does not agree at all."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -83,9 +85,9 @@ class Agreement:
     """How beams agree with the map at P poses; all of shape (P,).
 
     Attributes:
-        agree: Number of echoes at walls.
+        agree: Number of echoes at walls, also of those behind something that was carried off.
         short: Of those from something that is not on the map, before its walls.
-        through: Of beams that go on behind a wall.
+        through: Of other beams that go on behind a wall.
         misfit: Mean square of the distances of the echoes at walls, as a share of the limit.
     """
 
@@ -105,7 +107,8 @@ class Agreement:
     def log_likelihood(self) -> Float:
         """Logarithm of the likelihood, as of `INDEPENDENT_READINGS` beams."""
         count = self.agree + self.short + self.through
-        cost = 0.5 * self.misfit * self.agree + 1.5 * self.short + 4.0 * self.through
+        short = (1 - SHORT_WEIGHT) * self.short
+        cost = 0.5 * self.misfit * self.agree + CONTRADICTION * (short + self.through)
         likelihood: Float = -cost * INDEPENDENT_READINGS / np.maximum(count, 1.0)
         return likelihood
 

@@ -15,10 +15,10 @@ from pioneer3.models import RobotModel
 from pioneer3.nav.beams import Beams
 from pioneer3.nav.estimate import Estimate, Stage, deviation_of
 from pioneer3.nav.global_search import CandidatePoses, Candidates, GlobalSearch
-from pioneer3.nav.hypotheses import Hypotheses
+from pioneer3.nav.hypotheses import AGREEING_PLACE, ComparedScan, Hypotheses, share_of
 from pioneer3.nav.likelihood import LAST_SCALES, Agreement, ScanLikelihood, WallField
 from pioneer3.nav.likelihood_sonar import EchoMap, Pings
-from pioneer3.nav.particles import MotionErrors, array_of, pose_of, rows_of
+from pioneer3.nav.particles import MotionErrors, array_of, moved, pose_of, rows_of
 from pioneer3.nav.settings import AS_SHIPPED, LocalizerSettings
 from pioneer3.nav.tracking import Fix, LaserTrack, SonarTrack, is_known
 
@@ -41,12 +41,15 @@ not carried away: it may be crowded."""
 FEWEST_BEAMS = 10
 """Beams that meet anything below which nothing contradicts the map: the robot looks out into the
 open."""
-CERTAIN_SHARE = 0.98
-"""Share of the weight that the best hypothesis of a sure robot has."""
 SURE_WAY = 1.0
-"""Way that a robot drives after a search before it is sure [m]."""
+"""Way that a robot drives from an unknown start before it is sure [m]."""
 SEARCH_WAY = 4.0
-"""Way after which a search is repeated that has led to nothing that explains the scans [m]."""
+"""Way after which a search is too old: if nothing explains the scans, or if one place now does [m].
+"""
+LOOK_SHARE = 0.3
+"""Share of a new scan that one is at least which is kept for the next search."""
+MOST_LOOKS = 40
+"""Scans that are kept for it."""
 SURE_DEVIATION = 0.5
 """Standard deviation below which the position of a sure robot is [m]."""
 GUESSES = 200
@@ -71,6 +74,9 @@ class _Progress:
         start: Poses (S, 3) that somebody told, and their standard deviations (3,), before the first
             reading.
         hypotheses: While several places are compared.
+        looks: Scans that these were compared by.
+        searched: How far the robot had driven at the latest search [m].
+        decided: Whether one of the hypotheses explains all, and none elsewhere does nearly as well.
         laser: While scans track the robot.
         sonar: While pings do.
         at: Odometry at the last reading that counted.
@@ -83,6 +89,9 @@ class _Progress:
     reason: str
     start: tuple[Float, Float] | None = None
     hypotheses: Hypotheses | None = None
+    looks: list[ComparedScan] = field(default_factory=list)
+    searched: float = 0.0
+    decided: bool = False
     laser: LaserTrack | None = None
     sonar: SonarTrack | None = None
     at: Pose2 | None = None
@@ -116,7 +125,7 @@ class Localizer:
         self._odom: Pose2 | None = None
         self._stamp = inf
         self._odom_in_map: Pose2 | None = None
-        self._now = _Progress(stage="lost", reason="the robot may be anywhere")
+        self._now = self._sought = _Progress(stage="lost", reason="the robot may be anywhere")
 
     def prepare(self, *, sonar: bool = False) -> None:
         """Compute what takes long, up to some seconds, so that no reading waits for it.
@@ -162,9 +171,12 @@ class Localizer:
             motion = self._motion()
             now.looked = beams.stamp
             if now.hypotheses is not None:
-                now.hypotheses.move(motion)
-                likelihood = ScanLikelihood.of(self._walls, beams, COMPARED_BEAMS)
-                now.hypotheses.take(likelihood, motion, self._errors)
+                look = self._look(beams, share_of(motion))
+                now.hypotheses.take(look, motion, self._errors)
+                last = now.looks[-1].robot_in_odom
+                share = share_of(last.inverse() @ look.robot_in_odom)
+                if share >= LOOK_SHARE:
+                    now.looks = [*now.looks[1 - MOST_LOOKS :], replace(look, share=share)]
                 self._compare(now.hypotheses, now.hypotheses.agreement)
             elif now.laser is not None:
                 now.laser.move(motion)
@@ -216,35 +228,60 @@ class Localizer:
     @property
     def wants_search(self) -> bool:
         """Whether a search is due."""
-        now = self._now
-        in_vain = (
-            now.hypotheses is not None
-            and now.driven > SEARCH_WAY
-            and now.hypotheses.explained < self._settings.agreement
-        )
-        return self._beams is not None and (now.stage == "lost" or in_vain)
+        now, hypotheses = self._now, self._now.hypotheses
+        if self._beams is None or hypotheses is None:
+            return self._beams is not None and now.stage == "lost"
+        old = now.driven > now.searched + SEARCH_WAY
+        return now.decided or (old and hypotheses.explained < self._settings.agreement)
 
     def search(self) -> GlobalSearch | None:
-        """Return a search by the latest scan, for a thread to run; `None` without a scan."""
-        if self._beams is None:
+        """Return a search by the latest scans, for a thread to run; `None` without a scan."""
+        beams, now = self._beams, self._now
+        if beams is None:
             return None
-        likelihood = ScanLikelihood.of(self._walls, self._beams)
-        return GlobalSearch(likelihood, self._places, self._beams.robot_in_odom)
+        self._sought = now
+        look, known, driven = self._look(beams), np.empty((0, 3)), 0.0
+        if now.hypotheses is not None:
+            assert now.at is not None
+            since = now.at.inverse() @ beams.robot_in_odom
+            known, driven = moved(now.hypotheses.poses, since), now.driven + hypot(since.x, since.y)
+            last = now.looks[-1].robot_in_odom.inverse() @ beams.robot_in_odom
+            look = replace(look, share=max(LOOK_SHARE, share_of(last)))
+        return GlobalSearch(
+            looks=[*now.looks, look],
+            places=self._places,
+            known=known,
+            driven=driven,
+            errors=self._errors,
+        )
 
     def adopt(self, found: Candidates) -> None:
-        """Go on with the result of a search; the robot may have driven since its scan."""
+        """Go on with the result of a search; the robot may have driven since its scan.
+
+        If somebody has told the place since, or the robot was carried away, nothing changes.
+        """
+        if self._sought is not self._now or self._now.laser is not None:
+            return
         if found.hypotheses is None:
             self._now = _Progress(stage="lost", reason="no place of the map looks like this")
             return
+        at = found.looks[-1].robot_in_odom
         self._now = _Progress(
             stage="looking",
             reason="compares the places that look like this",
             hypotheses=found.hypotheses,
-            at=found.robot_in_odom,
+            looks=[*found.looks],
+            at=at,
+            driven=found.driven,
+            searched=found.driven,
         )
         best = found.hypotheses.poses[0]
-        self._odom_in_map = pose_of(best) @ found.robot_in_odom.inverse()
+        self._odom_in_map = pose_of(best) @ at.inverse()
         self._now.fix = Fix(best, found.hypotheses.covariance(), found.hypotheses.agreement)
+
+    def _look(self, beams: Beams, share: float = 1.0) -> ComparedScan:
+        likelihood = ScanLikelihood.of(self._walls, beams, COMPARED_BEAMS)
+        return ComparedScan(likelihood, beams.robot_in_odom, share)
 
     @cached_property
     def _walls(self) -> WallField:
@@ -299,26 +336,29 @@ class Localizer:
         """Look around `poses` (S, 3) that somebody told."""
         now = self._now
         guesses = poses[:, None] + deviations * self._rng.standard_normal((GUESSES, 3))
-        likelihood = ScanLikelihood.of(self._walls, beams, COMPARED_BEAMS)
-        around = np.vstack([poses, guesses.reshape(-1, 3)])
-        hypotheses = Hypotheses.found(around, likelihood, told=True)
+        around, look = np.vstack([poses, guesses.reshape(-1, 3)]), self._look(beams)
+        hypotheses = Hypotheses.found(around, [look], self._errors)
         hypotheses.near(poses, deviations)
         now.hypotheses, now.start, now.at, now.looked = hypotheses, None, self._odom, beams.stamp
+        now.looks = [look]
         self._compare(hypotheses, hypotheses.agreement)
 
     def _compare(self, hypotheses: Hypotheses, agreement: float) -> None:
         """Become sure of the best hypothesis, give all of them up, or go on."""
         now = self._now
         self._place(Fix(hypotheses.poses[0], hypotheses.covariance(), agreement))
-        certain = hypotheses.share >= CERTAIN_SHARE or (
-            now.told and deviation_of(now.fix.covariance) < SURE_DEVIATION
+        certain = hypotheses.is_certain or (
+            now.told and deviation_of(now.fix.covariance) < AGREEING_PLACE / 2
         )
         agrees = min(agreement, hypotheses.explained) >= self._settings.agreement or (
             now.told
             and agreement >= self._settings.told_agreement
             and not self._sees_through(hypotheses.poses[0])
         )
-        if certain and agrees and (now.told or now.driven >= SURE_WAY):
+        now.decided = certain and agrees and (now.told or now.driven >= SURE_WAY)
+        # a search by one scan may have missed the place: one after some way is to agree
+        confirmed = now.searched >= SURE_WAY and now.driven <= now.searched + SEARCH_WAY
+        if now.decided and (now.told or confirmed):
             poses = hypotheses.drawn(self._settings.particles, self._rng)
             now.laser, now.hypotheses = LaserTrack(poses, self._rng, self._errors), None
             now.stage, now.reason, now.low = "sure", "sees what the map shows", 0
@@ -327,8 +367,10 @@ class Localizer:
             now.reason = "more than one place looks like this"
         elif not agrees:
             now.reason = "sees things that the map does not show"
-        else:
+        elif not now.decided:
             now.reason = "has to drive a little"
+        else:
+            now.reason = "looks for other places that look like this"
         self._watch(contradicts=agreement < self._settings.contradiction)
 
     def _sees_through(self, pose: Float) -> bool:
@@ -351,7 +393,7 @@ class Localizer:
             pose = likelihood.refined(pose[None], held, LAST_SCALES, all_points=True)[0][0]
         verdict = likelihood.judged(pose[None])
         agreement = float(verdict.agreement[0])
-        if now.hypotheses is not None and now.told:
+        if now.hypotheses is not None and (now.told or now.decided):
             self._compare(now.hypotheses, agreement)
         elif now.laser is not None:
             now.fix = replace(now.fix, agreement=agreement)

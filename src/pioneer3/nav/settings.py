@@ -68,7 +68,7 @@ class LocalizerSettings:
     turn_error: Annotated[float, Meta(ge=0.0, le=0.5)] = 0.06
     agreement: Annotated[float, Meta(ge=0.3, le=1.0)] = 0.9
     told_agreement: Annotated[float, Meta(ge=0.3, le=1.0)] = 0.75
-    contradiction: Annotated[float, Meta(ge=0.0, le=0.95)] = 0.7
+    contradiction: Annotated[float, Meta(ge=0.0, le=0.95)] = 0.6
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -8,13 +8,18 @@ import pytest
 from pioneer3.geometry import ORIGIN, Pose2, arc
 from pioneer3.maps import LineMap
 from pioneer3.models import load_model
-from pioneer3.nav.hypotheses import Hypotheses
+from pioneer3.nav.hypotheses import ComparedScan, Hypotheses
+from pioneer3.nav.likelihood import ScanLikelihood, WallField
 from pioneer3.nav.localizer import Localizer
-from pioneer3.nav.particles import MotionErrors, Particles, array_of, pose_of
-from tests.unit.nav.rooms import FLAT, SYMMETRICAL, beams, pings
+from pioneer3.nav.particles import MotionErrors, Particles, array_of, pose_of, rows_of
+from tests.unit.nav.rooms import FLAT, SYMMETRICAL, beams, pings, room
 
 MODEL = load_model("p3dx-sh")
 BEGIN = Pose2(2.0, 1.5, 0.4)
+BOX = (2.6, 1.3), (3.4, 1.3), (3.4, 2.4), (2.6, 2.4)
+SYMMETRICAL_BUT_FOR_A_POST = LineMap(
+    name="post", walls=np.vstack([SYMMETRICAL.walls, room((0.8, 1.5), (1.2, 1.5), (1.2, 1.9))])
+)
 
 
 class Drive:
@@ -54,6 +59,13 @@ class Drive:
         search = self.localizer.search()
         assert search is not None
         self.localizer.adopt(search.run())
+
+    def find(self, way: float, turn: float = 0.0) -> None:
+        """Drive on, and search as often as that is wanted."""
+        for _ in range(round(10 * abs(way))):
+            self.go(0.12 if way > 0 else -0.12, turn / abs(way) / 10)
+            if self.localizer.wants_search:
+                self.search()
 
     @property
     def off(self) -> float:
@@ -110,11 +122,65 @@ def test_an_unknown_start_is_found_by_a_search_and_a_little_driving() -> None:
     assert drive.localizer.estimate.robot_in_map is None
     drive.search()
     assert drive.localizer.estimate.stage == "looking"
-    drive.go(0.5)
+    drive.find(0.5)
     assert not drive.localizer.estimate.sure
-    drive.go(0.8, 0.3)
+    drive.find(1.2, 0.6)
+    drive.find(1.2, -0.6)
     assert drive.localizer.estimate.sure
     assert drive.off < 0.02
+
+
+def test_one_search_by_one_scan_does_not_make_a_robot_sure() -> None:
+    drive = Drive()
+    drive.look()
+    drive.search()
+    drive.go(1.7, 0.6)
+    drive.go(1.2, -0.6)
+    assert not drive.localizer.estimate.sure
+    assert drive.localizer.estimate.reason == "looks for other places that look like this"
+    assert drive.localizer.wants_search
+    drive.search()
+    drive.go(0.12)
+    assert drive.localizer.estimate.sure
+
+
+def test_a_place_that_is_told_during_a_search_stays() -> None:
+    drive = Drive()
+    drive.look()
+    search = drive.localizer.search()
+    assert search is not None
+    drive.localizer.start(BEGIN)
+    drive.look()
+    drive.localizer.adopt(search.run())
+    assert drive.localizer.estimate.sure
+
+
+def test_furniture_that_was_carried_off_hides_nothing() -> None:
+    drive = Drive(LineMap(name="boxes", walls=np.vstack([FLAT.walls, room(*BOX)])))
+    drive.world = FLAT
+    drive.localizer.start(BEGIN)
+    drive.look()
+    drive.go(2.0)  # across the place of the box
+    assert drive.localizer.estimate.sure
+    assert drive.off < 0.02
+
+
+def test_a_search_weighs_what_was_seen_on_the_way() -> None:
+    walls, errors = WallField.for_lasers(SYMMETRICAL_BUT_FOR_A_POST), MotionErrors()
+    here, there = Pose2(2.0, 2.0, 0.5), Pose2(2.0, 2.0, -2.8)
+    turned = Pose2(5.0, 2.0, 0.5 - pi), Pose2(5.0, 2.0, pi - 2.8)
+    looks = [
+        ComparedScan(ScanLikelihood.of(walls, beams(SYMMETRICAL_BUT_FOR_A_POST, at, at)), at)
+        for at in (here, there)
+    ]
+    both = rows_of([turned[0], here])
+    assert not Hypotheses.found(both, looks[:1], errors).is_certain  # looks away from the post
+    found = Hypotheses.found(rows_of([turned[1], there]), looks, errors)
+    back = Hypotheses.found(both, looks[::-1], errors)
+    assert found.poses[0] == pytest.approx(array_of(there), abs=0.01)
+    assert back.poses[0] == pytest.approx(array_of(here), abs=0.01)
+    assert found.logs[0] - found.logs[1] == pytest.approx(back.logs[0] - back.logs[1], abs=0.3)
+    assert found.logs[0] - found.logs[1] > 1.0
 
 
 def test_a_robot_may_drive_during_a_search() -> None:
@@ -125,7 +191,7 @@ def test_a_robot_may_drive_during_a_search() -> None:
     drive.go(0.4, 0.3)
     drive.localizer.adopt(search.run())
     assert drive.off < 0.3
-    drive.go(0.8)
+    drive.find(1.2, 0.6)
     assert drive.localizer.estimate.sure
     assert drive.off < 0.02
 
@@ -177,7 +243,7 @@ def test_a_robot_that_was_carried_away_notices_and_finds_itself() -> None:
     assert (estimate.stage, estimate.sure) == ("lost", False)
     assert estimate.reason == "the map does not show what the laser sees"
     drive.search()
-    drive.go(1.2, 0.5)
+    drive.find(1.5, 0.6)
     assert drive.localizer.estimate.sure
     assert drive.off < 0.02
 
@@ -271,13 +337,11 @@ def test_sonars_do_not_find_an_unknown_start() -> None:
 
 
 def test_hypotheses_that_are_one_place_count_once() -> None:
-    from pioneer3.nav.likelihood import ScanLikelihood, WallField
-
     likelihood = ScanLikelihood.of(WallField.for_lasers(FLAT), beams(FLAT, BEGIN, ORIGIN))
     around = array_of(BEGIN) + 0.05 * np.random.default_rng(0).standard_normal((50, 3))
-    found = Hypotheses.found(around, likelihood)
+    found = Hypotheses.found(around, [ComparedScan(likelihood, ORIGIN)], MotionErrors())
     assert len(found.poses) == 1
-    assert found.share == 1.0
+    assert found.is_certain
     assert found.poses[0] == pytest.approx(array_of(BEGIN), abs=0.01)
     drawn = found.drawn(300, np.random.default_rng(1))
     assert drawn.mean(axis=0) == pytest.approx(array_of(BEGIN), abs=0.02)

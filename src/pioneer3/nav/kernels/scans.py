@@ -291,6 +291,8 @@ def judge_poses(
 ) -> None:
     """Count the beams that agree with the map at each of `poses` (P, 3), and the others.
 
+    An echo at a wall agrees, whatever is in front of that on the map: things are carried off.
+
     Args:
         surface: The map.
         beams: Echoes in the robot's frame [m], shape (N, 2); ends of the part of other beams that
@@ -299,8 +301,8 @@ def judge_poses(
         limits: A point agrees within this of a wall [m], or this share of its range; a beam is
             through a wall that is so much nearer [m].
         out: Per pose the numbers of beams that agree, that are shorter than on the map, that go
-            through walls, and the mean square of the distances of those that agree, as a share of
-            the limit; shape (P, 4).
+            through walls to nowhere, and the mean square of the distances of those that agree, as a
+            share of the limit; shape (P, 4).
     """
     _, distances, _, (x0, y0, cell) = surface
     points, clear, origin = beams
@@ -321,15 +323,16 @@ def judge_poses(
             length = sqrt(dx * dx + dy * dy)
             if length < cell:
                 continue
-            if not is_free(surface, ox, oy, (dx / length, dy / length), length - deep):
-                through += 1.0
-            elif i < len(points):
+            off = 2.0
+            if i < len(points):
                 x, y = (ox + dx - x0) / cell, (oy + dy - y0) / cell
                 off = value_at(distances, x, y, 1e3) / max(near, share * length)
-                if off <= 1.0:
-                    agree += 1.0
-                    misfit += off * off
-                else:
-                    short += 1.0
+            if off <= 1.0:
+                agree += 1.0
+                misfit += off * off
+            elif not is_free(surface, ox, oy, (dx / length, dy / length), length - deep):
+                through += 1.0
+            elif i < len(points):
+                short += 1.0
         out[p, 0], out[p, 1], out[p, 2] = agree, short, through
         out[p, 3] = misfit / max(1.0, agree)
