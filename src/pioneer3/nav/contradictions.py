@@ -11,7 +11,7 @@ COMPARED_FRAMES = 4
 """Key frames over which odometry is compared with the scans: more than one push takes."""
 CONTRARY_SIGMAS = 4.0
 """Difference from which on odometry contradicts the scans [standard deviations of odometry]."""
-FEWEST_PIECES = 3
+FEWEST_PIECES = 4
 """Pieces of the way, apart from each other, from which on it is the odometry, not a push."""
 MOST_SPANS = 4
 """Times that are told at most, the longest ones."""
@@ -27,32 +27,40 @@ def contradiction_of(survey: Survey, settings: MapperSettings) -> str | None:
     spans, pieces, counted, backwards = list[tuple[int, int]](), 0, 0, 0
     for begin in range(len(frames) - COMPARED_FRAMES):
         end = begin + COMPARED_FRAMES
-        if torn & set(range(begin + 1, end + 1)):
-            continue  # how far the robot was moved is not known
-        first, last = frames[begin], frames[end]
-        odometry = first.beams.robot_in_odom.inverse() @ last.beams.robot_in_odom
+        odometry = frames[begin].beams.robot_in_odom.inverse() @ frames[end].beams.robot_in_odom
         way = poses[begin].inverse() @ poses[end]
-        sigmas = slip(settings, last.way - first.way, last.turn - first.turn)
-        if not _is_contrary(odometry, way, *sigmas):
+        sigmas = slip(
+            settings, frames[end].way - frames[begin].way, frames[end].turn - frames[begin].turn
+        )
+        # how far the robot was moved is not known where the map is torn
+        is_torn = not torn.isdisjoint(range(begin + 1, end + 1))
+        if not (is_torn or _is_contrary(odometry, way, *sigmas)):
             continue
         if begin >= counted:
             pieces, counted = pieces + 1, end
         begins = spans.pop()[0] if spans and begin <= spans[-1][1] else begin
         spans.append((begins, end))
-        backwards += 1 if odometry.x * way.x + odometry.y * way.y < 0 else -1
+        if not is_torn:
+            backwards += 1 if odometry.x * way.x + odometry.y * way.y < 0 else -1
     if pieces < FEWEST_PIECES:
         return None
     told = sorted(sorted(spans, key=lambda each: each[0] - each[1])[:MOST_SPANS])
-    start = frames[0].beams.stamp
-    times = [
-        " to ".join(_clock(frames[number].beams.stamp - start) for number in span) for span in told
-    ]
     more = f" and {len(spans) - len(told)} times more" if len(spans) > len(told) else ""
     why = ": ways backwards seem to be told as ways ahead" if backwards > 0 else ""
-    return (
-        f"odometry contradicts the scans at {', '.join(times)}{more} (minutes after the first scan)"
-        f"{why}"
-    )
+    return f"odometry contradicts the scans at {_times(survey, told)}{more}{why}"
+
+
+def _times(survey: Survey, spans: list[tuple[int, int]]) -> str:
+    """Return the times of spans of key frames; where stamps are too coarse for that, the ways."""
+    frames = survey.frames
+    start = frames[0].beams.stamp
+    clocks = [[_clock(frames[number].beams.stamp - start) for number in span] for span in spans]
+    if all(begin != end for begin, end in clocks):
+        after = "minutes after the first scan"
+    else:
+        clocks = [[f"{frames[number].way:.0f}" for number in span] for span in spans]
+        after = "metres driven since the first scan"
+    return f"{', '.join(' to '.join(each) for each in clocks)} ({after})"
 
 
 def _is_contrary(odometry: Pose2, way: Pose2, sigma: float, sigma_theta: float) -> bool:
