@@ -1,6 +1,7 @@
 """Maps that robots make: driven by hand, by themselves, from logs; and what is saved of them."""
 
 import asyncio
+import re
 import signal
 import subprocess
 import sys
@@ -8,16 +9,20 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from math import cos, hypot, inf, radians, sin
 from pathlib import Path
+from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pytest
 
 from pioneer3.cli.main import execute
+from pioneer3.cli.map_build import _Begin, _Keeper
 from pioneer3.errors import ConfigError, MotionError
 from pioneer3.geometry import ORIGIN, Pose2
-from pioneer3.maps import LineMap, read_map
+from pioneer3.maps import LineMap, MapObject, read_map
 from pioneer3.maps.grid import samples
 from pioneer3.maps.line_map import distances
+from pioneer3.nav.changes import drawn
 from pioneer3.nav.mapper import Mapper
 from pioneer3.navigation.connect import connect_async
 from pioneer3.navigation.log_files import chosen_log, is_recording
@@ -34,6 +39,8 @@ from tests.e2e.processes import free_port, p3
 from tests.e2e.processes import running as started
 from tests.support import SimulatedRobot, is_at
 from tests.unit.nav.halls import HALL
+from tests.unit.nav.test_changes import BOX, SHELF
+from tests.unit.nav.test_changes import driven as driven_on
 from tests.unit.nav.test_contradictions import THERE_AND_BACK, unsigned
 from tests.unit.web.test_navigation import at_once
 
@@ -312,6 +319,34 @@ def test_odometry_that_contradicts_the_scans_is_told_of_and_repaired(
         size = read_map(new).bounds
         width = size.x_max - size.x_min
         assert (abs(width - 12.0) < 0.1) == right
+
+
+@pytest.mark.parametrize("name", ["hall.map", "hall.yaml"])
+def test_what_has_changed_is_told_and_the_old_map_is_kept(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str
+) -> None:
+    before, after = driven_on(BOX, SHELF)
+    path = tmp_path / name
+    home = (MapObject(kind="RobotHome", name="Home", pose=ORIGIN),)
+    save_map(drawn(before.survey, 0.3, objects=home), path)
+    save_survey(before, path)
+    old = load_map(path)
+    keeper = _Keeper(path, _Begin.of(path, None), path)
+    finished = drawn(after.survey, 0.3, objects=home)
+    builder = SimpleNamespace(mapper=after, finished=lambda: finished)
+    keeper.builder = cast("MapBuilder", builder)
+    with keeper.saved_at_the_end():
+        pass
+    told, kept = capsys.readouterr().out, path.with_stem("hall-before")
+    assert re.search(r"^gone: 0\.\d\d m² of walls near \(5\.\d, 0\.\d\)$", told, re.MULTILINE)
+    assert re.search(r"^new: 0\.\d\d m² of walls near \(5\.\d, 7\.\d\)$", told, re.MULTILINE)
+    assert f"the map as it was before is {kept}" in told
+    assert (load_map(kept).walls == old.walls).all()
+    assert len(load_survey(kept)["poses"]) == len(before.survey.poses)
+    assert len(load_survey(path)["poses"]) == len(after.survey.poses)
+    assert (len(load_map(path).walls) != len(old.walls)) or (
+        load_map(path).walls != old.walls
+    ).any()
 
 
 def test_nothing_is_written_over_unless_asked_for(tmp_path: Path) -> None:

@@ -39,6 +39,8 @@ TURN_RATE = radians(30)
 """Turn rate of the keys [rad/s]."""
 KEEP_EVERY = 30.0
 """The survey is saved so often while it grows [s]."""
+TOLD_CHANGES = 8
+"""Changes of a map that are told at most, the largest ones."""
 ROOM = 0.3
 """A robot of a log had so much free ground around it [m]."""
 KEYS = "arrows: drive   + -: speed   space: stop   k: emergency stop   q: save the map and quit"
@@ -102,7 +104,7 @@ def build(
     if scans is not None or odometry is not None or repair_odometry:
         raise ConfigError("--scans, --odometry and --repair-odometry are of logs: only with --from")
     begin = _Begin.of(continue_, start)
-    keeper = _Keeper(target)
+    keeper = _Keeper(target, begin, continue_)
     connect = partial(link.connect, max_speed=max_speed, navigation=navigation)
     with keeper.saved_at_the_end():
         return run_until_told_to_leave(
@@ -167,9 +169,10 @@ class _Begin:
 class _Keeper:
     """Saves a map on every way out; `builder` is `None` before the robot is connected and found."""
 
-    def __init__(self, target: Path) -> None:
+    def __init__(self, target: Path, begin: _Begin, continued: Path | None) -> None:
         self.builder: MapBuilder | None = None
         self._target, self._told = target, set[str]()
+        self._begin, self._kept = begin, None if continued == target else target
 
     async def keep(self) -> None:
         """Save the survey now and then: a computer may lose its power."""
@@ -180,6 +183,7 @@ class _Keeper:
         while True:
             await asyncio.sleep(KEEP_EVERY)
             if self.builder is not None and self.builder.mapper.survey.frames:
+                await asyncio.to_thread(self._keep_old)
                 await asyncio.to_thread(save_survey, self.builder.mapper, self._target)
 
     @contextmanager
@@ -197,7 +201,35 @@ class _Keeper:
             write_warning("no scan has come: there is no map to save")
             return
         write_line(f"saving {self._target} ...")
-        _save(builder.finished(), builder.mapper, self._target)
+        self._keep_old()
+        line_map = builder.finished()
+        if _save(line_map, builder.mapper, self._target):
+            self._tell_changes(line_map)
+
+    def _keep_old(self) -> None:
+        """Copy the map that is continued, once, before it is written over."""
+        from pioneer3.navigation.map_files import copy_map
+
+        if self._kept is None:
+            self._kept = copy_map(self._target, "before")
+
+    def _tell_changes(self, line_map: "LineMap") -> None:
+        from pioneer3.nav.changes import changes, render_days
+        from pioneer3.nav.mapper import Mapper
+
+        if self._begin.state is None:
+            return
+        survey, (grid, *_) = Mapper.of(self._begin.state).survey, line_map.grids
+        found = changes(render_days(survey, grid.resolution), grid)
+        for change in found[:TOLD_CHANGES]:
+            how = "gone" if change.gone else "new"
+            write_line(
+                f"{how}: {change.area:.2f} m² of walls near ({change.x:.1f}, {change.y:.1f})"
+            )
+        if found[TOLD_CHANGES:]:
+            write_line(f"and {len(found) - TOLD_CHANGES} smaller changes")
+        if self._kept != self._target:
+            write_line(f"the map as it was before is {self._kept}")
 
     def words(self) -> str:
         """Return how far the map is, in a few words."""
@@ -307,7 +339,7 @@ def _from_file(
                 made.append(map_log(log, progress, settings, repair=repair))
         (log_map,) = made
         tell("drawing the map")
-        from pioneer3.nav.rendering import drawn
+        from pioneer3.nav.changes import drawn
 
         mapper, objects = log_map.mapper, (*_Begin().objects, *log_map.places)
         line_map = drawn(mapper.survey, ROOM, settings.mapper.cell, objects=objects)

@@ -34,6 +34,7 @@ graph             poses from the ways that were measured between them
 mapper            makes a map: poses of a robot, live, from scans and odometry
 contradictions    finds where odometry contradicts the scans of a map
 rendering         draws the map of a survey: which cells are free, and which are walls
+changes           draws maps that were continued, and finds what has changed
 frontiers         where a map ends: places from which a robot sees what is unknown
 exploring         chooses the edge of a map that a robot looks at next, until none is left
 logged            readings of logs, and scans that wait for the odometry of their time

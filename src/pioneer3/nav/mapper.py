@@ -424,7 +424,9 @@ class Mapper:
         if match.inliers < FOUND_INLIERS:
             match = Match(pose=said, information=np.zeros((3, 3)), inliers=match.inliers)
         self._here = match.pose
-        old = self._recent[0]
+        # no edge from the key frame before tells that a day begins: see `changes.days_of`
+        last = len(self._survey.frames) - 1
+        old = next((near for near in self._recent if near != last), last)
         way = self._survey.poses[old].inverse() @ self._here
         edge = Edge(old, len(self._survey.frames), way, certainty(match, UNKNOWN_WAY))
         self._keep(KeyFrame.of(beams, cloud, self._way, self._turn), (edge,))

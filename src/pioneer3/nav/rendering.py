@@ -8,7 +8,7 @@ from math import ceil
 import numpy as np
 from scipy import ndimage
 
-from pioneer3.arrays import Bool, Float
+from pioneer3.arrays import Bool, Float, UInt8
 from pioneer3.geometry import Pose2
 from pioneer3.jit import fast
 from pioneer3.maps import LineMap, MapObject, OccupancyGrid
@@ -27,6 +27,8 @@ scan or two."""
 WALL_SHARE = 0.2
 """Share of the scans that pass or end in a cell from which on it is a wall: light passes it before
 and after people."""
+CLEAR_MISSES = 3
+"""Scans that pass a cell, and none that ends there, from which on a wall has gone from it."""
 SPILL_SHARE = 0.2
 """Share of the hits of a cell nearby below which hits are that cell's: ranges are noisy, and behind
 a wall no light passes that would speak against them."""
@@ -121,6 +123,15 @@ class MapRenderer:
         states[
             (hits >= WALL_HITS) & (hits >= WALL_SHARE * total) & (hits >= SPILL_SHARE * most)
         ] = OCCUPIED
+        return self._cropped(states)
+
+    @property
+    def clear(self) -> OccupancyGrid:
+        """The cells that light passed often, and in which it never ended, as free ones."""
+        clear = (self._misses >= CLEAR_MISSES) & (self._hits == 0)
+        return self._cropped(np.where(clear, FREE, UNKNOWN).astype(np.uint8))
+
+    def _cropped(self, states: UInt8) -> OccupancyGrid:
         known = np.argwhere(states != UNKNOWN)
         if not len(known):
             nothing = np.full((1, 1), UNKNOWN, dtype=np.uint8)
@@ -184,18 +195,6 @@ def render(survey: Survey, cell: float = AS_SHIPPED.mapper.cell) -> OccupancyGri
     renderer = MapRenderer(cell)
     renderer.update(survey)
     return renderer.grid
-
-
-def drawn(
-    survey: Survey,
-    room: float,
-    cell: float = AS_SHIPPED.mapper.cell,
-    *,
-    name: str = "map",
-    objects: Sequence[MapObject] = (),
-) -> LineMap:
-    """Return the map of a survey; within `room` [m] of the robot's places it is free."""
-    return line_map_of(trodden(render(survey, cell), survey.poses, room), name, objects)
 
 
 def trodden(grid: OccupancyGrid, places: Sequence[Pose2], radius: float) -> OccupancyGrid:

@@ -17,6 +17,7 @@ from pioneer3.maps import LineMap, MapObject, OccupancyGrid
 from pioneer3.maps.grid import samples
 from pioneer3.maps.line_map import FREE
 from pioneer3.nav.beams import beams_of
+from pioneer3.nav.changes import drawn
 from pioneer3.nav.clearance import Walls
 from pioneer3.nav.costs import COST_CELL, CostMap
 from pioneer3.nav.exploring import Exploration, GivenUp, Outlook
@@ -25,7 +26,7 @@ from pioneer3.nav.frames import Survey
 from pioneer3.nav.mapper import Mapper
 from pioneer3.nav.places import home
 from pioneer3.nav.planner import Way
-from pioneer3.nav.rendering import MapRenderer, drawn, line_map_of, trodden
+from pioneer3.nav.rendering import MapRenderer, line_map_of, trodden
 from pioneer3.nav.sightings import Sightings
 from pioneer3.navigation.follow_way import FollowWay, follow_way, stand_unsure
 from pioneer3.navigation.keep_clear import LimiterOutline

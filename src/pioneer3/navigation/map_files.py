@@ -54,6 +54,23 @@ def free_path(path: Path) -> Path:
     return free
 
 
+def copy_map(path: Path, what: str) -> Path:
+    """Copy all files of a map under a free name that ends in a word; return it.
+
+    Raises:
+        ConfigError: A file cannot be read or written.
+    """
+    copy = free_path(path.with_stem(f"{path.stem}-{what}"))
+    for old, new in zip(files_of(path), files_of(copy), strict=True):
+        if old.exists():
+            data = read_bytes(old, LARGEST_SURVEY)
+            if old == path:  # it may name the file beside it
+                for first, second in zip(files_of(path)[1:2], files_of(copy)[1:2], strict=True):
+                    data = data.replace(first.name.encode(), second.name.encode())
+            write_bytes(new, data)
+    return copy
+
+
 def left_out(line_map: LineMap, path: Path, relief: Relief = FLAT) -> str:
     """Return the parts of a map and its world that a file does not have, in words, or nothing."""
     counts: dict[str, int] = {}
