@@ -60,6 +60,8 @@ ASKED_PLACES = 3
 """Places that a piece is looked for at, at a time, besides that of the tear."""
 JOINED_WAY = 1.5
 """Distance from a place within which a piece is looked for [m]."""
+JOINED_APART = 2.5
+"""Way between two places of a piece that confirm each other [m]: corridors look alike."""
 LOOPS_APART = 0.2
 """Difference below which two loops agree [m], which is less than one that is taken by itself moves
 the robot."""
@@ -236,17 +238,20 @@ class _Search:
             others = [int(away[(turn + k) % len(away)]) for k in range(ASKED_PLACES)]
             beside = int(known[np.abs(known - members[0]).argmin()])
             for old in dict.fromkeys((beside, *others)):
-                if self._join(old, number, alone=old == beside):
+                if self._join(old, number, self._poses[number] if old == beside else None):
                     break
 
-    def _join(self, old: int, number: int, *, alone: bool) -> bool:
-        """Join the piece of a key frame to that of an old one, if it is seen from there."""
+    def _join(self, old: int, number: int, near: Pose2 | None) -> bool:
+        """Join the piece of a key frame to that of an old one, if it is seen from there.
+
+        It is looked for near a pose, if that is given.
+        """
         here = self._poses[old].inverse()
         numbers = self._of_piece(old, old - AROUND_FRAMES, old + AROUND_FRAMES + 1)
         around = Vicinity(
             [self._frames[k] for k in numbers], [here @ self._poses[k] for k in numbers]
         )
-        begin = here @ self._poses[number] if alone else Pose2()
+        begin = here @ near if near else Pose2()
         query = self._query(number)
         match = around.find(
             query, self._frames[number].beams, begin, way=JOINED_WAY, fit=LOOP_INLIERS
@@ -254,11 +259,11 @@ class _Search:
         if match is None or match.ratio < LOOP_RATIO:
             return False
         edge = Edge(old, number, match.pose, certainty(match, LOOP_PRIOR), loop=True)
-        return self._merge(edge, alone=alone)
+        return self._merge(edge)
 
-    def _merge(self, edge: Edge, *, alone: bool) -> bool:
-        """Make one piece of two by a loop that is taken `alone`, or once another one agrees."""
-        if not (alone or self._is_seconded(edge)):
+    def _merge(self, edge: Edge) -> bool:
+        """Make one piece of two by a loop, once another one agrees."""
+        if not self._is_seconded(edge):
             self._waiting.append(edge)
             return False
         first, second = edge.first, edge.second
@@ -278,7 +283,7 @@ class _Search:
         """Whether another edge between two pieces, which waited for it, says the same."""
         for other in self._waiting:
             apart = self._piece[other.first] != self._piece[other.second]
-            independent = abs(other.second - edge.second) >= POOLED_FRAMES
+            independent = abs(self._ways[other.second] - self._ways[edge.second]) >= JOINED_APART
             if apart and independent and self._agree(other, edge, LOOPS_APART):
                 self._waiting.remove(other)
                 self._edges.append(other)
@@ -298,7 +303,7 @@ class _Search:
         moved, way = self._error(edge), self._ways[edge.second]
         alone = min(MOST_ALONE, ALONE_MOVE + ALONE_PER_WAY * (way - self._closed))
         if self._piece[edge.first] != self._piece[edge.second]:
-            self._merge(edge, alone=False)
+            self._merge(edge)
             return
         if hypot(moved.x, moved.y) < alone:
             self._accept(edge, moved)

@@ -54,6 +54,8 @@ scan was seen before."""
 LOST_INLIERS = 0.3
 """Share of inliers from which on a scan that contradicts others was taken near them all the same:
 where there is much glass, or many people are."""
+LOST_CONTRADICTION = 0.3
+"""Share of contradictions below which a scan that is found nowhere stays where odometry has it."""
 NEAR_ODOMETRY = 16.0
 """Squared error up to which a pose is near odometry's [squared sigmas]."""
 LIFTED_WAY = 1.0
@@ -378,7 +380,8 @@ class Mapper:
 
         Return whether it was moved: the scan contradicts those before it.
         """
-        if self._vicinity.contradiction(beams, match.pose) < CONTRADICTED:
+        contradiction = self._vicinity.contradiction(beams, match.pose)
+        if contradiction < CONTRADICTED:
             return False
         fit = max(self._settings.fit, match.inliers + CLEARLY)
         found = self._vicinity.find(cloud, beams, match.pose, way=LIFTED_WAY, fit=fit)
@@ -386,7 +389,7 @@ class Mapper:
             self._match, self._here = found, found.pose
             self._link(beams, cloud, found, expected)
             return True
-        if match.inliers > LOST_INLIERS:
+        if match.inliers > LOST_INLIERS or contradiction < LOST_CONTRADICTION:
             return False
         self._here = match.pose
         number = len(self._survey.frames)

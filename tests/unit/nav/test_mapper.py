@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from pioneer3.geometry import ORIGIN, Pose2
-from pioneer3.nav.loops import ASKED_PASSES, RECENT_FRAMES
+from pioneer3.nav.loops import ASKED_PASSES, JOINED_APART, RECENT_FRAMES
 from pioneer3.nav.mapper import Mapper
 from pioneer3.nav.particles import rows_of
 from tests.unit.nav.halls import HALL, ROUND, look
@@ -159,20 +159,15 @@ def test_what_was_added_while_a_thread_worked_moves_along() -> None:
     assert mapper.survey.edges[-1].second == len(before)
 
 
-def moved_unnoticed(move: Pose2) -> tuple[Mapper, list[Pose2]]:
-    """Return a mapper of a robot that was moved in the middle of its way, and the true poses.
-
-    It drove on towards where it had come from.
-    """
+def moved_unnoticed(after: list[Pose2]) -> tuple[Mapper, list[Pose2]]:
+    """Return a mapper of a robot that was carried from one way to another, and the true poses."""
     mapper, kept = Mapper(ROUND[0]), list[Pose2]()
-    back = [move @ place for place in reversed(ROUND[25:45])]
-    ways = (ROUND[:45], ORIGIN), (back, ROUND[0].inverse() @ ROUND[44] @ back[0].inverse())
-    for way, to_odometry in ways:
-        for place in way:
-            odometry = ROUND[0].inverse() @ place if way is not back else to_odometry @ place
-            mapper.add(look(HALL, place, odometry, count=181))
-            kept += [place] * (len(mapper.survey.frames) - len(kept))
-            mapper.improve()
+    to_odometry = ROUND[0].inverse() @ ROUND[44] @ after[0].inverse()
+    for number, place in enumerate([*ROUND[:45], *after]):
+        odometry = (to_odometry if number >= 45 else ROUND[0].inverse()) @ place
+        mapper.add(look(HALL, place, odometry, count=181))
+        kept += [place] * (len(mapper.survey.frames) - len(kept))
+        mapper.improve()
     return mapper, kept
 
 
@@ -185,7 +180,7 @@ def off(mapper: Mapper, true: list[Pose2]) -> float:
 def test_a_robot_that_was_lifted_and_turned_is_found_at_once() -> None:
     begin = ROUND[44]
     move = Pose2(begin.x - 0.4, begin.y + 0.3) @ Pose2(0.0, 0.0, 2.0) @ Pose2(-begin.x, -begin.y)
-    mapper, true = moved_unnoticed(move)
+    mapper, true = moved_unnoticed([move @ place for place in reversed(ROUND[25:45])])
     assert off(mapper, true) < 0.05
     assert mapper.pieces == 1
     assert "once unnoticed; the scans show" in mapper.remarks()[0]
@@ -193,10 +188,14 @@ def test_a_robot_that_was_lifted_and_turned_is_found_at_once() -> None:
 
 
 def test_a_robot_that_was_carried_away_begins_a_piece_that_is_joined_later() -> None:
-    mapper, true = moved_unnoticed(Pose2(-2.2, -3.5))
+    mapper, true = moved_unnoticed([Pose2(place.x + 0.2, 1.2, 0.2) for place in ROUND[:25]])
     torn = [edge.second for edge in mapper.survey.edges if edge.torn]
     assert len(torn) == 1
     assert off(mapper, true) < 0.05
+    ways = [frame.way for frame in mapper.survey.frames]
+    loops = [edge for edge in mapper.survey.edges if edge.loop]
+    joins = [edge for edge in loops if edge.first < torn[0] <= edge.second]
+    assert abs(ways[joins[0].second] - ways[joins[1].second]) >= JOINED_APART
     assert "once unnoticed; the scans show" in mapper.remarks()[0]
     again = Mapper.of(mapper.state)
     assert (again.pieces, again.remarks()) == (1, mapper.remarks())

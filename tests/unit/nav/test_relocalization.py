@@ -7,6 +7,7 @@ import pytest
 
 from pioneer3.geometry import Pose2
 from pioneer3.nav.frames import KeyFrame
+from pioneer3.nav.mapper import LOST_CONTRADICTION
 from pioneer3.nav.matching import Cloud
 from pioneer3.nav.relocalization import CONTRADICTED, Vicinity
 from tests.unit.nav.halls import HALL, look
@@ -38,6 +39,13 @@ def test_somebody_who_has_come_is_no_reason_to_be_elsewhere() -> None:
     near = np.abs(np.arctan2(scan.points[:, 1], scan.points[:, 0]) - 0.3) < 0.25
     scan.points[near] *= (0.8 / np.hypot(*scan.points[near].T))[:, None]
     assert around(HALL, BEFORE).contradiction(scan, BEFORE) < CONTRADICTED / 2
+
+
+def test_a_crowd_in_half_of_the_view_begins_no_piece() -> None:
+    scan = look(HALL, BEFORE)
+    near = np.abs(np.arctan2(scan.points[:, 1], scan.points[:, 0])) < 1.4
+    scan.points[near] *= (0.8 / np.hypot(*scan.points[near].T))[:, None]
+    assert 0.2 < around(HALL, BEFORE).contradiction(scan, BEFORE) < LOST_CONTRADICTION
 
 
 def test_a_place_is_found_whatever_the_heading() -> None:
