@@ -10,14 +10,6 @@ SOURCE = Path(__file__).parents[2] / "src" / "pioneer3"
 MODULES = {path.relative_to(SOURCE): ast.parse(path.read_text()) for path in SOURCE.rglob("*.py")}
 NO_BEGINNING = ("Of ", "Who ", "What ", "The same ", "It ")
 """A docstring begins with its verb, or with the noun that the thing is."""
-LOCAL_PLANNER = (
-    "nav/follower.py",
-    "nav/manoeuvre.py",
-    "nav/mover.py",
-    "navigation/follow_way.py",
-    "navigation/recovery.py",
-)
-"""Modules that move robots among people, whose constants wait for their new design."""
 ONE_VALUE = ("behaviors", "nav", "navigation")
 """Packages in which the name of a constant stands for one value; within each of their folders."""
 
@@ -43,7 +35,7 @@ def test_docstrings_begin_with_a_verb_or_the_noun_that_a_thing_is() -> None:
         f"{path}:{line}: {text.splitlines()[0]}"
         for path, tree in MODULES.items()
         for line, text in docstrings(tree)
-        if text.startswith(NO_BEGINNING) and not str(path).startswith(LOCAL_PLANNER)
+        if text.startswith(NO_BEGINNING)
     ] == []
 
 
@@ -70,16 +62,14 @@ def test_each_constant_has_a_docstring_of_its_own() -> None:
         f"{path}:{statement.lineno}: {ast.unparse(target)}"
         for path, tree in MODULES.items()
         for statement, target in constants(tree)
-        if isinstance(target, ast.Tuple)
-        and (path, statement.lineno) in docs
-        and str(path) not in LOCAL_PLANNER
+        if isinstance(target, ast.Tuple) and (path, statement.lineno) in docs
     ] == []
 
 
 def test_the_name_of_a_constant_has_one_value_in_a_package() -> None:
     values = defaultdict[tuple[Path, str], set[str]](set)
     for path, tree in MODULES.items():
-        if path.parts[0] in ONE_VALUE and str(path) not in LOCAL_PLANNER:
+        if path.parts[0] in ONE_VALUE:
             for statement, target in constants(tree):
                 assert statement.value is not None
                 values[path.parent, ast.unparse(target)].add(ast.unparse(statement.value))

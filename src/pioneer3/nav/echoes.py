@@ -136,12 +136,12 @@ class Echoes:
         inside = (columns >= 0) & (columns < raster.width) & (rows >= 0) & (rows < raster.height)
         return rows.clip(0, raster.height - 1), columns.clip(0, raster.width - 1), inside
 
-    def often(self, now: float, age: float, *, people: bool) -> Float:
-        """Return the times at which cells were heard within `age` [s], so often that plans care.
+    def often(self, now: float, *, people: bool) -> Float:
+        """Return the times at which cells were heard lately, so often that plans care.
 
         If they may be of `people`, who go on, those are recent ones. Times are 0 for none, (H, W).
         """
-        since = now - min(age, HEARD_AMONG_PEOPLE if people else HEARD_AGE)
+        since = now - (HEARD_AMONG_PEOPLE if people else HEARD_AGE)
         return np.where((self._counts >= HEARD_TIMES) & (self._times >= since), self._times, 0.0)
 
     def near(self, x: float, y: float, within: float, now: float) -> Float:

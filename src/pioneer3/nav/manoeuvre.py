@@ -1,11 +1,11 @@
 """Manoeuvres: out of places where a robot that is longer than wide has to line up with a gap."""
 
 from dataclasses import dataclass, field
-from math import atan2, cos, hypot, pi, sin, sqrt
+from math import atan2, cos, hypot, pi, radians, sin, sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pioneer3.arrays import Float, Float32
 from pioneer3.geometry import Pose2, wrap
 from pioneer3.jit import fast
 from pioneer3.limits import Limits
@@ -17,8 +17,6 @@ from pioneer3.nav.kernels.manoeuvres import manoeuvre
 from pioneer3.nav.moving import PERSON_RADIUS
 from pioneer3.nav.planner import CostToGo
 from pioneer3.nav.raster import Raster
-
-Float = NDArray[np.float64]
 
 
 def gaps_at(at: Pose2, model: RobotModel, obstacles: Float) -> Float:
@@ -38,35 +36,50 @@ def gaps_at(at: Pose2, model: RobotModel, obstacles: Float) -> Float:
     return gaps
 
 
-Float32 = NDArray[np.float32]
-
-SIDE, CELL, HEADINGS = 64, 0.05, 48
-"""Of the window that is searched, and of its cells [m]; and how many headings."""
-STEP, SHARP = 0.08, 0.5
-"""Length of a move, and the radius of its arcs [m]."""
-BACKWARDS, TURN, AGAIN = 1.5, 0.3, 0.01
-"""A way backwards counts so many times; a turn so much [m/rad]; and each move [m]."""
+SIDE = 64
+"""Side of the window that is searched [cells]."""
+CELL = 0.05
+"""Side of a cell [m]."""
+HEADINGS = 48
+"""Number of headings."""
+MOVE_LENGTH = 0.08
+"""[m]."""
+RADIUS = 0.5
+"""Radius of arcs [m]."""
+BACKWARDS_COST = 1.5
+"""Cost of a way backwards, by one ahead."""
+TURN_COST = 0.3
+"""Cost of a turn [m/rad]."""
 GAP = 0.03
-"""Kept from everything [m]; less where the robot has less already."""
+"""Distance kept from everything, and needed to turn freely in the end [m]; where the robot has
+less of it already, that is kept."""
 PROGRESS = 0.3
-"""A manoeuvre brings the robot so much nearer to its goal [m in the open]."""
-FREE = 0.02
-"""With so much room around its farthest corner it turns as it likes [m]."""
+"""Way to its goal that a manoeuvre saves [m in the open]."""
+PEOPLE_GAP = PERSON_RADIUS + 0.15
+"""Distance kept from the line on which somebody walks, where it goes aside for them [m]."""
+MOST_STATES = 16_000
+"""States after which a search gives up: longer ones would hold up the robot."""
 SPEED = 0.2
-"""[m/s]."""
-TURN_RATE = 0.5
-"""[rad/s]."""
+"""Speed of a manoeuvre [m/s]."""
+TURN_RATE = 0.6
+"""Turn rate of a manoeuvre, and the highest one beside people [rad/s]."""
+SLOWEST_TURN = radians(3)
+"""Turn rate below which wheels stick [rad/s]."""
 AHEAD = 0.15
-"""Arcs are steered by a point so far ahead [m]."""
-THERE, ALIGNED = 0.015, 0.03
-"""Near enough [m, rad]."""
-SLOWEST_TURN = 0.06
-"""Wheels stick below this [rad/s]."""
-APART = PERSON_RADIUS + 0.15
-"""Kept from the line on which somebody walks [m]."""
-MOST = 16_000
-"""After so many states a search gives up: longer ones would hold up the robot."""
-NOWHERE: Float = np.empty((0, 2))
+"""Distance ahead of a point by which arcs are steered [m]."""
+THERE = 0.02
+"""Distance from a place that is near enough [m]."""
+ALIGNED = radians(1.0)
+"""Angle off a heading that is near enough [rad]."""
+
+
+def turn_rate(off: float, fastest: float, limits: Limits) -> float:
+    """Return the turn rate for the rest of a turn [rad/s], `off` [rad] before its end.
+
+    It brakes with half of what it can: wheels follow late, and slip.
+    """
+    rate = max(SLOWEST_TURN, min(sqrt(limits.turn_deceleration * abs(off)), fastest))
+    return rate if off > 0 else -rate
 
 
 def find_manoeuvre(
@@ -111,7 +124,7 @@ def find_way_aside(
         As :func:`find_manoeuvre`; one pose if the robot is beside them.
     """
     here = robot_in_map
-    near = _within(SIDE * CELL / 2 + model.corner + APART, here, ways)
+    near = _within(SIDE * CELL / 2 + model.corner + PEOPLE_GAP, here, ways)
     if not len(near):
         return np.array([[here.x, here.y, here.theta]])
     open_places = np.where(costs.closed, np.inf, 0.0).astype(np.float32)
@@ -125,7 +138,7 @@ def _search(
     raster: Raster,
     values: Float32,
     *,
-    ways: Float = NOWHERE,
+    ways: Float | None = None,
     least: float = 0.0,
 ) -> Float | None:
     reach = SIDE * CELL / 2 + model.corner
@@ -136,16 +149,16 @@ def _search(
     things = near[:, [0, 1, 4]]
     # a robot that is nearer to something already only comes no nearer to that
     things[:, 2] -= np.maximum(GAP - gaps_at(here, model, near) + ROUNDING, 0.0)
-    outline = (model.length_front, model.length_rear, model.width / 2, GAP, model.corner + FREE)
+    outline = (model.length_front, model.length_rear, model.width / 2, GAP, model.corner + GAP)
     last = fast(manoeuvre, CACHE)(
         np.array([here.x, here.y, here.theta]),
         _moves(),
-        np.array([*outline, least, APART]),
+        np.array([*outline, least, PEOPLE_GAP]),
         things,
-        np.pad(ways, ((0, 0), (0, 1))),
+        np.empty((0, 3)) if ways is None else np.pad(ways, ((0, 0), (0, 1))),
         values,
         np.array([raster.x, raster.y, raster.cell, CELL]),
-        np.array([SIDE, HEADINGS, MOST], dtype=np.int32),
+        np.array([SIDE, HEADINGS, MOST_STATES], dtype=np.int32),
         poses,
         costs,
         keys,
@@ -203,17 +216,13 @@ class Manoeuvre:
     def _kind(self, at: int) -> int:
         x, y, theta = self.poses[at]
         dx, dy = self.poses[at + 1, 0] - x, self.poses[at + 1, 1] - y
-        if hypot(dx, dy) < STEP / 2:
+        if hypot(dx, dy) < MOVE_LENGTH / 2:
             return 0
         return 1 if dx * cos(theta) + dy * sin(theta) > 0 else -1
 
     def _turn(self, at: Pose2, end: int) -> tuple[float, float] | None:
         off = wrap(float(self.poses[end, 2]) - at.theta)
-        if abs(off) < ALIGNED:
-            return None
-        rate = max(SLOWEST_TURN, sqrt(self.limits.turn_deceleration * abs(off)))
-        rate = min(rate, TURN_RATE, self.limits.max_turn_rate)
-        return 0.0, rate if off > 0 else -rate
+        return None if abs(off) < ALIGNED else (0.0, turn_rate(off, TURN_RATE, self.limits))
 
     def _drive(self, at: Pose2, end: int, way: int) -> tuple[float, float] | None:
         """Return the velocity along a run of arcs, or `None` at its end."""
@@ -223,7 +232,7 @@ class Manoeuvre:
             return None
         run = self.poses[self._at : end + 1]
         nearest = int(np.hypot(run[:, 0] - at.x, run[:, 1] - at.y).argmin())
-        ahead = nearest + max(1, round(AHEAD / STEP))
+        ahead = nearest + max(1, round(AHEAD / MOVE_LENGTH))
         if ahead < len(run):
             to_x, to_y = run[ahead, :2]
         else:  # beyond the end, straight on
@@ -232,17 +241,17 @@ class Manoeuvre:
         dx, dy = to_x - at.x, to_y - at.y
         bearing = wrap(atan2(dy, dx) - at.theta - (pi if way < 0 else 0.0))
         curvature = 2 * sin(bearing) / max(hypot(dx, dy), AHEAD / 2)
-        v = min(SPEED, max(0.03, sqrt(2 * self.limits.deceleration * 0.5 * left)))
+        v = min(SPEED, max(0.03, sqrt(self.limits.deceleration * left)))
         w = max(-TURN_RATE, min(TURN_RATE, v * curvature))
         return way * v, w
 
 
 def _moves() -> Float:
-    bend, turn = STEP / SHARP, 2 * pi / HEADINGS
-    rows = [(way * STEP, side * bend) for way in (1, -1) for side in (0, 1, -1)]
+    bend, turn = MOVE_LENGTH / RADIUS, 2 * pi / HEADINGS
+    rows = [(way * MOVE_LENGTH, side * bend) for way in (1, -1) for side in (0, 1, -1)]
     rows += [(0.0, turn), (0.0, -turn)]
     costs = [
-        abs(way) * (1.0 if way > 0 else BACKWARDS) + TURN * abs(angle) + AGAIN
-        for way, angle in rows
+        abs(way) * (1.0 if way > 0 else BACKWARDS_COST) + TURN_COST * abs(turn)
+        for way, turn in rows
     ]
     return np.column_stack([rows, costs])

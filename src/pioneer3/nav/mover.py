@@ -6,32 +6,34 @@ from math import hypot, inf
 from pioneer3.geometry import Pose2
 
 FASTEST = 2.0
-"""Nobody walks faster than this [m/s]."""
-PLACE, SPEED = 0.5, 0.2
-"""Share of an error of the place that corrects the place, and of the speed that would explain it
-that corrects the speed."""
-FADES = 0.8
+"""Speed that nobody walks faster than [m/s]."""
+WALKING_SPEED = 0.25
+"""Speed above which a thing walks [m/s]."""
+STANDING_SPEED = 0.15
+"""Speed below which it stands [m/s]."""
+PLACE_SHARE = 0.5
+"""Share of an error of the place that corrects the place."""
+SPEED_SHARE = 0.2
+"""Share of the speed that would explain that error that corrects the speed."""
+SPEED_LEFT = 0.8
 """Share of its speed that is left in each scan of a thing of which a part is seen."""
-JUMP = 0.3
-"""Larger errors are no motion [m]."""
-CAME, TIMES, WALKING = 0.3, 4, 0.25
-"""A thing walks that has come so far [m], in so many scans, at this speed at least [m/s]."""
-STILL = 0.15
-"""Slower than this it stands [m/s]."""
+STEP_LENGTH = 0.3
+"""Error of a place above which it is no motion, and way that makes a thing a walker [m]."""
 OFTEN = 4
-"""Who looked like legs in so many scans is a person."""
-HIDDEN = 15.0
-"""So long after they were seen last, people are remembered who are out of sight [s]."""
-COASTS = 0.4
-"""So long after it was seen last a thing is expected to go on; then to stand [s]."""
-LISTENS = 2.5
-"""Sonars tell up to here that nobody is there [m]."""
-HIT, DEEP, MISSED = 0.15, 0.5, 3
-"""A sonar hears a body that its axis passes so near to the middle of [m], from no farther before
-that [m]; whom sonars have missed so often, one after the other, has gone.
-"""
-MEMORY = 12
-"""Places where a thing was that are remembered."""
+"""Scans after which a thing is what it looks like, and echoes of sonars without it, one after the
+other, after which it has gone."""
+MEMORY_TIME = 15.0
+"""Time for which people stay people, whatever they look like, and out of sight [s]."""
+COASTING_TIME = 0.5
+"""Time since a thing was seen for which it is expected to go on, then to stand [s]."""
+NEAR_RANGE = 2.5
+"""Range within which legs look like legs, and sonars tell that nobody is there [m]."""
+HEARD_ASIDE = 0.15
+"""Distance of a body's middle from the axis of a sonar within which that hears it [m]."""
+HEARD_BEFORE = 0.5
+"""Distance before its middle from which its echo comes at most [m]."""
+PLACES = 12
+"""Number of places where a thing was that are remembered."""
 
 
 @dataclass(slots=True)
@@ -91,12 +93,12 @@ class Mover:
 
     def at(self, now: float) -> tuple[float, float]:
         """Return where it is expected at `now` [m]."""
-        ahead = min(max(now - self.seen, 0.0), COASTS)
+        ahead = min(max(now - self.seen, 0.0), COASTING_TIME)
         return self.x + ahead * self.vx, self.y + ahead * self.vy
 
     def holds_two(self, now: float) -> bool:
         """Whether it may be two people, who stand together or pass each other."""
-        return now - self.joined < HIDDEN
+        return now - self.joined < MEMORY_TIME
 
     def join(self, other: "Mover", now: float) -> None:
         """Take in another thing at the same place; if that is a person, this is one, too."""
@@ -125,39 +127,39 @@ class Mover:
         passed = max(now - self.seen, 0.02)
         if self.stands is not None and self.holds_two(now):
             self.joined += passed  # as long as they stand
-        if passed > COASTS:  # it was out of sight, and may have turned
+        if passed > COASTING_TIME:  # it was out of sight, and may have turned
             self.x, self.y, self.vx, self.vy = x, y, 0.0, 0.0
         elif whole:
-            self._filter(x, y, passed, PLACE, SPEED)
+            self._filter(x, y, passed, PLACE_SHARE, SPEED_SHARE)
         else:
-            self._filter(x, y, passed, 0.0 if fits else PLACE / 2, 0.0)
-            self.vx, self.vy = FADES * self.vx, FADES * self.vy
+            self._filter(x, y, passed, 0.0 if fits else PLACE_SHARE / 2, 0.0)
+            self.vx, self.vy = SPEED_LEFT * self.vx, SPEED_LEFT * self.vy
         self.seen, self.times, self.missed = now, self.times + 1, 0
         came = hypot(self.x - self.begin[0], self.y - self.begin[1])
-        self.walks |= came > CAME and self.times > TIMES and self.speed > WALKING
-        if self.speed > STILL:
+        self.walks |= came > STEP_LENGTH and self.times > OFTEN and self.speed > WALKING_SPEED
+        if self.speed > STANDING_SPEED:
             self.stands = None
-            if self.speed > WALKING:
+            if self.speed > WALKING_SPEED:
                 self.heading = self.vx / self.speed, self.vy / self.speed
         elif self.stands is None:
             self.stands = now
-        self.past = [*self.past[-MEMORY:], (x, y)]
+        self.past = [*self.past[-PLACES:], (x, y)]
 
     def hear(self, transducer: Pose2, metres: float, now: float) -> None:
         """Take in the echo of a sonar, which may be of it, or come from behind it."""
         x, y = self.at(now)
         off = transducer.inverse() @ Pose2(x, y)
-        if off.x < 0.0 or abs(off.y) > HIT:
+        if off.x < 0.0 or abs(off.y) > HEARD_ASIDE:
             return
-        if min(metres, LISTENS) > off.x:
+        if min(metres, NEAR_RANGE) > off.x:
             self.missed += 1
-        elif max(off.x - DEEP, 0.0) < metres <= off.x:
+        elif max(off.x - HEARD_BEFORE, 0.0) < metres <= off.x:
             self.missed, self.heard = 0, now
 
     def _filter(self, x: float, y: float, passed: float, place: float, speed: float) -> None:
         expected_x, expected_y = self.x + passed * self.vx, self.y + passed * self.vy
         off_x, off_y = x - expected_x, y - expected_y
-        off = max(1.0, hypot(off_x, off_y) / JUMP)
+        off = max(1.0, hypot(off_x, off_y) / STEP_LENGTH)
         off_x, off_y = off_x / off, off_y / off
         self.x, self.y = expected_x + place * off_x, expected_y + place * off_y
         self.vx += speed * off_x / passed

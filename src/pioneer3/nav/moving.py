@@ -20,33 +20,27 @@ from pioneer3.nav.clusters import (
     looks_like_legs,
     middle_of,
 )
-from pioneer3.nav.mover import COASTS, HIDDEN, MISSED, OFTEN, Mover
+from pioneer3.nav.mover import COASTING_TIME, MEMORY_TIME, NEAR_RANGE, OFTEN, Mover
 
 FOLLOWED_RANGE = 5.0
 """Range beyond which things are not followed [m]."""
-GATE = 0.45
-"""Distance from where it should be within which a thing is looked for [m]."""
-LEGS_RANGE = 2.5
-"""Range below which legs look like legs [m]."""
-ONE_PERSON = 0.3
-"""Distance below which two things are one [m]: the legs of one person."""
 UNSEEN_TIME = 0.6
 """Time without plain sight after which a person is forgotten [s]."""
+GATE = 0.45
+"""Distance from where it should be within which a thing is looked for [m]."""
+ONE_PERSON = 0.3
+"""Distance below which two things are one [m]: the legs of one person."""
 KNOWN_TIMES = 10
 """Sightings up to which a lost person is forgotten at once."""
-BESIDE_RANGE = 1.0
-"""Range within which people that were seen are remembered for longer [m]."""
-BELIEF_TIME = 15.0
-"""Time for which somebody who looked like a person stays one [s]: two who stand together do not
-look so."""
 BODY_DEPTH = 0.19
 """Distance before its legs at which a body ends at most [m]."""
 NEW_TIMES = 100
 """Sightings below which a small thing may be people who stand together."""
-ABOUT_TIME = 60.0
-"""Time within which somebody was seen there, for that [s]."""
+PEOPLE_TIME = 60.0
+"""Time since somebody was seen for which people are about, and things stay noted [s]."""
 PARTING = 0.9
-"""Distance to a thing of two people at which somebody who steps out of it begins at most [m]."""
+"""Distance to a thing of two people at which somebody who steps out of it begins at most, and to
+the laser within which people that were seen are remembered for longer [m]."""
 PERSON_RADIUS = 0.28
 """Radius of people [m]: lasers see their legs alone."""
 UNSEEN_MARGIN = 0.08
@@ -84,11 +78,11 @@ class Movers:
                 whole = is_whole(points[part], origin, limit, (x, y))
                 fits = bool((np.hypot(*(points[part] - (x, y)).T) < STANCE).all())
                 thing.correct(*middle_of(points[part], origin), now, whole=whole, fits=fits)
-                if away[part].min() < LEGS_RANGE:
+                if away[part].min() < NEAR_RANGE:
                     seen = 1 if looks_like_legs(points[part]) else -1
                     thing.legs = min(max(thing.legs + seen, -OFTEN), 2 * OFTEN)
                 if thing.walks or thing.legs >= OFTEN:
-                    thing.believed = now + BELIEF_TIME
+                    thing.believed = now + MEMORY_TIME
             if thing.walks:
                 own.append(part)
         doubted = self._doubted(points[near], owner, now)
@@ -96,7 +90,7 @@ class Movers:
         for part in clusters(points[new]):
             middle = middle_of(points[new[part]], origin)
             self.things.append(self._begin(*middle, now))
-            doubted[np.isin(near, new[part])] |= now - self.met < ABOUT_TIME
+            doubted[np.isin(near, new[part])] |= now - self.met < PEOPLE_TIME
         self.doubtful = points[near[doubted]]
         self._merge(now)
         self._forget(points, origin, limit, now)
@@ -120,10 +114,10 @@ class Movers:
 
         The `owner` (N,) of each is the number of the thing that it is of, -1 for none.
         """
-        self._lost = [each for each in self._lost if each[2] > now - BELIEF_TIME]
+        self._lost = [each for each in self._lost if each[2] > now - MEMORY_TIME]
         places = [thing.at(now) for thing in self.things if thing.is_person]
         places += [(x, y) for x, y, _ in self._lost]
-        about = now - self.met < ABOUT_TIME
+        about = now - self.met < PEOPLE_TIME
         new = np.array([*(about and thing.times < NEW_TIMES for thing in self.things), False])
         doubted: Bool = new[owner]  # -1, for none, is the last
         if places and len(points):
@@ -166,8 +160,8 @@ class Movers:
         rows = []
         for thing in self.people():
             x, y = thing.at(now)
-            moves = thing.stands is None and now - thing.seen < COASTS
-            doubt = UNSEEN_MARGIN if now - thing.seen > COASTS else 0.0
+            moves = thing.stands is None and now - thing.seen < COASTING_TIME
+            doubt = UNSEEN_MARGIN if now - thing.seen > COASTING_TIME else 0.0
             if thing.holds_two(now):
                 doubt += ONE_PERSON / 2
             elif thing.legs <= -OFTEN:  # two who came together look like no legs
@@ -190,9 +184,9 @@ class Movers:
                 aside = atan2(GATE, away) + FIELD_EDGE
                 beside = np.abs((bearings - bearing + np.pi) % (2 * np.pi) - np.pi) < 0.1
                 hidden = abs(off) > limit[1] - aside or bool((ranges[beside] < away - 0.2).any())
-                known = thing.times > KNOWN_TIMES or away < BESIDE_RANGE
+                known = thing.times > KNOWN_TIMES or away < PARTING
                 known = known and (hidden or away < GATE)
-                patience = HIDDEN if known else UNSEEN_TIME
+                patience = MEMORY_TIME if known else UNSEEN_TIME
                 if known and hidden:
                     age = now - max(thing.seen, thing.heard)
             if age <= patience:
@@ -207,9 +201,9 @@ class Movers:
         The transducer is in the map's frame [m, rad]; `metres` are `inf` where nothing echoed.
         """
         for thing in self.things:
-            if thing.is_person and now - thing.seen > COASTS:
+            if thing.is_person and now - thing.seen > COASTING_TIME:
                 thing.hear(transducer, metres, now)
-        self.things = [thing for thing in self.things if thing.missed < MISSED]
+        self.things = [thing for thing in self.things if thing.missed < OFTEN]
 
     def forget(self) -> None:
         """Forget everything."""

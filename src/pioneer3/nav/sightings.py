@@ -14,38 +14,34 @@ from pioneer3.nav.costs import CostMap
 from pioneer3.nav.echoes import BODY_RADIUS, UNSURE_END, WALL_ECHO, Echoes
 from pioneer3.nav.kernels import CACHE
 from pioneer3.nav.kernels.rays import clear_beams, mark_echoes
-from pioneer3.nav.mover import COASTS
-from pioneer3.nav.moving import BODY_DEPTH, PARTING, PERSON_RADIUS, Movers
+from pioneer3.nav.mover import COASTING_TIME, OFTEN
+from pioneer3.nav.moving import (
+    BODY_DEPTH,
+    PARTING,
+    PEOPLE_TIME,
+    PERSON_RADIUS,
+    Movers,
+)
 from pioneer3.nav.particles import moved_by
 
 SEEN_RANGE = 6.0
 """Range beyond which things are not noted [m]."""
-AGE = 60.0
-"""Things not seen for so long may have gone [s]."""
-SOLID_TIMES = 4
-"""Sightings below which a thing may be of somebody who passed, where people are."""
 PASSING_TIME = 5.0
-"""Time for which such a thing is there [s]."""
+"""Time for which things stay that may be of somebody who passed [s]."""
+COMING_TIME = 3.0
+"""Time unseen after which somebody may have turned [s]."""
 ODOMETRY_DELAY = 0.05
 """Delay of odometry at most [s]: echoes are off while the robot turns."""
 TURNING_DOUBT = 0.08
 """Error of echoes while the robot turns at most, by their range [m/m]."""
-OWN_ECHO = 0.1
-"""Distance from somebody's side up to which echoes are of them [m]."""
-CONFIRMED_ECHO = 0.1
-"""Distance to an echo of the scan before within which an echo that stands alone counts [m]."""
-LATEST_SCAN = 0.5
-"""Age above which scans say nothing of now [s]."""
+ECHO_DOUBT = 0.1
+"""Distance within which echoes are of the same thing [m]."""
 WALL_DOUBT = 0.05
 """Error of a wall's place for each metre from the laser, which makes it no walker [m/m]."""
 COMING_WAY = 4.0
 """Way that people are expected to go on for [m]."""
-COMING_TIME = 3.0
-"""Time unseen after which somebody may have turned [s]."""
 STANDING_TIME = 12.0
 """Time after which walkers who have stood are in the way of plans [s]."""
-RING_POINTS = 12
-"""Points around one of these."""
 
 
 class Sightings:
@@ -97,7 +93,7 @@ class Sightings:
         Strays are not among them.
         """
         stamp, echoes = self._latest
-        return echoes if abs(now - stamp) < LATEST_SCAN else None
+        return echoes if abs(now - stamp) < COASTING_TIME else None
 
     def _without_strays(self, beams: Beams, robot_in_map: Pose2) -> Beams:
         """Return a scan without the echoes that stand alone where the last scan had none.
@@ -110,7 +106,7 @@ class Sightings:
         if not len(alone):
             return beams
         off = np.hypot(*(echoes[alone, None] - before[None]).transpose(2, 0, 1))
-        strays = alone[off.min(axis=1, initial=np.inf) > CONFIRMED_ECHO]
+        strays = alone[off.min(axis=1, initial=np.inf) > ECHO_DOUBT]
         return replace(beams, points=np.delete(beams.points, strays, axis=0))
 
     def _doubt(self, beams: Beams) -> float:
@@ -130,13 +126,13 @@ class Sightings:
         transducers = moved_by(robot_in_map, mounts)
         for (x, y, theta), metres in zip(transducers.tolist(), ranges.tolist(), strict=True):
             self.movers.hear(Pose2(x, y, theta), metres, now)
-        people = [each for each in self.movers.people() if now - each.seen < COASTS]
+        people = [each for each in self.movers.people() if now - each.seen < COASTING_TIME]
         about = self.are_people_about(now)
-        since = now - LATEST_SCAN if about else 0.0  # who is gone explains nothing
+        since = now - COASTING_TIME if about else 0.0  # who is gone explains nothing
 
         def is_known(arc: Float) -> bool:
             x, y = arc[len(arc) // 2].tolist()
-            if any(hypot(each.x - x, each.y - y) < PERSON_RADIUS + OWN_ECHO for each in people):
+            if any(hypot(each.x - x, each.y - y) < PERSON_RADIUS + ECHO_DOUBT for each in people):
                 return True
             # the laser sees it, and knows better where it is
             return any(
@@ -166,30 +162,30 @@ class Sightings:
                     self._clear(x, y, PERSON_RADIUS)
         return unknown[own]
 
-    def points(self, now: float, age: float = AGE, *, people: bool = True) -> Float:
-        """Return the middles of cells with things seen within `age` [s], shape (N, 2) [m].
+    def points(self, now: float, *, people: bool = True) -> Float:
+        """Return the middles of cells with things that were seen, shape (N, 2) [m].
 
         Somebody who walks is not among them; with `people`, who has stood for a while is.
         """
-        old = (self._seen > 0.0) & (self._seen < now - AGE)
+        old = (self._seen > 0.0) & (self._seen < now - PEOPLE_TIME)
         self._seen[old], self._counts[old] = 0.0, 0  # nor do they close a way
         whole = slice(0, self._raster.height), slice(0, self._raster.width)
-        seen = self._seen_in(whole, now, age)
+        seen = self._seen_in(whole, now)
         people_about = self.are_people_about(now)
-        heard = self._middles(self.echoes.often(now, age, people=people_about), whole, 0.0)
+        heard = self._middles(self.echoes.often(now, people=people_about), whole, 0.0)
         return np.concatenate([seen, heard, *([self._standing(now)] if people else [])])
 
-    def near(self, x: float, y: float, within: float, now: float, age: float = AGE) -> Float:
+    def near(self, x: float, y: float, within: float, now: float) -> Float:
         """Return those that were seen around a place [m], without walkers, shape (N, 2)."""
-        return self._seen_in(self._around(x, y, within), now, age)
+        return self._seen_in(self._around(x, y, within), now)
 
-    def _seen_in(self, part: tuple[slice, slice], now: float, age: float) -> Float:
+    def _seen_in(self, part: tuple[slice, slice], now: float) -> Float:
         """Return the middles of the cells of a part with things that were seen, (N, 2) [m]."""
         seen = self._seen[part]
         if self.are_people_about(now):
-            passing = (self._counts[part] < SOLID_TIMES) & (seen < now - PASSING_TIME)
+            passing = (self._counts[part] < OFTEN) & (seen < now - PASSING_TIME)
             seen = np.where(passing, 0.0, seen)
-        return self._middles(seen, part, now - age)
+        return self._middles(seen, part, now - PEOPLE_TIME)
 
     def seen_at(self, x: float, y: float, within: float) -> float | None:
         """Return when something was last seen within a distance of a place [m], or `None`."""
@@ -225,7 +221,7 @@ class Sightings:
 
     def _standing(self, now: float) -> Float:
         """Return points around walkers who have stood for a while [m], shape (N, 2)."""
-        angles = np.linspace(-pi, pi, RING_POINTS, endpoint=False)
+        angles = np.linspace(-pi, pi, 12, endpoint=False)
         ring = PERSON_RADIUS * np.stack([np.cos(angles), np.sin(angles)], axis=1)
         standing = [
             ring + np.array((thing.x, thing.y))
@@ -274,7 +270,7 @@ class Sightings:
 
     def are_people_about(self, now: float) -> bool:
         """Return whether somebody was seen within the last minute: then much may change soon."""
-        return now - self.movers.met < AGE
+        return now - self.movers.met < PEOPLE_TIME
 
     def forget(self) -> None:
         """Forget everything, as after the robot was found to be somewhere else."""

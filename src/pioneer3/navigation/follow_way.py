@@ -5,9 +5,9 @@ from dataclasses import dataclass, field
 from math import hypot, inf, isfinite
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from pioneer3.arrays import Float
 from pioneer3.behaviors.action import MODE, Action, Desire, Goal, Ranked, Situation, Stack
 from pioneer3.behaviors.actions.limiters import LimiterTableSensor
 from pioneer3.behaviors.actions.recover import StallRecover
@@ -15,27 +15,25 @@ from pioneer3.geometry import Pose2
 from pioneer3.nav.beams import beams_of
 from pioneer3.nav.follower import Follower
 from pioneer3.nav.planner import CostToGo
-from pioneer3.nav.sightings import Sightings, in_map, standing
-from pioneer3.navigation.recovery import Recovery
+from pioneer3.nav.sightings import ECHO_DOUBT, Sightings, in_map, standing
+from pioneer3.navigation.recovery import BESIDE, Recovery
 
-Float = NDArray[np.float64]
-
-PATIENCE, AMONG_PEOPLE = 40.0, 240.0
-"""A robot that comes no nearer for so long gives up [s]; people go on sooner or later."""
-DETOUR, DETOURS = 1.0, 8
-"""A way that is so much longer [m] is a detour; after so many it has to come nearer on any."""
+PATIENCE = 40.0
+"""Time after which a robot that comes no nearer gives up [s]."""
+PATIENCE_AMONG_PEOPLE = 240.0
+"""That time where people are about [s]: they go on sooner or later."""
+DETOUR = 1.0
+"""Length by which another way is longer that is a detour [m]."""
+DETOURS = 8
+"""Number of detours after which a robot has to come nearer on any way."""
 NEARER = 0.1
-"""Less of a way is no progress [m]."""
+"""Length of a way below which it is no progress [m]."""
 AHEAD = 0.5
-"""Speeds that are wanted so far ahead count already [m]."""
+"""Distance ahead at which the speeds that are wanted count already [m]."""
 CELL = 0.05
-"""Of points so near to each other one is enough [m], of farther ones of twice that."""
-CLOSE = 1.0
-"""Up to here points are not far [m]."""
+"""Distance of points of which one is enough [m]."""
 LOOK = 2.0
-"""Things farther than this are not looked at [m]."""
-LEGS = 0.1
-"""Echoes so near to a walker are of its legs [m]."""
+"""Distance within which things are looked at [m]."""
 
 
 def any_speed(x: float, y: float) -> float:
@@ -139,7 +137,7 @@ class FollowWay(Action):
     def renew(self, walls: Float, sightings: Sightings) -> None:
         """Go on with a map that has grown."""
         self.walls, self.sightings = walls, sightings
-        self._walls, self._recovery = cKDTree(walls), Recovery(sightings)
+        self._walls, self._recovery.sightings = cKDTree(walls), sightings
 
     def held_up(self, now: float) -> float:
         """Return for how long it has come no nearer [s]."""
@@ -175,7 +173,7 @@ class FollowWay(Action):
             self.failed = "it comes no nearer: something is in the way"
 
     def _patience(self, now: float) -> float:
-        return AMONG_PEOPLE if self.sightings.are_people_about(now) else PATIENCE
+        return PATIENCE_AMONG_PEOPLE if self.sightings.are_people_about(now) else PATIENCE
 
     def _listen(self, situation: Situation, robot_in_map: Pose2) -> None:
         """Note things that sonars hear: a laser sees no glass, and nothing below or behind it."""
@@ -190,8 +188,8 @@ class FollowWay(Action):
         """Whether somebody is beside the robot, or something that sonars alone notice."""
         x, y = robot_in_map.x, robot_in_map.y
         people = self.sightings.movers.people()
-        near = any(hypot(each.x - x, each.y - y) < CLOSE for each in people)
-        return near or len(self.sightings.echoes.near(x, y, CLOSE, now)) > 0
+        near = any(hypot(each.x - x, each.y - y) < BESIDE for each in people)
+        return near or len(self.sightings.echoes.near(x, y, BESIDE, now)) > 0
 
     def _obstacles(self, situation: Situation, robot_in_map: Pose2) -> Float:
         """Return obstacles nearby: x, y [m], velocity [m/s], radius [m] in the map, (N, 5)."""
@@ -212,10 +210,8 @@ class FollowWay(Action):
         ]
         points = np.concatenate(parts)
         for walker in self.sightings.movers.discs(now):
-            points = points[np.hypot(*(points - walker[:2]).T) > walker[4] + LEGS]
-        off = points - (x, y)
-        size = np.where(np.hypot(off[:, 0], off[:, 1]) < CLOSE, CELL, 2 * CELL)
-        cells = np.round(off / size[:, None]).astype(np.int64)
+            points = points[np.hypot(*(points - walker[:2]).T) > walker[4] + ECHO_DOUBT]
+        cells = np.round((points - (x, y)) / CELL).astype(np.int64)
         _, chosen = np.unique(cells[:, 0] * 1000 + cells[:, 1], return_index=True)
         return np.concatenate([standing(points[chosen], 0.0), bodies])
 

@@ -11,24 +11,18 @@ from pioneer3.geometry import Pose2
 from pioneer3.nav.manoeuvre import Manoeuvre, find_manoeuvre, find_way_aside
 from pioneer3.nav.mover import Mover
 from pioneer3.nav.planner import CostToGo
-from pioneer3.nav.sightings import COMING_WAY, Sightings
+from pioneer3.nav.sightings import COMING_WAY, STANDING_TIME, Sightings
 
 MOVED = 0.2
 """Way below which a robot has not moved [m]."""
-HELD_UP = 4.0
-"""Time without headway after which it looks for a manoeuvre [s]."""
-BLOCKED = 1.0
+HELD_UP_TIME = 4.0
+"""Time without headway after which it looks for a manoeuvre [s]; half of it is between searches."""
+BLOCKED_TIME = 1.0
 """Time where it is after which a robot that nothing leads on from waits for people [s]."""
-MEETS = 0.95
-"""Distance of people who stand because of the robot [m]."""
-PATIENCE = 12.0
-"""Time that it waits for them to go round it, or turn back, before it goes aside [s]."""
-STAYS = 30.0
+BESIDE = 0.95
+"""Distance of people who are beside the robot, and stand because of it [m]."""
+STAYING_TIME = 30.0
 """Time after which somebody who stands does not wait for it [s]."""
-SEARCH_AGAIN = 2.0
-"""Time from one search to the next one [s]."""
-POINTS = 0.1
-"""Distance from one point of somebody's way to the next [m]."""
 
 
 @dataclass(slots=True)
@@ -42,6 +36,7 @@ class Recovery:
     sightings: Sightings
     _manoeuvre: Manoeuvre | None = field(default=None, init=False)
     _aside: bool = field(default=False, init=False)
+    _met: float = field(default=-inf, init=False)
     _searched: float = field(default=-inf, init=False)
     _anchor: Pose2 = field(default=Pose2(inf), init=False)
     _anchored: float = field(default=-inf, init=False)
@@ -72,23 +67,24 @@ class Recovery:
         still = now - self._anchored
         if self._manoeuvre is not None:
             v, w = self._manoeuvre.step(here)
-            if not self._manoeuvre.done and still < HELD_UP:
+            if not self._manoeuvre.done and still < HELD_UP_TIME:
                 why = "goes aside for somebody" if self._aside else "lines up with a narrow place"
                 return Desire(v=v, w=w, reason=why)
             self._manoeuvre, self._anchored, still = None, now, 0.0
         waiting = self._waiting(here, now)
-        self._aside &= bool(waiting)
+        self._met = now if waiting else self._met
+        self._aside &= now - self._met < BLOCKED_TIME and still < STANDING_TIME
         if self._aside:
             return Desire(v=0.0, w=0.0, reason="lets somebody pass")
-        late, poses = now - self._searched > SEARCH_AGAIN, None
-        if waiting and blocked and still > BLOCKED:
-            if late and all(now - each.still_since > PATIENCE for each in waiting):
+        late, poses = now - self._searched > HELD_UP_TIME / 2, None
+        if waiting and blocked and still > BLOCKED_TIME:
+            if late and still > STANDING_TIME:
                 model, costs = situation.model, self.sightings.costs
                 poses = find_way_aside(here, model, obstacles, _ways(waiting, here), costs)
                 self._searched, self._aside = now, poses is not None
             if poses is None:
                 return Desire(v=0.0, w=0.0, reason="waits for somebody")
-        elif late and min(held_up, still) > HELD_UP:
+        elif late and min(held_up, still, now - self._met) > HELD_UP_TIME:
             poses = find_manoeuvre(here, situation.model, obstacles, to_go)
             self._searched = now
         if poses is not None:
@@ -100,15 +96,15 @@ class Recovery:
         return [
             each
             for each in self.sightings.movers.people()
-            if hypot(each.x - here.x, each.y - here.y) < MEETS
-            and (each.stands is not None or now - each.seen > BLOCKED)
-            and now - each.still_since < STAYS
+            if hypot(each.x - here.x, each.y - here.y) < BESIDE
+            and (each.stands is not None or now - each.seen > BLOCKED_TIME)
+            and now - each.still_since < STAYING_TIME
         ]
 
 
 def _ways(walkers: list[Mover], here: Pose2) -> Float:
     """Return points on the lines ahead of people, or from them to the robot [m], shape (K, 2)."""
-    steps, points = np.arange(0.0, COMING_WAY, POINTS)[:, None], []
+    steps, points = np.linspace(0.0, COMING_WAY, 40)[:, None], []
     for walker in walkers:
         towards = np.array((here.x - walker.x, here.y - walker.y))
         ahead = np.array(walker.heading) if any(walker.heading) else towards / hypot(*towards)

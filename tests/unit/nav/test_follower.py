@@ -12,7 +12,7 @@ from pioneer3.geometry import Pose2, Twist2, arc, wrap
 from pioneer3.limits import Limits
 from pioneer3.maps import LineMap
 from pioneer3.maps.grid import samples
-from pioneer3.nav.follower import KEEP, NO_OBSTACLES, TOUCHES, Follower
+from pioneer3.nav.follower import GOAL_MARGIN, MARGIN, NO_OBSTACLES, Follower
 from pioneer3.nav.manoeuvre import gaps_at
 from pioneer3.nav.planner import Way, plan
 from tests.unit.nav.offices import AT, costs, room, two_rooms
@@ -101,7 +101,7 @@ def test_it_stops_for_a_thing_right_ahead_that_nobody_planned_for() -> None:
 
 def test_a_robot_beside_a_thing_is_not_frozen() -> None:
     begin = Pose2(3.0, 3.0, 0.0)
-    beside = np.array([[3.0, 3.0 + AT.width / 2 + KEEP / 2, 0.0, 0.0, 0.0]])
+    beside = np.array([[3.0, 3.0 + AT.width / 2 + MARGIN / 2, 0.0, 0.0, 0.0]])
     step = follower(room(), begin, (8.0, 3.0, None)).step(begin, Twist2(), beside)
     assert step.v > 0.0
 
@@ -165,7 +165,7 @@ def test_beside_somebody_who_blocks_its_way_it_stands_rather_than_turn_to_and_fr
     assert not free.blocked
 
 
-@pytest.mark.parametrize("gap_", [0.05, TOUCHES, 0.01])
+@pytest.mark.parametrize("gap_", [0.05, GOAL_MARGIN, 0.01])
 def test_it_creeps_no_nearer_to_somebody_than_their_place_is_known(gap_: float) -> None:
     at, radius = Pose2(5.0, 3.0, 0.0), 0.28
     by = follower(room(), at, (5.25, 3.08, None))
@@ -176,7 +176,7 @@ def test_it_creeps_no_nearer_to_somebody_than_their_place_is_known(gap_: float) 
         twist = Twist2(towards(twist.v, step.v, 0.03), towards(twist.w, step.w, 0.15))
         at = at @ arc(twist.v, twist.w, 0.1)
         least = min(least, float(gaps_at(at, AT, somebody).min()))
-    assert least >= min(gap_, TOUCHES) - 0.005
+    assert least >= min(gap_, GOAL_MARGIN) - 0.005
 
 
 @pytest.mark.parametrize("radius", [0.0, 0.28])

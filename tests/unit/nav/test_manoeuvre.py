@@ -12,11 +12,11 @@ from pioneer3.limits import Limits
 from pioneer3.maps import LineMap
 from pioneer3.maps.grid import samples
 from pioneer3.nav.manoeuvre import (
-    APART,
-    BACKWARDS,
+    BACKWARDS_COST,
     GAP,
+    MOVE_LENGTH,
+    PEOPLE_GAP,
     PROGRESS,
-    STEP,
     Manoeuvre,
     find_manoeuvre,
     find_way_aside,
@@ -72,8 +72,8 @@ def test_a_manoeuvre_keeps_clear_and_leads_on(at: tuple[float, float], theta: fl
         dx, dy = after[:2] - before[:2]
         turn = wrap(float(after[2] - before[2]))
         way = hypot(dx, dy)
-        assert way == pytest.approx(STEP, abs=1e-6) or way == pytest.approx(0, abs=1e-6)
-        if way > STEP / 2:  # never sideways
+        assert way == pytest.approx(MOVE_LENGTH, abs=1e-6) or way == pytest.approx(0, abs=1e-6)
+        if way > MOVE_LENGTH / 2:  # never sideways
             middle = before[2] + turn / 2
             assert abs(dx * sin(middle) - dy * cos(middle)) < 1e-6
         assert abs(turn) < 0.2
@@ -98,7 +98,7 @@ def test_backwards_is_taken_where_it_is_shorter() -> None:
     assert poses is not None
     assert poses[-1, 0] < 3.0
     assert np.allclose(poses[:, 2] % (2 * pi), 0.0, atol=0.3)
-    assert BACKWARDS > 1.0
+    assert BACKWARDS_COST > 1.0
 
 
 @pytest.mark.parametrize("theta", [0.0, 1.5, -1.6, 3.0])
@@ -136,12 +136,12 @@ def test_a_way_aside_ends_beside_the_way_of_who_waits(theta: float) -> None:
     ways = line(6.0, 3.1, -1.0)
     poses = find_way_aside(Pose2(5.0, 3.0, theta), AT, obstacles, ways, costs(CORRIDOR))
     assert poses is not None
-    assert gap(poses[-1], ways) >= APART - 1e-9
+    assert gap(poses[-1], ways) >= PEOPLE_GAP - 1e-9
     assert all(gap(each, walls) >= GAP - 1e-9 for each in poses[1:])
     assert all(
         gap(each, np.array([[6.0, 3.1]])) >= PERSON_RADIUS + GAP - 1e-9 for each in poses[1:]
     )
-    assert all(gap(each, ways) < APART for each in poses[:-1])
+    assert all(gap(each, ways) < PEOPLE_GAP for each in poses[:-1])
 
 
 def test_between_two_people_it_turns_to_the_wall() -> None:
@@ -152,7 +152,7 @@ def test_between_two_people_it_turns_to_the_wall() -> None:
     ways = line(before, 3.0, -1.0)
     poses = find_way_aside(Pose2(5.0, 3.0, 0.0), AT, obstacles, ways, costs(CORRIDOR))
     assert poses is not None
-    assert gap(poses[-1], ways) >= APART - 1e-9
+    assert gap(poses[-1], ways) >= PEOPLE_GAP - 1e-9
 
 
 def test_who_is_beside_their_way_stays() -> None:

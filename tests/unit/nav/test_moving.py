@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from pioneer3.geometry import Pose2
-from pioneer3.nav.mover import HIDDEN, MISSED, OFTEN
-from pioneer3.nav.moving import ABOUT_TIME, BELIEF_TIME, NEW_TIMES, PERSON_RADIUS, Movers
+from pioneer3.nav.mover import MEMORY_TIME, OFTEN
+from pioneer3.nav.moving import NEW_TIMES, PEOPLE_TIME, PERSON_RADIUS, Movers
 from tests.combinations import examples
 
 Float = NDArray[np.float64]
@@ -98,7 +98,7 @@ def test_who_is_behind_the_laser_is_remembered_for_a_while() -> None:
     nothing, behind = np.empty((0, 2)), np.array([pi, pi / 2])
     movers.take(nothing, LASER, behind, 5.0)
     assert len(movers.walking()) == 1
-    movers.take(nothing, LASER, behind, 1.6 + HIDDEN)
+    movers.take(nothing, LASER, behind, 1.6 + MEMORY_TIME)
     assert not movers.walking()
 
 
@@ -145,13 +145,13 @@ def test_who_steps_out_of_two_is_a_person_at_once() -> None:
 def test_who_looks_like_no_person_any_more_is_believed_for_a_while() -> None:
     movers = Movers()
     walk(movers, (2.0, 0.0), (0.0, 0.0), OFTEN + 2)
-    for step in range(OFTEN + 2, round(BELIEF_TIME / DT) + 2 * OFTEN):
+    for step in range(OFTEN + 2, round(MEMORY_TIME / DT) + 2 * OFTEN):
         movers.take(crowd(2.0, 0.0), LASER, AHEAD, DT * step)
-        assert bool(movers.people()) or DT * step > BELIEF_TIME
+        assert bool(movers.people()) or DT * step > MEMORY_TIME
     assert not movers.people()
 
 
-@pytest.mark.parametrize("met", [0.0, -2 * ABOUT_TIME])
+@pytest.mark.parametrize("met", [0.0, -2 * PEOPLE_TIME])
 def test_a_new_thing_may_be_legs_where_people_are_and_an_old_one_is_none(met: float) -> None:
     movers = Movers()
     movers.met = met
@@ -186,7 +186,7 @@ def turn_away_from_somebody() -> Movers:
 
 def test_who_has_gone_behind_the_robot_is_forgotten_once_sonars_hear_past_them() -> None:
     movers = turn_away_from_somebody()
-    for n in range(MISSED):
+    for n in range(OFTEN):
         assert movers.people()
         movers.hear(EAR, 2.5, 3.0 + 0.2 * n)
     assert not movers.people()
@@ -194,7 +194,7 @@ def test_who_has_gone_behind_the_robot_is_forgotten_once_sonars_hear_past_them()
 
 def test_sonars_that_listen_elsewhere_or_to_something_nearer_tell_nothing() -> None:
     movers = turn_away_from_somebody()
-    for n in range(2 * MISSED):
+    for n in range(2 * OFTEN):
         movers.hear(Pose2(theta=0.5), 2.5, 3.0 + 0.2 * n)
         movers.hear(Pose2(theta=pi), 2.5, 3.0 + 0.2 * n)
         movers.hear(EAR, 0.3, 3.0 + 0.2 * n)
@@ -204,15 +204,15 @@ def test_sonars_that_listen_elsewhere_or_to_something_nearer_tell_nothing() -> N
 
 def test_a_missed_echo_between_others_is_a_mistake() -> None:
     movers = turn_away_from_somebody()
-    for n in range(4 * MISSED):
-        movers.hear(EAR, 5.0 if n % MISSED else 0.95, 3.0 + 0.2 * n)
+    for n in range(4 * OFTEN):
+        movers.hear(EAR, 5.0 if n % OFTEN else 0.95, 3.0 + 0.2 * n)
     assert movers.people()
 
 
 def test_whom_sonars_hear_stays_for_as_long_as_they_stand_there() -> None:
     for heard in (False, True):
         movers = turn_away_from_somebody()
-        for step in range(round(2 * HIDDEN / DT)):
+        for step in range(round(2 * MEMORY_TIME / DT)):
             now = 3.0 + DT * step
             if heard and step % 4 == 0:
                 movers.hear(EAR, 0.95, now)
@@ -243,7 +243,7 @@ def test_who_is_at_the_edge_of_the_view_does_not_go_because_one_leg_does(beyond:
 def test_two_who_stand_together_stay_two_for_as_long_as_they_stand() -> None:
     movers = Movers()
     meet(movers)
-    for step in range(20, 20 + round(2 * HIDDEN / DT)):
+    for step in range(20, 20 + round(2 * MEMORY_TIME / DT)):
         movers.take(crowd(2.0, 0.0), LASER, AHEAD, DT * step)
     [both] = movers.people()
     assert both.holds_two(both.seen)
@@ -275,7 +275,7 @@ def test_silence_is_nobody(metres: float) -> None:
     movers = Movers()
     walk(movers, (3.5, 0.0), (-0.4, 0.0), 20)
     movers.take(BEHIND, LASER, AWAY, 3.0)
-    for n in range(2 * MISSED):
+    for n in range(2 * OFTEN):
         movers.hear(EAR, metres, 3.0 + 0.2 * n)
     [person] = movers.people()  # too far to be missed
     assert (person.missed, person.heard) == (0, -np.inf)

@@ -9,10 +9,9 @@ from numpy.typing import NDArray
 from pioneer3.geometry import Pose2
 from pioneer3.nav.beams import Beams
 from pioneer3.nav.echoes import BODY_RADIUS, ECHO_AGE, HEARD_AMONG_PEOPLE
-from pioneer3.nav.mover import MISSED
+from pioneer3.nav.mover import OFTEN
+from pioneer3.nav.moving import PEOPLE_TIME
 from pioneer3.nav.sightings import (
-    AGE,
-    COMING_TIME,
     COMING_WAY,
     PASSING_TIME,
     STANDING_TIME,
@@ -65,8 +64,8 @@ def test_a_beam_clears_nothing_right_before_its_echo(sightings: Sightings) -> No
 
 def test_old_things_do_not_count(sightings: Sightings) -> None:
     sightings.take(beams(5.0, (3.0, 0.0)), HERE)
-    assert len(sightings.points(5.0 + AGE))
-    assert not len(sightings.points(5.1 + AGE))
+    assert len(sightings.points(5.0 + PEOPLE_TIME))
+    assert not len(sightings.points(5.1 + PEOPLE_TIME))
 
 
 def test_far_things_are_not_noted(sightings: Sightings) -> None:
@@ -236,7 +235,7 @@ def test_the_line_on_which_somebody_comes_is_told(sightings: Sightings) -> None:
     [(x, y, to_x, to_y)] = sightings.lines(6.5).tolist()
     assert (x, y) == pytest.approx((4.5, 3.1), abs=0.2)
     assert (to_x - x, to_y - y) == pytest.approx((0.0, COMING_WAY), abs=1.5)
-    assert not len(sightings.lines(6.5 + COMING_TIME))
+    assert not len(sightings.lines(6.5 + PASSING_TIME))
 
 
 def test_echoes_outside_of_people_may_be_legs(sightings: Sightings) -> None:
@@ -289,7 +288,7 @@ def test_sonars_tell_who_has_gone_behind_the_robot(sightings: Sightings) -> None
     x, y = person.at(7.0)
     bearing = float(np.arctan2(y - away.y, x - away.x))
     towards = np.array([[0.0, 0.0, bearing - np.pi]])
-    for n in range(MISSED):
+    for n in range(OFTEN):
         assert sightings.movers.people()
         sightings.hear(towards, np.array([np.inf]), away, 7.0 + 0.1 * n)
     assert not sightings.movers.people()

@@ -8,8 +8,8 @@ from pioneer3.geometry import Pose2
 from pioneer3.nav.follower import NO_OBSTACLES
 from pioneer3.nav.mover import Mover
 from pioneer3.nav.planner import CostToGo, Way, plan
-from pioneer3.nav.sightings import Sightings
-from pioneer3.navigation.recovery import BLOCKED, HELD_UP, PATIENCE, STAYS, Recovery
+from pioneer3.nav.sightings import STANDING_TIME, Sightings
+from pioneer3.navigation.recovery import BLOCKED_TIME, HELD_UP_TIME, STAYING_TIME, Recovery
 from tests.unit.behaviors.support import seen
 from tests.unit.nav.offices import costs, room
 
@@ -67,9 +67,9 @@ def test_a_robot_that_is_alone_goes_on(recovery: Recovery, to_go: CostToGo) -> N
 
 def test_it_waits_for_somebody_then_goes_aside(recovery: Recovery, to_go: CostToGo) -> None:
     meet(recovery, 5.8, 0.0)
-    found = reasons(recovery, to_go, 0.0, PATIENCE + 1.0)
-    assert not any(found[: round(BLOCKED / DT)])
-    waits = found[round(BLOCKED / DT) + 1 : round(PATIENCE / DT)]
+    found = reasons(recovery, to_go, 0.0, STANDING_TIME + 1.0)
+    assert not any(found[: round(BLOCKED_TIME / DT)])
+    waits = found[round(BLOCKED_TIME / DT) + 1 : round(STANDING_TIME / DT)]
     assert set(waits) == {"waits for somebody"}
     assert found[-1] == "goes aside for somebody"
 
@@ -97,11 +97,11 @@ def test_it_goes_on_when_they_have_gone(recovery: Recovery, to_go: CostToGo) -> 
 def test_who_does_not_pass_is_let_be(recovery: Recovery, to_go: CostToGo) -> None:
     """A thing may look like the legs of somebody."""
     thing = meet(recovery, 5.8, 0.0)
-    found = reasons(recovery, to_go, 0.0, STAYS + 1.0)
+    found = reasons(recovery, to_go, 0.0, STAYING_TIME + HELD_UP_TIME)
     assert "goes aside for somebody" in found
     assert not found[-1]
-    thing.x, thing.stands = 4.2, STAYS + 2.0  # somebody else comes
-    assert reasons(recovery, to_go, STAYS + 2.0, 2 * BLOCKED)[-1]
+    thing.x, thing.stands = 4.2, 2 * STAYING_TIME  # somebody else comes
+    assert reasons(recovery, to_go, 2 * STAYING_TIME, 2 * BLOCKED_TIME)[-1]
 
 
 def test_it_waits_on_where_no_place_is_beside_their_way(
@@ -111,23 +111,23 @@ def test_it_waits_on_where_no_place_is_beside_their_way(
     angles = np.linspace(0.0, 2 * np.pi, 40)
     ring = np.stack([5.0 + 0.48 * np.cos(angles), 3.0 + 0.48 * np.sin(angles)], axis=1)
     around = np.pad(ring, ((0, 0), (0, 3)))
-    found = reasons(recovery, to_go, 0.0, PATIENCE + 3.0, obstacles=around)
-    assert set(found[round(2 * BLOCKED / DT) :]) == {"waits for somebody"}
+    found = reasons(recovery, to_go, 0.0, STANDING_TIME + 3.0, obstacles=around)
+    assert set(found[round(2 * BLOCKED_TIME / DT) :]) == {"waits for somebody"}
 
 
 def test_it_looks_for_a_manoeuvre_once_it_has_come_nowhere_for_a_while(
     recovery: Recovery, to_go: CostToGo
 ) -> None:
-    found = reasons(recovery, to_go, 0.0, HELD_UP + 1.0, held_up=60.0)
-    assert not any(found[: round(HELD_UP / DT)])
+    found = reasons(recovery, to_go, 0.0, HELD_UP_TIME + 1.0, held_up=60.0)
+    assert not any(found[: round(HELD_UP_TIME / DT)])
     assert found[-1] == "lines up with a narrow place"
     others = Recovery(recovery.sightings)
-    assert not any(reasons(others, to_go, 0.0, HELD_UP + 1.0, held_up=60.0, speed=0.3))
+    assert not any(reasons(others, to_go, 0.0, HELD_UP_TIME + 1.0, held_up=60.0, speed=0.3))
 
 
 def test_it_gives_up_a_manoeuvre_that_something_keeps_it_from(
     recovery: Recovery, to_go: CostToGo
 ) -> None:
-    found = reasons(recovery, to_go, 0.0, 3 * HELD_UP, held_up=60.0)
-    begins = round(HELD_UP / DT) + 3
-    assert "" in found[begins : begins + round(HELD_UP / DT) + 1]
+    found = reasons(recovery, to_go, 0.0, 3 * HELD_UP_TIME, held_up=60.0)
+    begins = round(HELD_UP_TIME / DT) + 3
+    assert "" in found[begins : begins + round(HELD_UP_TIME / DT) + 1]
