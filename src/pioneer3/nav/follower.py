@@ -26,6 +26,8 @@ SPEEDS = 8
 """Number of speeds ahead that are tried."""
 TURN_RATES = 17
 """Number of turn rates that are tried with each."""
+FASTEST_TURN = 1.5
+"""Turn rate at most [rad/s]: slow lasers see walls beside their places in faster turns."""
 MARGIN = 0.04
 """Distance that a robot keeps from things [m]."""
 MARGIN_PER_SPEED = 0.1
@@ -131,7 +133,8 @@ class Follower:
         """
         x, y, _ = self.goal
         distance = hypot(x - robot_in_map.x, y - robot_in_map.y)
-        self._fastest_turn = min(TURN_RATE if gently else inf, self.limits.max_turn_rate)
+        fastest = TURN_RATE if gently else FASTEST_TURN
+        self._fastest_turn = min(fastest, self.limits.max_turn_rate)
         if self._at_place or distance < STRAIGHT_WAY:
             step = self._arrive(robot_in_map, twist, distance, obstacles)
             if step is not None:

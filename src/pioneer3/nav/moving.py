@@ -78,7 +78,7 @@ class Movers:
                 whole = is_whole(points[part], origin, limit, (x, y))
                 fits = bool((np.hypot(*(points[part] - (x, y)).T) < STANCE).all())
                 thing.correct(*middle_of(points[part], origin), now, whole=whole, fits=fits)
-                if away[part].min() < NEAR_RANGE:
+                if whole and away[part].min() < NEAR_RANGE:  # a strip of a wall is as narrow
                     seen = 1 if looks_like_legs(points[part]) else -1
                     thing.legs = min(max(thing.legs + seen, -OFTEN), 2 * OFTEN)
                 if thing.walks or thing.legs >= OFTEN:

@@ -66,6 +66,14 @@ def test_a_box_never_walks_and_is_nobody() -> None:
     assert not movers.people()
 
 
+def test_a_strip_of_a_box_at_the_edge_of_the_view_is_nobody() -> None:
+    movers, strip = Movers(), np.stack([np.full(5, 0.03), np.linspace(0.9, 1.0, 5)], axis=1)
+    for step in range(2 * OFTEN):
+        movers.take(strip, LASER, AHEAD, DT * step)
+    assert len(movers.things) == 1
+    assert not movers.people()
+
+
 def test_who_stands_on_legs_is_a_person_before_they_walk() -> None:
     movers = Movers()
     walk(movers, (2.0, 0.0), (0.0, 0.0), OFTEN + 2)
