@@ -67,8 +67,8 @@ def share_of(motion: Pose2) -> float:
 class Hypotheses:
     """Poses (H, 3) [m, rad] on the map; the best is the first. The `verdict` is of the latest scan.
 
-    All scans together weigh as much as one, each by its share: what was moved is seen in each scan
-    from around it, and what looks alike once does so again.
+    All scans together weigh as much as one, each by its share: every scan from around a thing that
+    was moved sees it, and places that look alike once do so again.
     """
 
     def __init__(self, poses: Float, verdict: Agreement, share: float = 1.0) -> None:

@@ -103,6 +103,7 @@ class FollowWay(Action):
             return None
         if unsure := self.unsure():
             self._best, self._since = inf, None
+            self._recovery = Recovery(self.sightings)  # its poses were of another place
             return stand_unsure(unsure)
         if self.arrived or self.waits:
             self._best, self._since = inf, None
