@@ -209,3 +209,4 @@ def _no_home(_homes: Iterator[Path], monkeypatch: pytest.MonkeyPatch) -> None:
     """Nothing is remembered from one test to the next, or from this machine."""
     for variable in ("XDG_STATE_HOME", "XDG_CONFIG_HOME"):
         monkeypatch.setenv(variable, str(next(_homes)))
+    monkeypatch.setenv("PIONEER3_RECORD", "0")

@@ -470,11 +470,11 @@ async def test_a_run_is_recorded_handed_in_and_played(tmp_path: Path) -> None:
             assert (await ann.ask("PUT", recording, step="begin")).status == 409
             handed_in = await ann.ask("PUT", recording, step="hand_in")
             run = handed_in.json["handed_in"]
-            assert run["file"] == "Änn-é-1.txt"
+            assert run["file"] == "Änn-é-1.mcap"
             assert run["seconds"] > 3.0
             await until(lambda: len(page.latest["class"]["handed_in"]) == 1)
-        assert [path.name for path in the.folder.iterdir()] == ["Änn-é-1.txt"]
-        path = "/class/runs/%C3%84nn-%C3%A9-1.txt"
+        assert [path.name for path in the.folder.iterdir()] == ["Änn-é-1.mcap"]
+        path = "/class/runs/%C3%84nn-%C3%A9-1.mcap"
         got = await the.teacher.ask("GET", path)
         assert got.body == (the.folder / run["file"]).read_bytes()
         assert (await ann.ask("GET", path)).body == got.body
@@ -524,7 +524,7 @@ async def test_a_run_that_grows_too_long_ends_is_told_and_can_be_handed_in(
             await page.say("record_run", step="begin")
             await until(lambda: page.seat(1)["recording"] is not None)
         assert (await the.teacher.ask("DELETE", "/class/robots/1")).status == 204
-        assert [path.name for path in the.folder.iterdir()] == ["Ann-1.txt"]
+        assert [path.name for path in the.folder.iterdir()] == ["Ann-1.mcap"]
 
 
 async def test_a_class_that_shares_one_address_is_not_slowed_down(tmp_path: Path) -> None:

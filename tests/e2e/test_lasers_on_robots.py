@@ -287,25 +287,25 @@ async def test_a_time_offset_moves_stamps_and_not_the_latency() -> None:
 async def test_a_recorded_drive_is_played_with_its_scans(
     name: str, tmp_path: Path, *, serial: bool
 ) -> None:
-    path, scans = tmp_path / "drive.txt", tmp_path / "drive-laser.txt"
+    path = tmp_path / "drive.mcap"
     async with (
         SimulatedRobot(room()) as robot,
         LaserUnit(robot, name, serial=serial) as unit,
-        connect_async(robot.open, record=path, lasers=[unit.spec(record=scans)]) as driver,
+        connect_async(robot.open, record=path, lasers=[unit.spec()]) as driver,
     ):
         await scanning(driver)
         await driver.move(1.0)
         recorded = laser_of(driver).scans
         last = laser_of(driver).latest
         assert last is not None
-    async with connect_async(f"replay:{path}", lasers=[f"replay:{scans}"]) as driver:
+    async with connect_async(f"replay:{path}", lasers=[f"replay:{path}#laser"]) as driver:
         laser = laser_of(driver)
         await until(lambda: laser.connected, within=15)
         await until(lambda: not laser.connected, within=60)
         status = laser.status.latest
         assert status is not None
         assert status.connection is Connection.CLOSED
-        assert status.message.endswith("drive-laser.txt: the recording is over")
+        assert status.message.endswith("drive.mcap#laser: the recording is over")
         assert laser.scans == pytest.approx(recorded, rel=0.1, abs=3)
         assert laser.latest is not None
         seen = [r for r in laser.latest.ranges if isfinite(r)]

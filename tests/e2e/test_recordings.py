@@ -3,17 +3,21 @@
 import asyncio
 import sys
 from pathlib import Path
+from threading import Event
 
 import pytest
 
+from pioneer3.arcos import commands
 from pioneer3.cli import live, monitor
 from pioneer3.cli.options import LinkOptions
 from pioneer3.errors import MotionError
+from pioneer3.log.writer import LogWriter
 from pioneer3.navigation.connect import connect_async
 from pioneer3.robot.supervisor import Connection
+from pioneer3.runtime.recording import RobotLog
 from pioneer3.state import Snapshot
 from tests.e2e.test_waits import Terminal
-from tests.support import SimulatedRobot
+from tests.support import SimulatedRobot, until
 
 
 async def record(path: Path, *, away: float = 0.0) -> list[Snapshot]:
@@ -82,3 +86,46 @@ async def test_a_motion_over_a_recording_ends_with_it(
     async with connect_async(f"replay:{path}") as driver:
         with pytest.raises(MotionError):
             await live.show_while(driver, driver.goto(50, 0))
+
+
+class HangingDisk:
+    """A disk that takes nothing, as long as it `hangs`."""
+
+    path = Path("/nowhere/drive.mcap")
+    most: int | None = None
+    patience = 0.05
+
+    def __init__(self) -> None:
+        self.hangs = Event()
+
+    def open(self) -> int:
+        self.hangs.wait()
+        raise OSError(5, "Input/output error")
+
+    def tidy(self) -> None:
+        """Do nothing."""
+
+
+async def test_a_disk_that_hangs_delays_no_stop() -> None:
+    disk, clock = HangingDisk(), asyncio.get_running_loop().time
+    log = LogWriter(disk, clock)
+    try:
+        async with SimulatedRobot() as robot:
+            async with connect_async(robot.open, record=RobotLog(log)) as driver:
+                while robot.speed < 0.2:
+                    driver.drive(0.3)
+                    await asyncio.sleep(0.1)
+                asked = clock()
+                driver.stop()
+                await until(lambda: robot.speed == pytest.approx(0, abs=0.01), within=2.0)
+                assert clock() - asked < 0.6
+                driver.drive(0.3)
+                await asyncio.sleep(0.3)
+                assert robot.speed > 0.05
+            await until(lambda: robot.speed == pytest.approx(0, abs=0.01), within=2.0)
+            assert commands.Close() in robot.wires[-1].commands
+        log.close("done")
+        assert log._thread.is_alive()  # it hung all the time
+    finally:
+        disk.hangs.set()
+        log.close("done", 20.0)

@@ -8,11 +8,12 @@ from pathlib import Path
 import pytest
 
 from pioneer3.errors import ConfigError, PortNotFoundError
+from pioneer3.links.tap import recorded_links
+from pioneer3.log.reader import open_log
 from pioneer3.sim.server.running import RunningSimulation
 from pioneer3.sim.server.start import simulator
 from pioneer3.web import hosting
-from pioneer3.web.hosting import ConnectTarget, hosted
-from pioneer3.web.live import RunOptions, own_files
+from pioneer3.web.hosting import ConnectTarget, hosted, log_names
 from pioneer3.web.page import Page
 from pioneer3.web.scene import RobotScene
 from tests.support import until
@@ -64,19 +65,19 @@ async def test_one_that_is_not_there_is_looked_for_until_it_comes(
     page, port = Page(), closed_port()
     async with simulated() as here:
         targets = [
-            ConnectTarget(
-                url=f"tcp://127.0.0.1:{port}", scene=RobotScene(), record=tmp_path / "late"
-            ),
-            ConnectTarget(url=here.url, scene=RobotScene(), record=tmp_path / "here"),
+            ConnectTarget(url=f"tcp://127.0.0.1:{port}", scene=RobotScene(), name="late"),
+            ConnectTarget(url=here.url, scene=RobotScene(), name="here"),
         ]
-        async with hosted(page, targets, told.append):
+        path = tmp_path / "both.mcap"
+        async with hosted(page, targets, told.append, path):
             assert list(page.robots) == [2]
             assert f"tcp://127.0.0.1:{port}: nobody listens there" in told[-1]
             async with simulated(port):
                 await until(lambda: len(page.robots) == 2)
                 assert list(page.robots) == [1, 2]
                 assert page.robots[1].robot.info.url == f"tcp://127.0.0.1:{port}"
-        assert all((tmp_path / name).stat().st_size for name in ("late", "here"))
+        assert recorded_links(path) == ["here/robot", "late/robot"]
+        assert next(open_log(path).snapshots("late/snapshot")).battery.voltage > 0
 
 
 async def test_where_none_is_there_it_says_why() -> None:
@@ -95,24 +96,18 @@ async def test_a_file_that_exists_is_never_written_over(tmp_path: Path) -> None:
     async with simulated() as here, simulated() as there:
         targets = [
             ConnectTarget(url=here.url, scene=RobotScene()),
-            ConnectTarget(url=there.url, scene=RobotScene(), record=kept),
+            ConnectTarget(url=there.url, scene=RobotScene()),
         ]
         with pytest.raises(ConfigError, match="kept: cannot record there"):
-            async with hosted(Page(), targets, lambda line: None):
+            async with hosted(Page(), targets, lambda line: None, kept):
                 raise AssertionError
     assert kept.read_text() == "mine"
 
 
-def test_recordings_are_called_after_the_robots() -> None:
+def test_in_a_log_robots_have_their_names_or_addresses() -> None:
     urls = ["tcp://10.0.0.1:8101", "serial:/dev/ttyUSB0", "tcp://b:8101", "tcp://c:8101"]
     names = ["", "", "bob", "bob"]
     targets = [
         ConnectTarget(url=u, scene=RobotScene(), name=n) for u, n in zip(urls, names, strict=True)
     ]
-    assert [path.name for path in own_files(Path("walk.txt"), targets) if path] == [
-        "walk-10.0.0.1-8101.txt",
-        "walk-dev-ttyUSB0.txt",
-        "walk-bob.txt",
-        "walk-bob 2.txt",
-    ]
-    assert RunOptions().record is None
+    assert log_names(targets) == ["10.0.0.1-8101", "dev-ttyUSB0", "bob", "bob 2"]

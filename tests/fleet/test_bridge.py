@@ -8,7 +8,6 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
-from datetime import datetime
 from pathlib import Path
 
 import pytest
@@ -16,6 +15,7 @@ import pytest
 from pioneer3.arcos import commands, reports
 from pioneer3.arcos.packet import PacketReader
 from pioneer3.links.tap import FROM_HOST, FROM_ROBOT, read_recording
+from pioneer3.log.reader import open_log
 from tests.fleet.lab import PATIENCE, ROOT, Computer, Lab
 
 pytestmark = pytest.mark.realtime
@@ -40,14 +40,11 @@ class Events:
 
     @classmethod
     def of(cls, path: Path) -> "Events":
-        text = path.read_text()
-        whole = path.with_suffix(".whole")  # while it is written, its last line may not be whole
-        whole.write_text(text[: text.rindex("\n") + 1])
-        heading = text.partition("\n")[0]
-        began = datetime.fromisoformat(heading.rpartition(" ")[2]).timestamp()
+        first = next(open_log(path).messages(lambda topic: topic.startswith("wire/")))
+        began = first.time / 1e9
         readers = {FROM_HOST: PacketReader(), FROM_ROBOT: PacketReader()}
         events = cls([], [])
-        for chunk in read_recording(whole):
+        for chunk in read_recording(path):
             for payload in readers[chunk.way].feed(chunk.data, chunk.time):
                 if chunk.way == FROM_HOST:
                     if isinstance(commands.from_payload(payload), commands.Stop):
@@ -116,7 +113,7 @@ def until(condition: Callable[[], object], seconds: float = PATIENCE) -> None:
 def test_a_robot_whose_operator_is_cut_off_stops_and_a_quiet_host_is_left_alone(
     lab: Lab, tmp_path: Path
 ) -> None:
-    recording = tmp_path / "bridge.txt"
+    recording = tmp_path / "bridge.mcap"
     with driven(lab, recording):
         time.sleep(QUIET)
         lab.robots[0].cable.plugged = False
@@ -134,7 +131,7 @@ def test_a_robot_whose_operator_is_cut_off_stops_and_a_quiet_host_is_left_alone(
 
 
 def test_a_host_that_hangs_is_stopped(lab: Lab, tmp_path: Path) -> None:
-    recording = tmp_path / "bridge.txt"
+    recording = tmp_path / "bridge.mcap"
     with driven(lab, recording) as host:
         host.send_signal(signal.SIGSTOP)
         until(lambda: Events.of(recording).speeds[-1][1] == 0)

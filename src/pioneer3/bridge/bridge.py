@@ -17,7 +17,8 @@ from pioneer3.bridge.relay import EXPIRY, MOST_WATCHERS, SILENCE, Relay
 from pioneer3.bridge.robot_side import RobotSideState
 from pioneer3.errors import LinkError, PioneerError, PortBusyError
 from pioneer3.links import Link, Opener
-from pioneer3.links.tap import FROM_HOST, FROM_ROBOT, WireRecording, begun
+from pioneer3.links.tap import FROM_HOST, FROM_ROBOT, WireRecording
+from pioneer3.log.writer import LogWriter, named_log
 from pioneer3.tasks import cancelled
 
 log = logging.getLogger(__name__)
@@ -78,6 +79,7 @@ class Bridge:
         self._drained.set()
         self._sockets: set[SocketPort] = set()
         self._link: Link | None = None
+        self._log: LogWriter | None = None
         self._recording: WireRecording | None = None
         self.failed = ""
 
@@ -197,7 +199,8 @@ class Bridge:
         Raises ConfigError if the file cannot be written; one that exists is left alone.
         """
         self.stop_recording()
-        self._recording = begun(path, self._clock)
+        self._log = named_log(path, self._clock)
+        self._recording = WireRecording(self._log)
         relay = self._relay
         if relay.robot.state is RobotSideState.SERVING:
             for payload in filter(None, (b"\0", b"\1", relay.robot.identity, relay.robot.config)):
@@ -207,13 +210,13 @@ class Bridge:
     @property
     def recording_failure(self) -> str:
         """The reason why the recording has ended by itself; empty if it has not."""
-        return self._recording.failure if self._recording is not None else ""
+        return self._log.failure if self._log is not None else ""
 
     def stop_recording(self) -> None:
         """End the recording, if there is one."""
-        if self._recording is not None:
-            self._recording.close()
-        self._recording = None
+        if self._log is not None:
+            self._log.close("it was stopped", LAST_WRITE)
+        self._log = self._recording = None
 
     # Connections, as of `ports.Server`
 

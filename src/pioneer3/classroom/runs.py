@@ -1,4 +1,4 @@
-"""Runs that students record and hand in: files in one folder, `Anna-1.txt`, `Anna-2.txt`, ...
+"""Runs that students record and hand in: files in one folder, `Anna-1.mcap`, `Anna-2.mcap`, ...
 
 A run that is recorded is in a hidden file until it is handed in. Nothing of a student's is ever
 part of a path but the letters, digits, `_` and `-` of the name.
@@ -130,7 +130,7 @@ class RunFolder:
     def _new_file(self, student: str) -> Path:
         """Reserve the next free name of a student."""
         for number in count(1):
-            path = self.folder / f"{file_stem(student)}-{number}.txt"
+            path = self.folder / f"{file_stem(student)}-{number}.mcap"
             with suppress(FileExistsError):
                 path.open("x").close()
                 return path

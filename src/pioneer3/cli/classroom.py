@@ -9,7 +9,7 @@ from typing import Annotated
 from cyclopts import Parameter
 from cyclopts.validators import Number
 
-from pioneer3.cli.options import Flag, FleetFile, TcpPort, fleet_of
+from pioneer3.cli.options import AS_SET, Flag, FleetFile, LogOptions, TcpPort, fleet_of
 from pioneer3.cli.process import run_until_told_to_leave, write_line
 from pioneer3.errors import ConfigError
 
@@ -26,6 +26,7 @@ def class_(
     fleet: FleetFile = None,
     ideal: Flag = False,
     lan: Flag = False,
+    log: LogOptions = AS_SET,
     web_port: TcpPort = 8080,
     sim_port: TcpPort = 8101,
     folder: Path | None = None,
@@ -47,6 +48,7 @@ def class_(
         fleet: Use the robots of this fleet file in place of simulated ones.
         ideal: Simulate without noise and slip: robots do exactly what they are told.
         lan: Let the students' devices in: shows a QR code to scan.
+        log: Of all robots.
         web_port: TCP port of the page; https takes the next free one with --lan; 0: any free.
         sim_port: TCP port of the first robot for a student's program; 0: free ones.
         folder: Handed-in runs are kept there; else class-DATE in this folder.
@@ -76,6 +78,7 @@ def class_(
         map_name=map_,
         model=robot,
         ideal=ideal,
+        record=log.where(),
         folder=folder or Path(f"class-{date.today().isoformat()}"),
         sim_port=sim_port,
         web_port=web_port,

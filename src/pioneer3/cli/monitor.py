@@ -137,7 +137,7 @@ async def _raw(link: LinkOptions, seconds: float, *, json: bool) -> int:
         return asyncio.ensure_future(opened())
 
     async with connect_async(
-        overhear, auto_enable=False, record=link.record, model=link.given_model
+        overhear, auto_enable=False, record=link.log.where(watches=True), model=link.given_model
     ) as robot:
 
         def gone() -> None:

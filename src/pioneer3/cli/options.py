@@ -180,6 +180,34 @@ Seconds = Annotated[float, reads(DURATION, positive=True)]
 Patience = Annotated[float, reads(DURATION, check=_patient)]
 
 
+@Parameter(name="*")
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LogOptions:
+    """The log of what the robot does.
+
+    Attributes:
+        record: New file for the log, in place of the next one among the user's; the port
+            replay:FILE plays it.
+        no_record: Write no log.
+    """
+
+    record: Path | None = None
+    no_record: Flag = False
+
+    def where(self, *, watches: bool = False) -> Path | bool | None:
+        """Return where a robot is recorded; one that is only watched is not, unless asked for.
+
+        Raises:
+            ConfigError: Both options are given.
+        """
+        if self.no_record and self.record is not None:
+            raise ConfigError(f"--record {self.record} and --no-record: give one of them")
+        return False if self.no_record else self.record or (False if watches else None)
+
+
+AS_SET = LogOptions()
+
+
 LASERS = Group.create_ordered("Laser range finders")
 SEVERAL = Parameter(negative=(), show_default=False)
 
@@ -209,14 +237,13 @@ class LaserOptions:
 
     async def specs(
         self,
-        record: Path | None = None,
         taken: Sequence[str] = (),
         otherwise: Sequence[str] = (),
     ) -> "tuple[LaserSpec, ...]":
         """Return the lasers, after looking for those that are `auto`.
 
-        Each laser has its own file of bytes, `record` with its name added. Ports that are `taken`
-        are the robots'; those in `otherwise` are used if the options have none.
+        Ports that are `taken` are the robots'; those in `otherwise` are used if the options have
+        none.
 
         Raises:
             ConfigError: An option is wrong.
@@ -231,7 +258,7 @@ class LaserOptions:
             from pioneer3.doctor.lasers import find_laser
 
             found[found.index(AUTO)] = await find_laser((*taken, *found))
-        specs = parse_lasers(found, self.laser_pose, self.laser_mask, record=record)
+        specs = parse_lasers(found, self.laser_pose, self.laser_mask)
         refuse_robots(specs, taken)
         return specs
 
@@ -324,13 +351,13 @@ class LinkOptions(RobotOptions):
 
     Attributes:
         baud: Serial speed to try first.
-        record: New file for every byte on the wire; --port replay:FILE plays it.
+        log: Its log.
         lasers: Its laser range finders.
         camera: Its camera: http://HOST[:PORT]/PATH of an MJPEG stream.
     """
 
     baud: Baud = None
-    record: Path | None = None
+    log: LogOptions = AS_SET
     lasers: LaserOptions = NO_LASERS
     camera: CameraUrl = None
 
@@ -360,8 +387,8 @@ class LinkOptions(RobotOptions):
                     model=self.given_model,
                     max_speed=max_speed,
                     auto_enable=auto_enable,
-                    record=self.record,
-                    lasers=await self.lasers.specs(self.record, [url], self.fleet_lasers),
+                    record=self.log.where(watches=not auto_enable),
+                    lasers=await self.lasers.specs([url], self.fleet_lasers),
                     camera=self.camera or self.fleet_camera,
                     line_map=line_map,
                     start=start,

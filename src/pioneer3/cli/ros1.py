@@ -8,7 +8,17 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import App, Parameter
 
-from pioneer3.cli.options import AUTO, NO_LASERS, WHICH, Baud, CameraUrl, LaserOptions, RobotOptions
+from pioneer3.cli.options import (
+    AS_SET,
+    AUTO,
+    NO_LASERS,
+    WHICH,
+    Baud,
+    CameraUrl,
+    LaserOptions,
+    LogOptions,
+    RobotOptions,
+)
 from pioneer3.cli.places import MapName, StartPlace
 from pioneer3.cli.process import run_until_told_to_leave, write_line
 from pioneer3.cli.topic_demos import commands
@@ -80,6 +90,7 @@ def ros1(
     *arguments: Annotated[str, Parameter(show=True)],
     which: RobotOptions = WHICH,
     baud: Baud = None,
+    log: LogOptions = AS_SET,
     lasers: LaserOptions = NO_LASERS,
     camera: CameraUrl = None,
     map_: MapName = None,
@@ -99,6 +110,7 @@ def ros1(
             with _profile:=standard cmd_vel:=/teleop/cmd_vel.
         which: The robot.
         baud: Serial speed to try first.
+        log: Of the robot.
         lasers: Of the robot; or by ROS parameters such as _laser/serial_port:=/dev/ttyACM0.
             Other parameters below _laser/ hold for the first one in either case.
         camera: Of the robot: http://HOST[:PORT]/PATH of an MJPEG stream.
@@ -115,6 +127,7 @@ def ros1(
         port=which.url_or_none,
         model=which.given_model,
         baud=baud,
+        record=log.where(),
         laser_ports=lasers.laser or which.fleet_lasers,
         lasers=lambda robot, otherwise: lasers.specs(taken=[robot], otherwise=otherwise),
         camera=camera or which.fleet_camera,

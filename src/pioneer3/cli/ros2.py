@@ -9,7 +9,16 @@ import msgspec
 from cyclopts import App
 
 from pioneer3.cli.motion import keyword
-from pioneer3.cli.options import NO_LASERS, WHICH, Baud, CameraUrl, LaserOptions, RobotOptions
+from pioneer3.cli.options import (
+    AS_SET,
+    NO_LASERS,
+    WHICH,
+    Baud,
+    CameraUrl,
+    LaserOptions,
+    LogOptions,
+    RobotOptions,
+)
 from pioneer3.cli.places import MapName, StartPlace
 from pioneer3.cli.process import run_until_told_to_leave, write_line
 from pioneer3.cli.ros2_bridge import bridge
@@ -73,6 +82,7 @@ def ros2(
     name: str = "pioneer3",
     network: NetworkOptions = ANYWHERE,
     baud: Baud = None,
+    log: LogOptions = AS_SET,
     lasers: LaserOptions = NO_LASERS,
     camera: CameraUrl = None,
     map_: MapName = None,
@@ -93,6 +103,7 @@ def ros2(
         name: Of the node.
         network: Where the others are.
         baud: Serial speed to try first.
+        log: Of the robot.
         lasers: Of the robot.
         camera: Of the robot: http://HOST[:PORT]/PATH of an MJPEG stream.
         map_: To navigate on: a file, or the name of one that ships.
@@ -109,6 +120,7 @@ def ros2(
         port=which.url_or_none,
         model=which.given_model,
         baud=baud,
+        record=log.where(),
         laser_ports=lasers.laser or which.fleet_lasers,
         lasers=lambda robot, otherwise: lasers.specs(taken=[robot], otherwise=otherwise),
         camera=camera or which.fleet_camera,

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from pioneer3.cli.options import (
+    AS_SET,
     CAMERA_VARIABLE,
     MODEL_VARIABLE,
     NAVIGATION,
@@ -21,6 +22,7 @@ from pioneer3.cli.options import (
     Flag,
     FleetFile,
     LaserOptions,
+    LogOptions,
     Model,
     NavigationOptions,
     RobotNumber,
@@ -65,7 +67,7 @@ def run(
     cert: Path | None = None,
     key: Path | None = None,
     max_speed: Speed | None = None,
-    record: Path | None = None,
+    log: LogOptions = AS_SET,
     navigation: NavigationOptions = NAVIGATION,
 ) -> int:
     """Serve the live page of robots; without --port, of simulated ones of its own.
@@ -96,7 +98,7 @@ def run(
         cert: Certificate for https in PEM, instead of one made on first use.
         key: Its private key, a file that only you may read.
         max_speed: Keep below this.
-        record: New file for every byte; --port replay:FILE plays it. Of several robots: FILE-NAME.
+        log: Of all robots.
         navigation: Settings.
     """
     from pioneer3.nav.settings import AS_SHIPPED
@@ -141,8 +143,8 @@ def run(
         key=key,
         show_tokens=sys.stdout.isatty(),
         max_speed=max_speed,
-        record=record,
-        lasers=lambda: lasers.specs(record, port),
+        record=log.where(),
+        lasers=lambda: lasers.specs(port),
         camera=camera,
         camera_if_one=camera == os.environ.get(CAMERA_VARIABLE),
         cameras=cameras,

@@ -1,33 +1,35 @@
-"""Recording the bytes of a link, one line a chunk, and playing them back.
+"""Recording the bytes of links in a log, and playing them back.
 
-The format::
+The topics `wire/NAME/in` have the bytes that a host read of a link, `wire/NAME/out` those that it
+wrote. Older recordings are texts, one line a chunk, which are still read::
 
     # pioneer3 <version>, <begin of the recording, ISO 8601, UTC>
     <seconds> C>S|S>C <number of bytes> <hex>
 
 `C>S` are bytes of the host, `S>C` of the robot; seconds count from the beginning. Lines that
-start with # are comments; those of the form `# <seconds> <words>` are other events, such as
-the reason for a motion. Older files have no heading, and restart at 0 s with each connection.
+start with # are comments. The oldest have no heading, and restart at 0 s with each connection.
 """
 
 import asyncio
-import logging
 from collections import deque
 from collections.abc import Iterator
-from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass, replace
-from datetime import UTC, datetime
 from pathlib import Path
-from typing import TextIO
+from typing import Final
 
-from pioneer3 import __version__
-from pioneer3.clock import Clock
-from pioneer3.errors import ConfigError, PortNotFoundError, RecordingOverError
+from pioneer3.errors import ConfigError, RecordingOverError
 from pioneer3.links.base import Link, Opener
-
-log = logging.getLogger(__name__)
+from pioneer3.log.reader import is_mcap, open_log
+from pioneer3.log.topics import LogTopic
+from pioneer3.log.writer import LogWriter
 
 FROM_HOST, FROM_ROBOT = "C>S", "S>C"
+WAYS: Final = {FROM_ROBOT: "in", FROM_HOST: "out"}
+"""Directions, and the ends of their topics."""
+ROBOT: Final = "robot"
+"""Name of the link of a robot."""
+OF_CHUNK: Final = 100
+"""Memory that a chunk takes besides its bytes, about [bytes]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,44 +41,36 @@ class Chunk:
     data: bytes
 
 
+def _size(data: bytes) -> int:
+    return OF_CHUNK + len(data)
+
+
 class WireRecording:
-    """Writes bytes and events to an open file, one line each; a full disk ends it, no more.
+    """Puts the bytes of a link into a log, and what happens to it."""
 
-    It began at `began` [s], or now. `failure` is the reason why it has ended by itself, or empty.
-    """
-
-    def __init__(self, file: TextIO, clock: Clock, began: float | None = None) -> None:
-        self.failure = ""
-        self._file = file
-        self._clock = clock
-        self._began = clock() if began is None else began
+    def __init__(self, log: LogWriter, name: str = ROBOT) -> None:
+        self.name = name
+        self._log = log
+        self._topics = {
+            way: LogTopic(f"wire/{name}/{end}", bytes, size=_size) for way, end in WAYS.items()
+        }
 
     def note(self, way: str, data: bytes) -> None:
-        """Write bytes that pass now, in the direction :data:`FROM_HOST` or :data:`FROM_ROBOT`."""
+        """Put bytes that pass now, in the direction :data:`FROM_HOST` or :data:`FROM_ROBOT`."""
         if data:
-            seconds = self._clock() - self._began
-            self.put(f"{seconds:.6f} {way} {len(data)} {data.hex()}")
+            self._log.put(self._topics[way], data)
 
     def remark(self, words: str) -> None:
-        """Write a comment with its time."""
-        self.put(f"# {self._clock() - self._began:.6f} {' '.join(words.split())}")
+        """Put an event of the link, in words."""
+        self._log.event("link", f"{self.name}: {words}")
 
-    def put(self, line: str) -> None:
-        """Write one line."""
-        if self.failure:
-            return
-        try:
-            self._file.write(line + "\n")
-        except OSError as error:
-            self.failure = error.strerror or str(error)
-            log.warning(
-                "%s: the recording has ended, and nothing else: %s", self._file.name, self.failure
-            )
+    def opener(self, opener: Opener) -> Opener:
+        """Return an opener of the same links, which are recorded."""
 
-    def close(self) -> None:
-        """End the recording; a full disk does not take a line that was cut."""
-        with suppress(OSError):
-            self._file.close()
+        async def open_link() -> Link:
+            return TapLink(await opener(), self)
+
+        return open_link
 
 
 class TapLink:
@@ -88,7 +82,7 @@ class TapLink:
         self.round_trip = link.round_trip
         self._link = link
         self._recording = recording
-        self._recording.put(f"# {link.url}")
+        self._recording.remark(f"open: {link.url}")
 
     async def read(self) -> bytes:
         """Read from the link inside."""
@@ -108,64 +102,23 @@ class TapLink:
 
     async def close(self) -> None:
         """Close the link inside; the recording goes on."""
+        self._recording.remark("closed")
         await self._link.close()
 
 
-class Recorder:
-    """Records every link of an opener to one file, line by line."""
-
-    def __init__(self, opener: Opener, recording: WireRecording) -> None:
-        self._open = opener
-        self._recording = recording
-        self._began = False
-
-    async def open(self) -> Link:
-        """Open the link, and record it."""
-        link = await self._open()
-        self._began = True
-        return TapLink(link, self._recording)
-
-    def remark(self, words: str) -> None:
-        """Write an event as a comment; before the first link, do nothing."""
-        if self._began:
-            self._recording.remark(words)
-
-
-def begun(path: Path, clock: Clock) -> WireRecording:
-    """Return a recording to a new file, with its heading.
-
-    Raises:
-        ConfigError: the file cannot be written; one that exists is left alone.
-    """
-    when = datetime.now(UTC).isoformat(timespec="milliseconds").replace("+00:00", "Z")
-    try:
-        file = path.open("x", encoding="utf-8", buffering=1)
-        file.write(f"# pioneer3 {__version__}, {when}\n")
-    except OSError as error:
-        raise ConfigError(f"{path}: cannot record there: {error.strerror}") from None
-    return WireRecording(file, clock)
-
-
-@contextmanager
-def recorded(opener: Opener, path: Path, clock: Clock) -> Iterator[Recorder]:
-    """Record every link that `opener` opens to one new file; errors as of :func:`begun`."""
-    with closing(begun(path, clock)) as recording:
-        yield Recorder(opener, recording)
-
-
 class Replay:
-    """Plays a robot's bytes from a recording, once, at the recorded times.
+    """Plays the bytes of a link from a recording, once, at the recorded times.
 
     Playback starts with the first byte that the host sends. It goes on while no link is open: the
     next link gets the later bytes, as with a robot.
     """
 
-    def __init__(self, path: Path) -> None:
-        self.url = f"replay:{path}"
+    def __init__(self, path: Path, link: str = ROBOT) -> None:
+        self.url = f"replay:{path}" if link == ROBOT else f"replay:{path}#{link}"
         self._chunks: deque[Chunk] = deque()
         self._began: float | None = None
         offset = latest = 0.0
-        for chunk in read_recording(path):
+        for chunk in read_recording(path, link):
             if chunk.time + offset < latest:  # an older file: the time restarted
                 offset = latest
             latest = chunk.time + offset
@@ -232,17 +185,43 @@ class ReplayLink:
         self._started.set()
 
 
-def read_recording(path: Path) -> Iterator[Chunk]:
-    """Yield the chunks of a recording.
+def read_recording(path: Path, link: str = ROBOT) -> Iterator[Chunk]:
+    """Yield the chunks of a link in a recording; an older one has only one.
 
     Raises:
         PortNotFoundError: there is no such file.
-        ConfigError: a line does not have the format; the message has file and line.
+        ConfigError: it is damaged, or has no such link; of an old one the message has the line.
     """
+    return _read_log(path, link) if is_mcap(path) else _read_text(path)
+
+
+def recorded_links(path: Path) -> list[str]:
+    """Return the names of the links in a recording; errors as of :func:`read_recording`."""
+    if not is_mcap(path):
+        return [ROBOT]
+    topics = open_log(path).topics()
+    found = {topic.removeprefix("wire/").rpartition("/")[0] for topic in topics if _is_wire(topic)}
+    return sorted(found)
+
+
+def _is_wire(topic: str) -> bool:
+    return topic.startswith("wire/")
+
+
+def _read_log(path: Path, link: str) -> Iterator[Chunk]:
+    topics = {f"wire/{link}/{end}": way for way, end in WAYS.items()}
+    began = None
+    for message in open_log(path).messages(topics.__contains__):
+        began = message.time if began is None else began
+        yield Chunk((message.time - began) / 1e9, topics[message.topic], message.data)
+    if began is None:
+        there = ", ".join(f"replay:{path}#{other}" for other in recorded_links(path))
+        raise ConfigError(f"{path}: no bytes of the link {link!r}; there are: {there or 'none'}")
+
+
+def _read_text(path: Path) -> Iterator[Chunk]:
     try:
         lines = path.read_text("utf-8").splitlines()
-    except FileNotFoundError:
-        raise PortNotFoundError(f"{path}: no such recording") from None
     except (OSError, UnicodeDecodeError) as error:
         raise ConfigError(f"{path}: not a readable recording: {error}") from error
     for number, line in enumerate(lines, 1):

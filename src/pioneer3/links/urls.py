@@ -46,8 +46,10 @@ async def open_link(url: str, *, baud: int | None = None) -> Link:
             return await opener(url)()
 
 
-def opener(url: str, *, baud: int | None = None) -> Opener:
+def opener(url: str, *, baud: int | None = None, link: str = "robot") -> Opener:
     """Return a function that opens the link again at each call; a recording is not restarted.
+
+    Of a recording with several links, `replay:FILE#NAME` names one; else it is `link`.
 
     Raises:
         ConfigError: the URL does not have a form of :func:`open_link`, or the recording is wrong.
@@ -58,7 +60,10 @@ def opener(url: str, *, baud: int | None = None) -> Opener:
         return partial(open_link, url, baud=baud)
     from pioneer3.links.tap import Replay
 
-    return Replay(Path(rest)).open
+    path, mark, name = rest.rpartition("#")
+    if mark and not Path(rest).exists():
+        return Replay(Path(path), name).open
+    return Replay(Path(rest), link).open
 
 
 def split_url(url: str) -> tuple[str, str]:

@@ -23,7 +23,6 @@ map_logs        maps, from recordings and logs
 log_files       logs, opened by their content, and names of other files
 bag_logs        rosbags as logs
 bag_frames      the frames of a bag: where its laser is, and whose motion is odometry
-cut_mcap        MCAP files without an end
 map_files       maps as files
 simulator       the map and the pose that a simulator tells
 ==============  =================================================================================

@@ -13,6 +13,7 @@ import numpy as np
 from pioneer3.distribution import how_to_get
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import ORIGIN, TURN
+from pioneer3.log.cut import CutMcapPath, is_cut
 from pioneer3.names import printable
 from pioneer3.nav.logged import Entry, LoggedOdometry, Pairing, Sources
 from pioneer3.navigation.bag_frames import (
@@ -23,7 +24,6 @@ from pioneer3.navigation.bag_frames import (
     mounted,
     pose_of,
 )
-from pioneer3.navigation.cut_mcap import CutMcapPath, is_cut
 from pioneer3.robot.lasers.mounting import Mounting
 from pioneer3.state import Scan
 from pioneer3.text import one_line, wrong

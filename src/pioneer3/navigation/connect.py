@@ -18,6 +18,7 @@ from pioneer3.models import GivenModel
 from pioneer3.nav.settings import AS_SHIPPED, NavigationSettings
 from pioneer3.navigation.blocking import BlockingRobot
 from pioneer3.runtime.connect import connect_robot
+from pioneer3.runtime.recording import Record
 from pioneer3.runtime.robot import Robot
 from pioneer3.tasks import running
 
@@ -44,7 +45,7 @@ async def connect_async(
     max_speed: float | None = None,
     max_turn_rate: float | None = None,
     auto_enable: bool = True,
-    record: Path | None = None,
+    record: Record = None,
     timing: Timing | None = None,
     lasers: "Sequence[LaserSpec | str]" = (),
     camera: str | None = None,
@@ -65,8 +66,9 @@ async def connect_async(
         max_speed: Keep below this [m/s]; never above the robot's own limit.
         max_turn_rate: Keep below this [rad/s].
         auto_enable: Whether a fresh command switches the motors on.
-        record: New file for every byte on the wire, which `replay:FILE` plays, and for what decided
-            the motion, in words.
+        record: New file for the log of all that comes from the robot and is asked of it, which
+            `replay:FILE` plays. Without one it is the next in the user's folder of logs, unless
+            `PIONEER3_RECORD=0` is in the environment; `True` records in any case, `False` never.
         timing: How patient to be.
         lasers: Laser range finders at the computer, such as `/dev/ttyACM0`. They may come later,
             and may be lost and found again.
@@ -114,7 +116,7 @@ def connect(
     max_speed: float | None = None,
     max_turn_rate: float | None = None,
     auto_enable: bool = True,
-    record: Path | None = None,
+    record: Record = None,
     lasers: "Sequence[LaserSpec | str]" = (),
     camera: str | None = None,
     line_map: "LineMap | str | Path | None" = None,

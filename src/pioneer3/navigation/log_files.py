@@ -24,8 +24,8 @@ from pioneer3.navigation.bag_logs import FOLDER, MCAP, ROS_1, SQLITE, Bag, BagFo
 from pioneer3.robot.lasers.mounting import Mounting
 from pioneer3.text import one_line, shown, wrong
 
-RECORDING = "# pioneer3"
-"""Begin of what `--record` writes."""
+RECORDING = rb"# pioneer3|\x89MCAP0\r\n\x01.{8}\x08\0{3}pioneer3"
+"""Begins of our own recordings, older ones first."""
 READ = (
     "read are logs of CARMEN, scan logs of ARIA (.2d), rosbags of ROS 1 and 2, MCAP files, and "
     "what --record wrote"
@@ -244,7 +244,7 @@ def opened_log(path: Path, given: Mounting | None = None) -> Iterator[Log]:
 
 def is_recording(path: Path) -> bool:
     """Whether a file is a recording of this program."""
-    return not path.is_dir() and _unpacked(path)[: len(RECORDING)] == RECORDING.encode()
+    return not path.is_dir() and re.match(RECORDING, _unpacked(path), re.DOTALL) is not None
 
 
 def _bag(path: Path) -> tuple[Path, BagFormat] | None:

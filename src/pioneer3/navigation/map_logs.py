@@ -10,7 +10,7 @@ from typing import Any
 
 from pioneer3.errors import DeviceError
 from pioneer3.geometry import ORIGIN, Pose2
-from pioneer3.links.tap import read_recording
+from pioneer3.links.tap import read_recording, recorded_links
 from pioneer3.maps import MapObject
 from pioneer3.nav.beams import beams_of
 from pioneer3.nav.contradictions import contradiction_of
@@ -28,6 +28,8 @@ Tell = Callable[[float], None]
 
 IMPROVE = 10
 """Loops are looked for after so many scans."""
+LASER = "laser"
+"""Name of the link of the first laser in a recording."""
 LEAP = 5.0
 """Way between two readings of odometry above which it has begun anew, or is damaged [m]."""
 
@@ -162,7 +164,8 @@ async def map_recording(
     chunks = [chunk.time for chunk in read_recording(path)]
     length = max(chunks, default=0.0) or 1.0
     beside = path.with_stem(f"{path.stem}-laser")
-    found = lasers or ([f"replay:{beside}"] if beside.exists() else [])
+    own = [f"replay:{path}#{LASER}"] if LASER in recorded_links(path) else []
+    found = lasers or ([f"replay:{beside}"] if beside.exists() else own)
 
     async def at_once(function: Callable[..., Any], *arguments: Any) -> Any:
         return function(*arguments)

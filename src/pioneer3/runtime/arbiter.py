@@ -24,6 +24,7 @@ from pioneer3.robot.devices.laser import LaserSource
 from pioneer3.robot.explain import Reason
 from pioneer3.robot.pilot import STOPPED, Pilot, VelocityCommand
 from pioneer3.robot.supervisor import ConnectionStatus, Feed, RobotInfo
+from pioneer3.runtime.recording import CommandGiven, RobotLog
 from pioneer3.state import Snapshot
 from pioneer3.stops import Freshness, Stop
 
@@ -114,7 +115,7 @@ class _Part:
 class Arbiter:
     """Asks every action and commands the robot, at each snapshot and at each change.
 
-    It calls `remark` with each new decision, in words.
+    It tells its log each snapshot, command and decision.
 
     Attributes:
         mode: The stack that was started last and has not ended, or `None`.
@@ -125,15 +126,14 @@ class Arbiter:
             first action that is no input.
     """
 
-    def __init__(self, supervisor: Drivable, remark: Callable[[str], None] | None = None) -> None:
+    def __init__(self, supervisor: Drivable, robot_log: RobotLog | None = None) -> None:
         self.decision = Decision()
         self.mode: Stack | None = None
         self.ended: Ended | None = None
         self.lasers: Sequence[LaserSource] = ()
         self.remembers = True
         self._supervisor = supervisor
-        self._remark = remark
-        self._remarked: str | None = None
+        self._log = robot_log
         self._parts: list[_Part] = []
         self._stop_before_decision = self.last_stop
         self._memory: RangeMemory | None = None
@@ -200,8 +200,8 @@ class Arbiter:
             self.decision = decision = resolve(self._stacks(), situation)
         except ActionError as error:
             return self._fail(error)
-        if self._remark is not None:
-            self._tell(self._remark)
+        if self._log is not None:
+            self._log.decided(self.mode.name if self.mode else "", decision)
         if why_it_ends := self._why_mode_ends(decision):
             self._forget_mode(why_it_ends)
             self.decide()
@@ -291,7 +291,7 @@ class Arbiter:
                 if laser.presence.there:
                     self._laser_on.enter_context(laser.wanted())
         self._join(mode)
-        return self.decide()
+        return self._note(mode.name, "start", self.decide())
 
     def end_mode(self, why: str) -> None:
         """End the mode, if any; its motion ends at once."""
@@ -302,12 +302,14 @@ class Arbiter:
     def hold(self, held: Hold, twist: Twist2, seconds: float) -> Refusal | None:
         """Let `held` ask for `twist` for `seconds`."""
         held.set(twist, self._clock(), seconds, self.last_stop)
-        return held.ignored(self.last_stop) or self.decide()
+        refused = held.ignored(self.last_stop) or self.decide()
+        return self._note(held.name, "drive", refused, twist, seconds)
 
     def release(self, held: Hold) -> None:
         """Release `held`: the robot stops if nobody else drives."""
         held.release()
         self.decide()
+        self._note(held.name, "let go")
         if not self.decision.wanted:
             self._stand()  # even if nothing drove: to let go answers the stop before
 
@@ -320,25 +322,30 @@ class Arbiter:
             by.release()
         self._end_commands(why)
         self._supervisor.stop(why)
+        self._note(by.name if by else "", f"stop: {why}")
 
     def emergency_stop(self) -> None:
         """End every command and stop hard, latched."""
         self._end_commands()
         self._supervisor.emergency_stop()
+        self._note("", "emergency stop")
 
     def set_motors(self, *, on: bool, by: Hold | None = None) -> Refusal | None:
         """Stop as :meth:`stop` does, then switch the motors."""
         self.stop(by)
-        return self._supervisor.set_motors(on=on)
+        refused = self._supervisor.set_motors(on=on)
+        return self._note(by.name if by else "", f"motors {'on' if on else 'off'}", refused)
 
     def _take(self, snapshot: Snapshot) -> None:
         """Decide anew at each snapshot."""
         info = self._supervisor.info
         if info is not None and (self._memory is None or self._memory.model is not info.model):
             self._memory = RangeMemory(info.model)
+        scans = [scan for laser in self.lasers if (scan := laser.latest) is not None]
+        if self._log is not None:
+            self._log.snapshot(snapshot, scans)
         if self._memory is not None and self.remembers:
-            scans = (laser.latest for laser in self.lasers)
-            self._memory.update(snapshot, [scan for scan in scans if scan is not None])
+            self._memory.update(snapshot, scans)
         self.decide()
         if self.mode is not None and self.mode.done:
             self._forget_mode("done", done=True)
@@ -366,12 +373,19 @@ class Arbiter:
         """The actions that decide and their reasons, a sentence each; empty while nobody drives."""
         return explain(self.decision) if self._clock() < self.decision.until else ()
 
-    def _tell(self, remark: Callable[[str], None]) -> None:
-        words = "; ".join(self.told)
-        if words != self._remarked:
-            self._remarked = words
-            who = self.mode.name if self.mode else "driver"
-            remark(f"{who}: {words or 'nothing is asked'}")
+    def _note(
+        self,
+        by: str,
+        command: str,
+        refused: Refusal | None = None,
+        twist: Twist2 = STILL,
+        seconds: float = 0.0,
+    ) -> Refusal | None:
+        """Put a command into the log; return its refusal."""
+        if self._log is not None:
+            why = refused.text if refused else ""
+            self._log.asked(CommandGiven(by, command, twist, seconds, why))
+        return refused
 
     def _fail(self, error: ActionError) -> Refusal:
         """End the stack of an action that failed, and stand still."""

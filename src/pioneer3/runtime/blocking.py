@@ -12,7 +12,7 @@ from pioneer3.runtime.signals import StopOnSignals
 from pioneer3.state import Scan
 
 
-def connect_laser(url: str, *, record: Path | None = None) -> "BlockingLaser":
+def connect_laser(url: str, *, record: Path | bool = False) -> "BlockingLaser":
     """Connect to a laser range finder alone, and wait for its first scan.
 
     Use it in a `with` block, or call :meth:`BlockingLaser.close` at the end. Arguments and errors

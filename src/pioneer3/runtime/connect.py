@@ -1,7 +1,7 @@
 """Connecting to a robot, and every way of leaving it."""
 
 import asyncio
-from collections.abc import AsyncIterator, Callable, Coroutine, Iterator, Sequence
+from collections.abc import AsyncIterator, Coroutine, Iterator, Sequence
 from contextlib import ExitStack, asynccontextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -11,13 +11,13 @@ from pioneer3.arcos.host_events import Timing
 from pioneer3.errors import ConfigError
 from pioneer3.limits import Limits
 from pioneer3.links import Opener, opener
-from pioneer3.links.tap import recorded
 from pioneer3.links.urls import split_url
 from pioneer3.models import GivenModel, load_model
 from pioneer3.models.own import wrong_in_own
 from pioneer3.robot.poses import Poses
 from pioneer3.robot.supervisor import Supervisor
 from pioneer3.runtime.arbiter import Arbiter
+from pioneer3.runtime.recording import Record, RobotLog, recorded
 from pioneer3.runtime.robot import Robot
 from pioneer3.runtime.signals import StopOnSignals
 from pioneer3.tasks import running
@@ -42,7 +42,7 @@ async def connect_robot(
     max_speed: float | None = None,
     max_turn_rate: float | None = None,
     auto_enable: bool = True,
-    record: Path | None = None,
+    record: Record = None,
     timing: Timing | None = None,
     lasers: "Sequence[LaserSpec | str]" = (),
     camera: str | None = None,
@@ -55,23 +55,24 @@ async def connect_robot(
     def restrict(limits: Limits) -> Limits:
         return limits.lowered_to(max_speed, max_turn_rate)
 
-    remark: Callable[[str], None] | None = None
+    if record is None and isinstance(url, str) and split_url(url)[0] == "replay":
+        record = False
     open_ = url if callable(url) else opener(url, baud=baud)
     with ExitStack() as stack:
-        if record is not None:
-            clock = asyncio.get_running_loop().time
-            recorder = stack.enter_context(recorded(open_, record, clock))
-            open_, remark = recorder.open, recorder.remark
+        robot_log = stack.enter_context(recorded(record, asyncio.get_running_loop().time))
+        if robot_log is not None:
+            open_ = robot_log.opener(open_)
         supervisor = Supervisor(
             open_, model=model, restrict=restrict, auto_enable=auto_enable, timing=timing
         )
-        arbiter = Arbiter(supervisor, remark)
+        arbiter = Arbiter(supervisor, robot_log)
         ports = [url] if isinstance(url, str) else []
-        drivers = [_laser(spec, supervisor, stack) for spec in _specs(lasers, ports)]
+        drivers = [_laser(spec, supervisor, robot_log) for spec in _specs(lasers, ports)]
         eyes = _cameras(camera)
         load_model(USUAL)  # the reader of models loads slowly, and a robot that waits is lost
         stack.enter_context(StopOnSignals(asyncio.get_running_loop(), arbiter.stop))
-        async with running(supervisor.run(), *_runs(drivers, eyes)):
+        notes = [] if robot_log is None else [robot_log.follow(supervisor)]
+        async with running(supervisor.run(), *notes, *_runs(drivers, eyes, robot_log)):
             if await anext(supervisor.snapshots.values(), None) is None:
                 await asyncio.get_running_loop().create_future()  # its end cancels this
             own = supervisor.info.own if supervisor.info else None
@@ -80,9 +81,9 @@ async def connect_robot(
                 others = () if lasers else own.lasers
                 unseen = own.camera if camera is None else None
                 specs, eye = fitted_by(replace(own, lasers=others, camera=unseen), ports)
-                own_drivers = [_laser(spec, supervisor, stack) for spec in specs]
+                own_drivers = [_laser(spec, supervisor, robot_log) for spec in specs]
                 own_eyes = _cameras(eye)
-            async with running(*_runs(own_drivers, own_eyes)):
+            async with running(*_runs(own_drivers, own_eyes, robot_log)):
                 robot = Robot(
                     supervisor, arbiter, drivers + own_drivers, next(iter(eyes + own_eyes), None)
                 )
@@ -92,7 +93,7 @@ async def connect_robot(
 
 @asynccontextmanager
 async def connect_laser_async(
-    url: "str | LaserSpec", *, record: Path | None = None, patience: float = 10.0
+    url: "str | LaserSpec", *, record: Path | bool = False, patience: float = 10.0
 ) -> "AsyncIterator[LaserDriver]":
     """Connect to a laser range finder alone, and wait for its first scan.
 
@@ -100,7 +101,8 @@ async def connect_laser_async(
 
     Args:
         url: `/dev/ttyACM0`, `tcp://192.168.0.10:10940`, or with a model, `lms-200@/dev/ttyUSB1`.
-        record: New file for every byte on the wire, which `replay:FILE` plays.
+        record: New file for all that comes from it, which `replay:FILE` plays; if true, one in
+            the folder of logs.
         patience: Longest wait for the first scan [s].
 
     Raises:
@@ -110,8 +112,8 @@ async def connect_laser_async(
     from pioneer3.robot.lasers.spec import parse_laser
 
     spec = parse_laser(url) if isinstance(url, str) else url
-    with ExitStack() as stack:
-        driver = _laser(replace(spec, record=record or spec.record), None, stack)
+    with recorded(record, asyncio.get_running_loop().time) as log:
+        driver = _laser(spec, None, log)
         async with running(driver.run()):
             await driver.reading(patience)
             yield driver
@@ -137,31 +139,35 @@ def fitted_by(
         raise wrong_in_own(own, "camera", error) from None
 
 
-def _laser(spec: "LaserSpec", supervisor: Supervisor | None, stack: ExitStack) -> "LaserDriver":
+def _laser(
+    spec: "LaserSpec", supervisor: Supervisor | None, robot_log: RobotLog | None
+) -> "LaserDriver":
     """Return the driver of a laser that looks from the robot of `supervisor`, if there is one."""
     from pioneer3.robot.lasers.driver import LaserDriver  # costs 20 ms that few need
 
     config = spec.config()
-    if spec.record is not None:
-        clock = asyncio.get_running_loop().time
-        config = replace(
-            config, open=stack.enter_context(recorded(config.open, spec.record, clock)).open
-        )
+    if robot_log is not None:
+        config = replace(config, open=robot_log.opener(config.open, spec.name))
 
     def mounting() -> "Mounting":
         info = supervisor.info if supervisor else None
         return spec.mounting_on(info.model if info else None)
 
     poses = supervisor.poses if supervisor else Poses()
-    return LaserDriver(config, poses.at, mounting)
+    driver = LaserDriver(config, poses.at, mounting)
+    if robot_log is not None:
+        driver.scan_taken = robot_log.scan
+    return driver
 
 
 def _runs(
-    drivers: "Sequence[LaserDriver]", eyes: "Sequence[CameraDriver]"
+    drivers: "Sequence[LaserDriver]", eyes: "Sequence[CameraDriver]", robot_log: RobotLog | None
 ) -> Iterator[Coroutine[None, None, None]]:
     """Yield the work of drivers."""
     yield from (driver.run() for driver in drivers)
     yield from (eye.run() for eye in eyes)
+    if robot_log is not None:
+        yield from (robot_log.follow_laser(driver) for driver in drivers)
 
 
 def _specs(asked: "Sequence[LaserSpec | str]", ports: Sequence[str]) -> "tuple[LaserSpec, ...]":

@@ -2,21 +2,23 @@
 
 import asyncio
 import logging
+import re
 from collections.abc import AsyncIterator, Callable, Sequence
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 from pioneer3.arcos.host_events import Timing
 from pioneer3.errors import LinkError, NoRobotError
 from pioneer3.links import Opener
 from pioneer3.models import GivenModel
+from pioneer3.names import free_name
 from pioneer3.nav.settings import AS_SHIPPED, NavigationSettings
 from pioneer3.navigation.connect import connect_async
 from pioneer3.robot.devices.laser import LaserSource
 from pioneer3.robot.lasers.driver import LaserDriver
 from pioneer3.robot.lasers.spec import LaserSpec
 from pioneer3.robot.supervisor import Connection, kind
+from pioneer3.runtime.recording import Record, RobotLog, recorded
 from pioneer3.runtime.robot import Robot
 from pioneer3.tasks import running
 from pioneer3.web.page import Page
@@ -43,7 +45,6 @@ class ConnectTarget:
     baud: int | None = None
     model: GivenModel = None
     max_speed: float | None = None
-    record: Path | None = None
     timing: Timing | None = None
     lasers: tuple[LaserSpec, ...] = ()
     camera: str | None = None
@@ -52,9 +53,14 @@ class ConnectTarget:
 
 @asynccontextmanager
 async def hosted(
-    page: Page, targets: Sequence[ConnectTarget], tell: Callable[[str], None]
+    page: Page,
+    targets: Sequence[ConnectTarget],
+    tell: Callable[[str], None],
+    record: Record = None,
 ) -> AsyncIterator[None]:
     """Show every robot of `targets` at `page` while the block lasts, after one attempt for each.
+
+    They have one log, where `record` tells, as for :func:`connect_async`.
 
     Of several robots, those that are not there are tried again and again; `tell` says which.
 
@@ -63,18 +69,30 @@ async def hosted(
         ConfigError: an option is wrong.
     """
     single = len(targets) == 1
-    connections = [
-        RobotConnection(page, n, target, tell, single=single) for n, target in enumerate(targets, 1)
-    ]
-    async with running(*(connection.keep_open() for connection in connections)):
-        for connection in connections:
-            await connection.tried.wait()
-        failures = [each.failure for each in connections if each.failure is not None]
-        if len(failures) == len(connections):
-            raise failures[0]
-        for failure in failures:
-            tell(f"Not there: {failure}; it is looked for every {RETRY_PERIOD:.0f} s")
-        yield
+    with recorded(record, asyncio.get_running_loop().time) as log:
+        logs = [log.of("" if single else name) if log else None for name in log_names(targets)]
+        connections = [
+            RobotConnection(page, n, target, tell, log, single=single)
+            for n, (target, log) in enumerate(zip(targets, logs, strict=True), 1)
+        ]
+        async with running(*(connection.keep_open() for connection in connections)):
+            for connection in connections:
+                await connection.tried.wait()
+            failures = [each.failure for each in connections if each.failure is not None]
+            if len(failures) == len(connections):
+                raise failures[0]
+            for failure in failures:
+                tell(f"Not there: {failure}; it is looked for every {RETRY_PERIOD:.0f} s")
+            yield
+
+
+def log_names(targets: Sequence[ConnectTarget]) -> list[str]:
+    """Return the names of robots in a log, such as `bob`; of one without a name its address."""
+    names: list[str] = []
+    for target in targets:
+        words = re.findall(r"[\w.]+", target.name or target.url.partition(":")[2])
+        names.append(free_name("-".join(words) or "robot", set(names)))
+    return names
 
 
 class RobotConnection:
@@ -89,6 +107,7 @@ class RobotConnection:
         number: int,
         target: ConnectTarget,
         tell: Callable[[str], None],
+        robot_log: RobotLog | None,
         *,
         single: bool,
     ) -> None:
@@ -98,6 +117,7 @@ class RobotConnection:
         self._number = number
         self._target = target
         self._tell = tell
+        self._log = robot_log
         self._single = single
 
     async def keep_open(self) -> None:
@@ -109,8 +129,6 @@ class RobotConnection:
                 if self._single:
                     raise
                 self._note(error)
-                if self._target.record is not None:
-                    self._target.record.unlink(missing_ok=True)  # the next attempt makes it anew
             except Exception as error:
                 if self._single or not self.tried.is_set():
                     raise
@@ -126,7 +144,7 @@ class RobotConnection:
                 baud=target.baud,
                 model=target.model,
                 max_speed=target.max_speed,
-                record=target.record,
+                record=self._log or False,
                 timing=target.timing,
                 lasers=target.lasers,
                 camera=target.camera,

@@ -1,7 +1,6 @@
 """`pioneer3 run`: robots or an embedded simulator, their drivers, and the page, in one loop."""
 
 import asyncio
-import re
 from collections.abc import Awaitable, Callable, Iterator, Sequence
 from contextlib import AbstractAsyncContextManager, AsyncExitStack
 from dataclasses import dataclass, replace
@@ -13,9 +12,9 @@ from pioneer3.errors import ConfigError, PortBusyError
 from pioneer3.jit import numba_version
 from pioneer3.links.hosts import is_loopback
 from pioneer3.models import GivenModel
-from pioneer3.names import free_name
 from pioneer3.nav.settings import AS_SHIPPED, NavigationSettings
 from pioneer3.robot.lasers.spec import LaserSpec
+from pioneer3.runtime.recording import Record
 from pioneer3.sim.equipment import EquipmentOptions
 from pioneer3.sim.kernels import CACHE
 from pioneer3.sim.realism import Realism
@@ -50,8 +49,8 @@ class RunOptions:
     Without ports, the URLs of robots, it simulates: `robots` are the models and names then, and
     with ports one for all or one for each, to use whatever the robots say they are. TCP ports of 0
     take free ones. Without a certificate one is made where others are let in. With `show_tokens`
-    the output of `tell` is not stored, and may show them. `record` is a new file for every byte on
-    the wire, of several robots one for each, with its name added. `lasers` looks for those of the
+    the output of `tell` is not stored, and may show them. `record` is where the
+    log of all is, as for :func:`connect_async`. `lasers` looks for those of the
     only robot, and `camera` is its; several robots leave that out or refuse it. `cameras`, `models`
     and `settings` are one for each robot, or empty or one for all. `announced` lets others find the
     page in the network while the block lasts; it is not called for one on loopback.
@@ -70,7 +69,7 @@ class RunOptions:
     key: Path | None = None
     show_tokens: bool = False
     max_speed: float | None = None
-    record: Path | None = None
+    record: Record = None
     lasers: Callable[[], Awaitable[Sequence[LaserSpec]]] = no_lasers
     camera: str | None = None
     camera_if_one: bool = False
@@ -102,7 +101,8 @@ async def live(options: RunOptions, tell: Callable[[str], None]) -> int:
         )
         served = await stack.enter_async_context(serving)
         # the page waits for the robots, so that a port in use is reported first
-        await stack.enter_async_context(hosted(page, _with_options(targets, options, lasers), tell))
+        told = _with_options(targets, options, lasers)
+        await stack.enter_async_context(hosted(page, told, tell, options.record))
         it = "it" if len(targets) == 1 else "them"
         tell(f"Drive {it} at {served.http}   (Ctrl-C ends)")
         for line in _pairing_lines(page, options):
@@ -189,7 +189,7 @@ def _laser_of(laser: SimulatedLaser) -> LaserSpec:
 def _with_options(
     targets: Sequence[ConnectTarget], options: RunOptions, lasers: Sequence[LaserSpec]
 ) -> list[ConnectTarget]:
-    """Return `targets` with the options that are the same for all, each with its own file.
+    """Return `targets` with the options that are the same for all.
 
     Raises:
         ConfigError: There is one camera for several robots.
@@ -199,31 +199,18 @@ def _with_options(
         if not options.camera_if_one:
             raise ConfigError("--camera: of one robot only; run one `pioneer3 run` for each robot")
         camera = None
-    files: list[Path | None] = [options.record] * len(targets)
-    if options.record is not None and len(targets) > 1:
-        files = own_files(options.record, targets)
     settings = options.settings * (len(targets) if len(options.settings) == 1 else 1)
     return [
         replace(
             target,
             baud=options.baud,
             max_speed=options.max_speed,
-            record=file,
             lasers=(*lasers, *target.lasers),
             camera=camera or target.camera,
             settings=own,
         )
-        for target, file, own in zip(targets, files, settings, strict=True)
+        for target, own in zip(targets, settings, strict=True)
     ]
-
-
-def own_files(path: Path, targets: Sequence[ConnectTarget]) -> list[Path | None]:
-    """Return `walk-bob.txt` for `walk.txt` and bob; a robot without a name has its address."""
-    labels: list[str] = []
-    for target in targets:
-        words = re.findall(r"[\w.]+", target.name or target.url.partition(":")[2])
-        labels.append(free_name("-".join(words) or "robot", set(labels)))
-    return [path.with_stem(f"{path.stem}-{label}") for label in labels]
 
 
 def _pairing_lines(page: Page, options: RunOptions) -> Iterator[str]:

@@ -24,15 +24,15 @@ def hand_in(runs: RunFolder, student: str, draft: Draft | None = None) -> Run:
 def test_runs_are_numbered_for_each_student(tmp_path: Path) -> None:
     runs = RunFolder(tmp_path / "class")
     files = [hand_in(runs, name).file for name in ("Anna", "Anna", "Bob")]
-    assert files == ["Anna-1.txt", "Anna-2.txt", "Bob-1.txt"]
+    assert files == ["Anna-1.mcap", "Anna-2.mcap", "Bob-1.mcap"]
     assert sorted(path.name for path in (tmp_path / "class").iterdir()) == files
     assert [run.file for run in runs.runs.values() if run.session == "Anna"] == files[:2]
 
 
 def test_a_file_of_an_earlier_class_is_left_alone(tmp_path: Path) -> None:
-    (tmp_path / "Anna-1.txt").write_text("earlier")
-    assert hand_in(RunFolder(tmp_path), "Anna").file == "Anna-2.txt"
-    assert (tmp_path / "Anna-1.txt").read_text() == "earlier"
+    (tmp_path / "Anna-1.mcap").write_text("earlier")
+    assert hand_in(RunFolder(tmp_path), "Anna").file == "Anna-2.mcap"
+    assert (tmp_path / "Anna-1.mcap").read_text() == "earlier"
 
 
 @pytest.mark.parametrize(
@@ -70,7 +70,7 @@ def test_one_student_hands_in_so_many_runs(tmp_path: Path) -> None:
     with pytest.raises(CommandError, match="no more are taken"):
         hand_in(runs, "Anna", draft)
     assert draft.path.exists()
-    assert hand_in(runs, "Bob").file == "Bob-1.txt"
+    assert hand_in(runs, "Bob").file == "Bob-1.mcap"
 
 
 def test_a_folder_that_cannot_be_made_says_what_to_do(tmp_path: Path) -> None:

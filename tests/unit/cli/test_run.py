@@ -389,7 +389,9 @@ async def hosted_by(options: RunOptions, monkeypatch: pytest.MonkeyPatch) -> lis
     seen: list[ConnectTarget] = []
 
     @contextlib.asynccontextmanager
-    async def note(page: Page, targets: list[ConnectTarget], tell: object) -> AsyncIterator[None]:
+    async def note(
+        page: Page, targets: list[ConnectTarget], tell: object, record: object
+    ) -> AsyncIterator[None]:
         seen.extend(targets)
         yield
 

@@ -2,15 +2,12 @@
 
 import asyncio
 import re
-from collections import deque
-from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
 import pytest
 
-from pioneer3 import __version__
 from pioneer3.errors import ConfigError, PortNotFoundError, RecordingOverError
-from pioneer3.links import Link, open_link, opener
+from pioneer3.links import open_link, opener
 from pioneer3.links.memory import null_modem
 from pioneer3.links.tap import (
     FROM_HOST,
@@ -20,34 +17,43 @@ from pioneer3.links.tap import (
     TapLink,
     WireRecording,
     read_recording,
-    recorded,
 )
+from pioneer3.log.reader import open_log
+from pioneer3.log.topics import EVENT
+from pioneer3.log.writer import named_log
 from tests.support import disk_of
 
 
 async def test_a_recording_plays_back_what_the_robot_said_when_it_said_it(tmp_path: Path) -> None:
     clock = asyncio.get_running_loop().time
-    path = tmp_path / "wire.txt"
-    with path.open("w") as file:
-        ours, theirs = null_modem(speeds=(9600,))
-        tap = TapLink(ours, WireRecording(file, clock))
-        assert (tap.url, tap.speeds) == (ours.url, (9600,))
-        await tap.set_speed(38400)
-        assert ours.speed == 38400
-        theirs.speed = 38400
-        await tap.write(b"hello")
-        assert await theirs.read() == b"hello"
-        for pause, data in ((1.0, b"\x01\x02"), (2.5, b"\xff")):
-            await asyncio.sleep(pause)
-            await theirs.write(data)
-            assert await tap.read() == data
-        await theirs.close()
-        assert await tap.read() == b""
-        await tap.close()
+    path = tmp_path / "wire.mcap"
+    log = named_log(path, clock)
+    ours, theirs = null_modem(speeds=(9600,))
+    tap = TapLink(ours, WireRecording(log))
+    assert (tap.url, tap.speeds) == (ours.url, (9600,))
+    await tap.set_speed(38400)
+    assert ours.speed == 38400
+    theirs.speed = 38400
+    await tap.write(b"hello")
+    assert await theirs.read() == b"hello"
+    for pause, data in ((1.0, b"\x01\x02"), (2.5, b"\xff")):
+        await asyncio.sleep(pause)
+        await theirs.write(data)
+        assert await tap.read() == data
+    await theirs.close()
+    assert await tap.read() == b""
+    await tap.close()
+    log.close("done")
     assert list(read_recording(path)) == [
         Chunk(0.0, FROM_HOST, b"hello"),
         Chunk(1.0, FROM_ROBOT, b"\x01\x02"),
         Chunk(3.5, FROM_ROBOT, b"\xff"),
+    ]
+    events = [event for _, event in open_log(path).of(EVENT)]
+    assert [event.text for event in events if event.kind == "link"] == [
+        f"robot: open: {ours.url}",
+        "robot: 38400 baud",
+        "robot: closed",
     ]
     replay, began = await open_link(f"replay:{path}"), clock()
     await replay.set_speed(9600)
@@ -58,6 +64,21 @@ async def test_a_recording_plays_back_what_the_robot_said_when_it_said_it(tmp_pa
     with pytest.raises(RecordingOverError, match="the recording is over"):
         await replay.read()
     await replay.close()
+
+
+async def test_of_a_recording_with_several_links_one_is_named(tmp_path: Path) -> None:
+    path = tmp_path / "wire.mcap"
+    log = named_log(path, asyncio.get_running_loop().time)
+    for name in ("bob/robot", "bob/laser"):
+        WireRecording(log, name).note(FROM_ROBOT, name.encode())
+    log.close("done")
+    for name in ("bob/robot", "bob/laser"):
+        link = await open_link(f"replay:{path}#{name}")
+        await link.write(b"x")
+        assert await link.read() == name.encode()
+    there = f"no bytes of the link 'robot'; there are: replay:{path}#bob/laser, replay:{path}#bob/r"
+    with pytest.raises(ConfigError, match=re.escape(there)):
+        opener(f"replay:{path}")
 
 
 async def test_a_recording_goes_on_over_links_and_does_not_begin_anew(tmp_path: Path) -> None:
@@ -90,30 +111,6 @@ async def test_in_an_older_file_each_connection_begins_at_zero(tmp_path: Path) -
     assert (await link.read(), clock()) == (b"\2", 0.5)
 
 
-async def test_a_recording_says_when_it_began_and_counts_from_there(tmp_path: Path) -> None:
-    path, clock = tmp_path / "wire.txt", asyncio.get_running_loop().time
-    ends = []
-
-    async def open_() -> Link:
-        ours, theirs = null_modem()
-        ends.append(theirs)
-        return ours
-
-    before = datetime.now(UTC)
-    with recorded(open_, path, clock) as recorder:
-        for pause in (1.0, 2.0):
-            await asyncio.sleep(pause)
-            link = await recorder.open()
-            await link.write(b"x")
-            await link.close()
-    heading, *lines = path.read_text().splitlines()
-    found = re.fullmatch(rf"# pioneer3 {re.escape(__version__)}, (\S+Z)", heading)
-    assert found is not None
-    assert abs(datetime.fromisoformat(found[1]) - before) < timedelta(minutes=1)
-    assert [chunk.time for chunk in read_recording(path)] == [1.0, 3.0]
-    assert len(lines) == 4
-
-
 async def test_closing_a_replay_ends_a_read_that_waits(tmp_path: Path) -> None:
     path = tmp_path / "wire.txt"
     path.write_text("0 S>C 1 00\n99 S>C 1 01\n")
@@ -131,27 +128,22 @@ async def test_closing_a_replay_ends_a_read_that_waits(tmp_path: Path) -> None:
 async def test_a_full_disk_ends_the_recording_and_not_the_drive(
     tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
-    path = tmp_path / "wire.txt"
-    links = deque(null_modem() for _ in range(2))
-
-    async def open_() -> Link:
-        return links[0][0]
-
-    with disk_of(200), recorded(open_, path, asyncio.get_running_loop().time) as recorder:
-        while links:
-            link = await recorder.open()
-            _, theirs = links.popleft()
-            for _ in range(9):
-                await link.write(b"stop")
-                assert await theirs.read() == b"stop"
-                await theirs.write(b"report")
-                assert await link.read() == b"report"
-            recorder.remark("it goes on")
-            assert [record.message for record in caplog.records] == [
-                f"{path}: the recording has ended, and nothing else: File too large"
-            ]
-            await link.close()
-    assert path.stat().st_size == 200
+    path = tmp_path / "wire.mcap"
+    with disk_of(200):
+        log = named_log(path, asyncio.get_running_loop().time)
+        ours, theirs = null_modem()
+        link = TapLink(ours, WireRecording(log))
+        for _ in range(9):
+            await link.write(b"stop")
+            assert await theirs.read() == b"stop"
+            await theirs.write(b"report")
+            assert await link.read() == b"report"
+        log.close("done")
+        await link.write(b"stop")
+        assert await theirs.read() == b"stop"
+    assert [record.message for record in caplog.records] == [
+        f"{path}: the recording has ended, and nothing else: File too large"
+    ]
 
 
 def test_comments_and_empty_lines_are_skipped(tmp_path: Path) -> None:

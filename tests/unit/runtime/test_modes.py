@@ -15,7 +15,10 @@ from pioneer3.behaviors.action import MODE, Action, Desire, Goal, Ranked, Situat
 from pioneer3.behaviors.actions import Hold, Move
 from pioneer3.geometry import Twist2
 from pioneer3.links.tap import read_recording
+from pioneer3.log.reader import open_log
+from pioneer3.log.topics import LogTopic
 from pioneer3.runtime.arbiter import KEYBOARD
+from pioneer3.runtime.recording import CommandGiven, DecisionMade
 from tests.support import SLOW, SimulatedRobot, wall_at
 
 
@@ -217,11 +220,17 @@ async def test_a_mode_that_may_not_drive_ends_at_once_and_says_why() -> None:
 
 
 async def test_a_recording_says_what_decided(tmp_path: Path) -> None:
-    path = tmp_path / "drive.log"
+    path = tmp_path / "drive.mcap"
     async with SimulatedRobot() as sim, connect_async(sim.open, record=path) as robot:
         await robot.run(mode(Go()), 1.0)
-    remarks = [line for line in path.read_text("utf-8").splitlines() if line.startswith("# ")]
-    assert any(line.endswith(" mode: 0.30 m/s: go") for line in remarks)
-    assert sum("go" in line for line in remarks) == 1  # not at every report
-    assert remarks[-1].endswith(" driver: nothing is asked")
+    made = [each for _, each in open_log(path).of(LogTopic("decision", DecisionMade))]
+    driven = [each for each in made if each.decision.wanted]
+    assert {(each.mode, each.told) for each in driven} == {("mode", ("0.30 m/s: go",))}
+    assert len(driven) == 1  # not at every report
+    assert made[-1].told == ()
+    given = [each for _, each in open_log(path).of(LogTopic("command", CommandGiven))]
+    assert [(each.by, each.command) for each in given][:2] == [
+        ("", "stop: the mode mode was started"),
+        ("mode", "start"),
+    ]
     assert any(chunk.data for chunk in read_recording(path))

@@ -1,6 +1,6 @@
 """Messages are the same as when they were recorded, most of them byte for byte. Virtual time.
 
-After a change that is meant, record anew: PIONEER3_RECORD=1 pytest (this file).
+After a change that is meant, record anew: PIONEER3_MESSAGES_ANEW=1 pytest (this file).
 """
 
 import asyncio
@@ -137,7 +137,7 @@ async def ask(the: Playground) -> list[str]:
 def compare(name: str, texts: list[str]) -> None:
     """Expect the lines of a file, or write them where that is asked for."""
     file = FOLDER / name
-    if os.environ.get("PIONEER3_RECORD"):
+    if os.environ.get("PIONEER3_MESSAGES_ANEW"):
         file.write_text("\n".join(texts) + "\n", encoding="utf-8")
     recorded = file.read_text(encoding="utf-8").splitlines()
     assert list(map(comparable, texts)) == list(map(comparable, recorded))

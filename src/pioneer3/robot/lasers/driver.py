@@ -68,7 +68,8 @@ class LaserDriver:
 
     `mounting` returns its place on the robot, which is known once the robot is. `latest` is the
     last scan, `None` before any, and `latency` the time from its last reading until it was here
-    [s]; `scans` and `losses` count. The `protocol` is `None` until it is known.
+    [s]; `scans` and `losses` count. The `protocol` is `None` until it is known. `scan_taken` is
+    called with every scan, also those that slow readers miss.
     """
 
     def __init__(
@@ -80,6 +81,7 @@ class LaserDriver:
         self.config = config
         self.status: Feed[ConnectionStatus] = Feed()
         self.latest: Scan | None = None
+        self.scan_taken: Callable[[Scan], None] = lambda scan: None
         self.scans = 0
         self.losses = 0
         self._pose_at = pose_at
@@ -291,6 +293,7 @@ class LaserDriver:
             self._publish(Connection.CONNECTED, f"{len(scan.ranges)} readings a scan")
         self.latest = scan
         self._rate.add(now)
+        self.scan_taken(scan)
         self._feed.publish(scan)
 
     def _lose(self, reason: str) -> None:

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2, wrap
@@ -24,8 +23,7 @@ class LaserSpec:
     """A laser of a robot, as it was asked for.
 
     A `mounting` of `None`, and sectors besides those `masked`, are those of the robot's model. If
-    it is `inverted` it hangs head down, also where its place does not say so. Every byte on its
-    wire goes to the new file `record`.
+    it is `inverted` it hangs head down, also where its place does not say so.
     """
 
     url: str
@@ -36,13 +34,12 @@ class LaserSpec:
     masked: tuple[Sector, ...] = ()
     settings: ScanSettings = AS_DELIVERED
     time_offset: float = 0.0
-    record: Path | None = None
 
     def config(self) -> LaserConfig:
         """Return the laser for a driver; ConfigError if the URL names no port."""
         return LaserConfig(
             url=self.url,
-            open=opener(self.url),
+            open=opener(self.url, link=self.name),
             name=self.name,
             protocol=self.protocol,
             settings=self.settings,
@@ -77,13 +74,12 @@ def parse_lasers(
     masks: Sequence[str] = (),
     *,
     settings: ScanSettings = AS_DELIVERED,
-    record: Path | None = None,
 ) -> tuple[LaserSpec, ...]:
     """Read the options of a command line: `[MODEL@]PORT` of each laser.
 
     Poses are `x,y,heading[,upside-down]`, for the first lasers in their order; masks likewise are
-    `first:last[,first:last ...]`. Each laser has a file `record` of its own, with its name added.
-    Raises ConfigError if one of them is wrong, or there are more poses or masks than lasers.
+    `first:last[,first:last ...]`. Raises ConfigError if one of them is wrong, or there are more
+    poses or masks than lasers.
     """
     for option, given in (("--laser-pose", poses), ("--laser-mask", masks)):
         if len(given) > len(lasers):
@@ -96,8 +92,6 @@ def parse_lasers(
             spec = replace(spec, mounting=parse_mounting(poses[number]))
         if number < len(masks):
             spec = replace(spec, masked=parse_mask(masks[number]))
-        if record is not None:
-            spec = replace(spec, record=record.with_stem(f"{record.stem}-{name}"))
         specs.append(spec)
     twice = next((s.url for s in specs if [o.url for o in specs].count(s.url) > 1), None)
     if twice:

@@ -23,6 +23,7 @@ from pioneer3.ros.node.names import Profile
 from pioneer3.ros.node.parameter import full_name
 from pioneer3.ros.node.parameter_reading import part_of, read_parameters, unused_parameters
 from pioneer3.ros.node.parameters import NodeParameters
+from pioneer3.runtime.recording import Record
 from pioneer3.runtime.robot import Robot
 
 LONG: Final = 2.0
@@ -41,7 +42,8 @@ class StartOptions:
 
     `lasers` looks for those at `laser_ports`; the camera has an MJPEG stream. The map is a file, or
     the name of one that ships, and the start on it a pose, the name of a place, or `unknown`. The
-    arguments are ROS's own, such as `_port:=/dev/ttyS0`, `__name:=front`, `odom:=odometry`.
+    arguments are ROS's own, such as `_port:=/dev/ttyS0`, `__name:=front`, `odom:=odometry`. The
+    robot is recorded as :func:`connect_async` explains.
     """
 
     port: str | None = None
@@ -53,6 +55,7 @@ class StartOptions:
     line_map: str | None = None
     start: Pose2 | str | None = None
     arguments: Sequence[str] = ()
+    record: Record = None
 
 
 def checked_parameters(
@@ -103,6 +106,7 @@ async def connected_robot(
         max_speed=parameters.max_linear_velocity,
         max_turn_rate=parameters.max_angular_velocity,
         auto_enable=parameters.auto_enable_motors,
+        record=options.record,
         lasers=parameters.laser.applied_to(lasers),
         camera=options.camera or parameters.camera_url or None,
         line_map=options.line_map or parameters.map or None,

@@ -10,7 +10,7 @@ from pioneer3.web.access.invitations import svg
 from pioneer3.web.access.middleware import ErrorResponse, cookie
 from pioneer3.web.access.sessions import IDLE, Role
 from pioneer3.web.api import types
-from pioneer3.web.api.operation import ApiRequest, TextFile, operation
+from pioneer3.web.api.operation import ApiRequest, RunFile, operation
 from pioneer3.web.book import is_built
 from pioneer3.web.classroom.classroom import describe
 
@@ -120,7 +120,7 @@ def list_runs(request: ApiRequest) -> list[messages.HandedIn] | ErrorResponse:
     return list(request.classroom.handed_in(request.caller.robot))
 
 
-def get_run(request: ApiRequest) -> TextFile | ErrorResponse:
+def get_run(request: ApiRequest) -> RunFile | ErrorResponse:
     """Return a run that was handed in; `pioneer3 run --port replay:FILE` shows it."""
     classroom = request.classroom
     name = request.path["file"]
@@ -128,7 +128,7 @@ def get_run(request: ApiRequest) -> TextFile | ErrorResponse:
     path = classroom.runs.find(name) if name in own else None
     if path is None or not path.is_file():
         return ErrorResponse(404, "there is no run of this name")
-    return TextFile(path)
+    return RunFile(path)
 
 
 def _ask(request: ApiRequest, wish: requests.ClassRequest) -> ErrorResponse | None:

@@ -24,7 +24,7 @@ from pioneer3.web.robot_view import RobotView
 Method = Literal["GET", "POST", "PUT", "DELETE"]
 Json = dict[str, object]
 """An object of JSON that is written as it is."""
-PLAIN = "text/plain"
+OCTETS = "application/octet-stream"
 PERMISSIONS = {
     None: "For everybody.",
     Role.VIEWER: "For everybody with a session.",
@@ -69,7 +69,7 @@ class ApiRequest:
 
 
 @dataclass(frozen=True, slots=True)
-class TextFile:
+class RunFile:
     """An answer that is a file, for people to keep under its name."""
 
     path: Path
@@ -89,7 +89,7 @@ class PictureStream:
     parts: AsyncIterator[bytes]
 
 
-MEDIA = {TextFile: PLAIN, Jpeg: "image/jpeg", PictureStream: MULTIPART}
+MEDIA = {RunFile: OCTETS, Jpeg: "image/jpeg", PictureStream: MULTIPART}
 """Types of answers that are no JSON."""
 
 

@@ -19,12 +19,12 @@ from pioneer3.web.api.class_operations import CLASS, NO_CLASS
 from pioneer3.web.api.navigation_operations import NAVIGATION
 from pioneer3.web.api.operation import (
     MEDIA,
-    PLAIN,
+    OCTETS,
     ApiRequest,
     Jpeg,
     Operation,
     PictureStream,
-    TextFile,
+    RunFile,
     decode,
     openapi,
 )
@@ -88,8 +88,8 @@ def _response(result: object, cookie: str | None) -> Response:
     match result:
         case ErrorResponse():
             return respond(result)
-        case TextFile(path):
-            return FileResponse(path, media_type=PLAIN, filename=path.name)
+        case RunFile(path):
+            return FileResponse(path, media_type=OCTETS, filename=path.name)
         case Jpeg(data):
             return Response(data, media_type=MEDIA[Jpeg])
         case PictureStream(parts):

@@ -20,6 +20,7 @@ from pioneer3.links import Link, Opener, opener
 from pioneer3.links.hosts import bracketed, is_loopback
 from pioneer3.links.memory import null_modem
 from pioneer3.models import GivenModel, load_model
+from pioneer3.runtime.recording import Record
 from pioneer3.sim.placer import spawn_robots
 from pioneer3.sim.realism import Realism
 from pioneer3.sim.server.port import RobotPort
@@ -65,7 +66,8 @@ class ClassOptions:
     The map is one that ships, or a file; `None` is the office for a simulator, none for a fleet.
     `sim_port` is the TCP port of the first robot for students' programs; 0 takes free ones, also
     for the page. With `show_tokens` the output of `tell` is not stored, and may show the link.
-    The wheelhouse is a folder of wheels for laptops without internet, `None` for none.
+    The wheelhouse is a folder of wheels for laptops without internet, `None` for none. `record` is
+    where the log of all is, as for :func:`connect_async`.
     """
 
     students: int = 0
@@ -79,6 +81,7 @@ class ClassOptions:
     host: str = "127.0.0.1"
     show_tokens: bool = False
     wheelhouse: Path | None = None
+    record: Record = None
 
 
 class MemoryCables:
@@ -144,7 +147,7 @@ async def class_live(options: ClassOptions, tell: Callable[[str], None]) -> int:
             replace(target, open=robot.bridge.opener(PAGE, gives_way=True))
             for target, robot in zip(targets, robots.values(), strict=True)
         ]
-        hosting = hosted(page, over_bridges, lambda line: log.info("%s", line))
+        hosting = hosted(page, over_bridges, lambda line: log.info("%s", line), options.record)
         await stack.enter_async_context(hosting)
         for robot in robots.values():
             if page.world is not None and robot.start is not None:

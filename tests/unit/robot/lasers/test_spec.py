@@ -1,7 +1,6 @@
 """Lasers as people write them on a command line."""
 
 from math import pi, radians
-from pathlib import Path
 
 import pytest
 
@@ -106,20 +105,17 @@ def test_what_is_no_mask_is_refused_with_the_option(text: str) -> None:
     assert "\n" not in str(refused.value)
 
 
-def test_several_lasers_have_names_places_and_files_of_their_own() -> None:
+def test_several_lasers_have_names_and_places_of_their_own() -> None:
     one, other, third = parse_lasers(
         ["/dev/ttyACM0", "lms-200@/dev/ttyUSB1", "tcp://laser"],
         ["0.1,0,0", "-0.2,0,180"],
         ["1:2"],
-        record=Path("/tmp/walk.log"),
     )
     assert [one.name, other.name, third.name] == ["laser", "laser2", "laser3"]
     assert one.masked == (Sector(radians(1), radians(2)),)
     assert (other.masked, third.masked) == ((), ())
     assert other.mounting == Mounting(sensor_in_robot=Pose2(-0.2, 0, pi))
     assert third.mounting is None
-    files = [spec.record and spec.record.name for spec in (one, other, third)]
-    assert files == ["walk-laser.log", "walk-laser2.log", "walk-laser3.log"]
 
 
 @pytest.mark.parametrize(

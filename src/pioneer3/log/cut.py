@@ -4,6 +4,7 @@ A record is a byte for its kind, its length in 8 bytes, and its content. Behind 
 may come, then the footer with its place, 0 for none, and the magic bytes of the beginning.
 """
 
+from collections.abc import Iterator
 from io import SEEK_SET, BufferedReader, RawIOBase
 from pathlib import Path
 from typing import BinaryIO, Final
@@ -76,13 +77,25 @@ def is_cut(path: Path) -> bool:
         return file.read() != MAGIC
 
 
-def _end_of_data(file: BinaryIO) -> int:
-    """Return where the last whole record of the data ends."""
+def data_records(file: BinaryIO) -> Iterator[tuple[int, int, int]]:
+    """Yield kind, place and length of the content of each record up to the end of the data.
+
+    A file without an end has them up to the last whole one. The reader may move in the file.
+    """
     size, at = file.seek(0, 2), len(MAGIC)
     while True:
         file.seek(at)
         header = file.read(HEADER)
-        after = at + HEADER + int.from_bytes(header[1:], "little")
-        if len(header) < HEADER or header[0] == DATA_END or after > size:
-            return at
-        at = after
+        length = int.from_bytes(header[1:], "little")
+        if len(header) < HEADER or header[0] == DATA_END or at + HEADER + length > size:
+            return
+        yield header[0], at + HEADER, length
+        at += HEADER + length
+
+
+def _end_of_data(file: BinaryIO) -> int:
+    """Return where the last whole record of the data ends."""
+    end = len(MAGIC)
+    for _, at, length in data_records(file):
+        end = at + length
+    return end

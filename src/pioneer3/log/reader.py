@@ -1,0 +1,362 @@
+"""Reads a log, with or without its end, and what its index tells.
+
+Nothing of a file is trusted: lengths are compared with what is there, and what is unpacked has a
+bound of its own.
+"""
+
+import struct
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from io import BytesIO
+from pathlib import Path
+from typing import TYPE_CHECKING, BinaryIO, Final, TypeVar
+
+import msgspec
+
+from pioneer3.errors import ConfigError, PortNotFoundError
+from pioneer3.log.cut import HEADER, MAGIC, data_records
+from pioneer3.log.folder import is_being_written, is_pinned
+from pioneer3.log.topics import LogTopic, decode
+from pioneer3.state import Snapshot
+from pioneer3.text import one_line, wrong
+
+if TYPE_CHECKING:
+    from mcap.data_stream import ReadDataStream
+
+T = TypeVar("T")
+
+MOST_UNPACKED: Final = 64 * 1024 * 1024
+"""A larger chunk is not unpacked [bytes]; ours have one MiB."""
+MOST_RECORD: Final = 64 * 1024 * 1024
+"""A larger record is not read [bytes]."""
+SCHEMA: Final = 0x03
+"""Kind of a record; the others likewise."""
+CHANNEL: Final = 0x04
+MESSAGE: Final = 0x05
+CHUNK: Final = 0x06
+STATISTICS: Final = 0x0B
+METADATA: Final = 0x0C
+METADATA_INDEX: Final = 0x0D
+SUMMARY_OFFSET: Final = 0x0E
+FOOTER: Final = struct.Struct("<BQQQI8s")
+"""Kind, length, begin of the summary and of its offsets, checksum; then the magic bytes."""
+GROUP: Final = struct.Struct("<BQBQQ")
+"""Kind, length; kind, begin and length of a group in the summary."""
+TIMES: Final = struct.Struct("<QQ")
+"""Begin of a chunk: times of its first and last message [ns]."""
+DAMAGED: Final = (
+    ValueError,
+    KeyError,
+    EOFError,
+    MemoryError,
+    OverflowError,
+    struct.error,
+    msgspec.MsgspecError,
+)
+"""Errors of readers about a damaged file."""
+
+
+@dataclass(frozen=True, slots=True)
+class LogMessage:
+    """A message of a log: when it was taken [ns since 1970], its topic, its bytes."""
+
+    time: int
+    topic: str
+    data: bytes
+    steady: tuple[str, bytes] = ("", b"")
+
+    def decode(self, kind: type[T]) -> T:
+        """Return the message as an object of its class.
+
+        Raises:
+            msgspec.MsgspecError, UnicodeDecodeError: It is none.
+        """
+        return decode(self.data, kind, *self.steady)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LogInfo:
+    """Facts of a log, without its messages.
+
+    Attributes:
+        began: When its first message was taken, and `ended` its last one [ns since 1970].
+        size: [bytes].
+        counts: Messages by topic; `None` where the end is missing, which has them.
+        texts: Descriptions by their names, such as `program` and `robot`.
+    """
+
+    path: Path
+    began: int
+    ended: int
+    size: int
+    counts: Mapping[str, int] | None
+    texts: Mapping[str, Mapping[str, str]]
+    pinned: bool = False
+    being_written: bool = False
+
+    @property
+    def seconds(self) -> float:
+        """Time from the first message to the last one [s]."""
+        return max(0, self.ended - self.began) / 1e9
+
+    @property
+    def command(self) -> str:
+        """The command that was started."""
+        return self.texts.get("program", {}).get("command", "")
+
+    @property
+    def robot(self) -> str:
+        """The robot, for people; empty where none was connected."""
+        return ", ".join(
+            texts["name"]
+            for name, texts in self.texts.items()
+            if name.endswith("robot") and "name" in texts
+        )
+
+    @property
+    def end(self) -> str:
+        """Why it ended, in words."""
+        if self.being_written:
+            return "it goes on"
+        killed = "it was cut off: killed, or without power"
+        return self.texts.get("end", {}).get("why", killed)
+
+
+@dataclass(slots=True)
+class _Index:
+    """Facts that a file tells of itself."""
+
+    channels: dict[int, str] = field(default_factory=dict)
+    counts: dict[int, int] | None = None
+    texts: dict[str, dict[str, str]] = field(default_factory=dict)
+    began: int = 0
+    ended: int = 0
+
+
+class RunLog:
+    """A log of a run, to be read.
+
+    Raises:
+        PortNotFoundError: There is no such file.
+        ConfigError: It is no log, or damaged; so do all methods.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        if not is_mcap(path):
+            raise wrong(path, " is no log: expected is an MCAP file")
+
+    def info(self) -> LogInfo:
+        """Return the facts of the log, by its index if it has one."""
+        with self._opened() as file:
+            size = file.seek(0, 2)
+            index = _read_index(file, size) or _index_of_all(file)
+            counts: dict[str, int] = {}
+            for channel, number in (index.counts or {}).items():
+                topic = index.channels[channel]
+                counts[topic] = counts.get(topic, 0) + number
+        return LogInfo(
+            path=self.path,
+            began=index.began,
+            ended=index.ended,
+            size=size,
+            counts=None if index.counts is None else counts,
+            texts=index.texts,
+            pinned=is_pinned(self.path),
+            being_written=is_being_written(self.path),
+        )
+
+    def topics(self) -> set[str]:
+        """Return the topics that have messages; a file without its end is read for that."""
+        counts = self.info().counts
+        return {*counts} if counts is not None else {each.topic for each in self.messages()}
+
+    def messages(self, wanted: Callable[[str], bool] = lambda topic: True) -> Iterator[LogMessage]:
+        """Yield the messages of the topics that are wanted, as they lie in the file."""
+        from mcap.records import Channel
+
+        channels: dict[int, tuple[str, tuple[str, bytes]]] = {}
+        with self._opened() as file:
+            for kind, content in _contents(file, {CHUNK, CHANNEL, MESSAGE}):
+                for inner, data in _unpacked(content) if kind == CHUNK else ((kind, content),):
+                    if inner == CHANNEL:
+                        found = Channel.read(_stream(data))
+                        steady = found.metadata.get("steady", "")
+                        part = found.metadata.get(steady, "").encode()
+                        channels[found.id] = found.topic, (steady, part)
+                    elif inner == MESSAGE:
+                        number, _, time = struct.unpack_from("<HIQ", data)
+                        topic, steady_part = channels[number]
+                        if wanted(topic):
+                            yield LogMessage(time, topic, data[22:], steady_part)
+
+    def of(self, topic: LogTopic[T]) -> Iterator[tuple[int, T]]:
+        """Yield the messages of a topic, each with its time [ns since 1970]."""
+        for message in self.messages(lambda name: name == topic.name):
+            with self._damage_told():
+                decoded = message.decode(topic.kind)
+            yield message.time, decoded
+
+    def snapshots(self, name: str = "snapshot") -> Iterator[Snapshot]:
+        """Yield the snapshots of a robot, by the name of their topic."""
+        return (snapshot for _, snapshot in self.of(LogTopic(name, Snapshot)))
+
+    @contextmanager
+    def _opened(self) -> Iterator[BinaryIO]:
+        with self._damage_told(), self.path.open("rb") as file:
+            yield file
+
+    @contextmanager
+    def _damage_told(self) -> Iterator[None]:
+        from mcap.exceptions import McapError
+        from zstandard import ZstdError
+
+        try:
+            yield
+        except ConfigError:
+            raise
+        except OSError as error:
+            raise wrong(self.path, f" cannot be read: {error.strerror or error}") from None
+        except (*DAMAGED, McapError, ZstdError) as error:
+            raise wrong(self.path, f" is damaged: {one_line(error)}") from None
+
+
+def open_log(path: str | Path) -> RunLog:
+    """Open a log to read it; errors as of :class:`RunLog`."""
+    return RunLog(Path(path))
+
+
+def is_mcap(path: Path) -> bool:
+    """Whether a file is of this format.
+
+    Raises:
+        PortNotFoundError: There is no such file.
+        ConfigError: It cannot be read.
+    """
+    try:
+        with path.open("rb") as file:
+            return file.read(len(MAGIC)) == MAGIC
+    except FileNotFoundError:
+        raise PortNotFoundError(f"{path}: no such recording") from None
+    except OSError as error:
+        raise ConfigError(f"{path}: cannot be read: {error.strerror or error}") from None
+
+
+def _read_index(file: BinaryIO, size: int) -> _Index | None:
+    """Return the index at the end of a file; `None` if it has none.
+
+    Of its groups only those are read that are short also where the log is long.
+    """
+    from mcap.records import Channel, MetadataIndex, Statistics
+
+    at = size - FOOTER.size
+    if at < len(MAGIC):
+        return None
+    file.seek(at)
+    *_, summary, offsets, _, magic = FOOTER.unpack(file.read(FOOTER.size))
+    if magic != MAGIC or not 0 < summary < offsets < at:
+        return None
+    index = _Index()
+    file.seek(offsets)
+    for group, begin, length in _groups(file.read(min(at - offsets, 100 * GROUP.size))):
+        if group not in {CHANNEL, STATISTICS, METADATA_INDEX}:
+            continue
+        if not summary <= begin <= begin + length <= offsets or length > MOST_RECORD:
+            raise ValueError("its index is wrong")
+        file.seek(begin)
+        for kind, data in _split(file.read(length)):
+            if kind == CHANNEL:
+                channel = Channel.read(_stream(data))
+                index.channels[channel.id] = channel.topic
+            elif kind == STATISTICS:
+                told = Statistics.read(_stream(data))
+                index.counts = told.channel_message_counts
+                index.began, index.ended = told.message_start_time, told.message_end_time
+            elif kind == METADATA_INDEX:
+                place = MetadataIndex.read(_stream(data))
+                if place.offset + place.length > summary or place.length > MOST_RECORD:
+                    raise ValueError("its index is wrong")
+                back = file.tell()
+                file.seek(place.offset)
+                for _, text in _split(file.read(place.length)):
+                    _take_texts(index, text)
+                file.seek(back)
+    return index
+
+
+def _index_of_all(file: BinaryIO) -> _Index:
+    """Return what a file without its end tells, by the heads of its records."""
+    index = _Index()
+    for kind, at, length in data_records(file):
+        if kind == CHUNK and length >= TIMES.size:
+            file.seek(at)
+            began, ended = TIMES.unpack(file.read(TIMES.size))
+            index.began = min(index.began or began, began)
+            index.ended = max(index.ended, ended)
+        elif kind == METADATA and length <= MOST_RECORD:
+            file.seek(at)
+            _take_texts(index, file.read(length))
+    return index
+
+
+def _take_texts(index: _Index, data: bytes) -> None:
+    from mcap.records import Metadata
+
+    texts = Metadata.read(_stream(data))
+    index.texts[texts.name] = texts.metadata
+
+
+def _contents(file: BinaryIO, kinds: set[int]) -> Iterator[tuple[int, bytes]]:
+    """Yield the records of the data of some kinds."""
+    for kind, at, length in data_records(file):
+        if kind in kinds:
+            if length > MOST_RECORD:
+                raise ValueError(f"a record has {length} bytes")
+            file.seek(at)
+            yield kind, file.read(length)
+
+
+def _split(data: bytes) -> Iterator[tuple[int, bytes]]:
+    """Yield the records in some bytes."""
+    at = 0
+    while at + HEADER <= len(data):
+        length = int.from_bytes(data[at + 1 : at + HEADER], "little")
+        if at + HEADER + length > len(data):
+            raise ValueError("a record is longer than what holds it")
+        yield data[at], data[at + HEADER : at + HEADER + length]
+        at += HEADER + length
+
+
+def _groups(data: bytes) -> Iterator[tuple[int, ...]]:
+    """Yield the places of the groups of an index."""
+    for at in range(0, len(data) - GROUP.size + 1, GROUP.size):
+        if data[at] != SUMMARY_OFFSET:
+            return
+        yield GROUP.unpack_from(data, at)[2:]
+
+
+def _unpacked(content: bytes) -> Iterator[tuple[int, bytes]]:
+    """Yield the records in a chunk."""
+    import zstandard
+    from mcap.records import Chunk
+
+    chunk = Chunk.read(_stream(content))
+    if chunk.uncompressed_size > MOST_UNPACKED:
+        raise ValueError(f"a chunk of {chunk.uncompressed_size} bytes")
+    data = chunk.data
+    if chunk.compression == "zstd":
+        unpacker = zstandard.ZstdDecompressor(max_window_size=MOST_UNPACKED)
+        with unpacker.stream_reader(chunk.data) as stream:
+            data = stream.read(chunk.uncompressed_size)
+    elif chunk.compression:
+        raise ValueError(f"packed by {chunk.compression!r}: `mcap recompress` packs it by zstd")
+    if len(data) != chunk.uncompressed_size:
+        raise ValueError("a chunk is shorter than it says")
+    yield from _split(data)
+
+
+def _stream(data: bytes) -> "ReadDataStream":
+    from mcap.data_stream import ReadDataStream
+
+    return ReadDataStream(BytesIO(data))

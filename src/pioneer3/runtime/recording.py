@@ -1,0 +1,185 @@
+"""The log of a robot: what comes from it, what is asked of it, and what decides its motion."""
+
+from asyncio import CancelledError
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+import msgspec
+
+from pioneer3.behaviors.engine import Decision
+from pioneer3.behaviors.explanations import explain
+from pioneer3.clock import Clock
+from pioneer3.geometry import STILL, Twist2
+from pioneer3.links import Opener
+from pioneer3.links.tap import ROBOT, WireRecording
+from pioneer3.log.command_line import without_secrets
+from pioneer3.log.topics import LogTopic
+from pioneer3.log.writer import LogWriter, named_log, user_log
+from pioneer3.robot.supervisor import RobotInfo, Supervisor, kind
+from pioneer3.state import Scan, Snapshot
+
+if TYPE_CHECKING:
+    from pioneer3.robot.lasers.driver import LaserDriver
+
+READING_SIZE: Final = 40
+"""Memory of one reading of a scan [bytes], about."""
+
+
+@dataclass(frozen=True, slots=True)
+class CommandGiven:
+    """A command, who gave it, and the refusal if it was not carried out.
+
+    `by` is the name of an input, such as `keyboard`, `program` or `cmd_vel`. The speeds [m/s,
+    rad/s] are wanted for `seconds`, where it is about them.
+    """
+
+    by: str
+    command: str
+    twist: Twist2 = STILL
+    seconds: float = 0.0
+    refused: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class DecisionMade:
+    """A decision of the arbiter, the mode that drives, and the reasons as people are told them."""
+
+    mode: str
+    decision: Decision
+    told: tuple[str, ...]
+
+
+def _told(made: tuple[str, Decision]) -> DecisionMade:
+    mode, decision = made
+    return DecisionMade(mode, decision, explain(decision))
+
+
+def _scan_size(scan: Scan) -> int:
+    return READING_SIZE * len(scan.ranges)
+
+
+class RobotLog:
+    """The part of a log that is about one robot; names of several are in its topics."""
+
+    def __init__(self, log: LogWriter, robot: str = "") -> None:
+        self.log = log
+        self._prefix = f"{robot}/" if robot else ""
+        self._snapshots = self._topic("snapshot", Snapshot)
+        self._commands = self._topic("command", CommandGiven)
+        self._decisions = self._topic("decision", DecisionMade, _told)
+        self._scans: dict[str, LogTopic[Scan]] = {}
+        self._newest: dict[str, Scan] = {}
+        self._decided: tuple[str, Decision] = ("", Decision())
+
+    def of(self, robot: str) -> "RobotLog":
+        """Return the part about another robot of the same program."""
+        return RobotLog(self.log, robot)
+
+    def opener(self, opener: Opener, link: str = ROBOT) -> Opener:
+        """Return an opener of the same links, which are recorded."""
+        return WireRecording(self.log, self._prefix + link).opener(opener)
+
+    def snapshot(self, snapshot: Snapshot, scans: Iterable[Scan] = ()) -> None:
+        """Take a snapshot, and scans that came before it, unless they are known."""
+        for scan in scans:
+            self.scan(scan)
+        self.log.put(self._snapshots, snapshot)
+
+    def scan(self, scan: Scan) -> None:
+        """Take a scan."""
+        if self._newest.get(scan.laser) is scan:
+            return
+        self._newest[scan.laser] = scan
+        topic = self._scans.get(scan.laser)
+        if topic is None:
+            name = f"{self._prefix}scan/{scan.laser}"
+            topic = LogTopic(name, Scan, steady="angles", size=_scan_size)
+            self._scans[scan.laser] = topic
+        self.log.put(topic, scan)
+
+    def decided(self, mode: str, decision: Decision) -> None:
+        """Take a decision, unless it is as the last one."""
+        made = mode, decision
+        if made != self._decided:
+            self._decided = made
+            self.log.put(self._decisions, made)
+
+    def asked(self, command: CommandGiven) -> None:
+        """Take a command."""
+        self.log.put(self._commands, command)
+
+    async def follow(self, supervisor: Supervisor) -> None:
+        """Take what happens to the connection, and descriptions of the robot."""
+        described = None
+        async for status in supervisor.status.values(latest_first=True):
+            self._event(f"robot: {status.connection}: {status.message}")
+            if supervisor.info is not None and supervisor.info is not described:
+                described = supervisor.info
+                self._describe(described)
+
+    async def follow_laser(self, laser: "LaserDriver") -> None:
+        """Take what happens to the connection of a laser."""
+        async for status in laser.status.values(latest_first=True):
+            self._event(f"{laser.name}: {status.connection}: {status.message}")
+
+    def _event(self, text: str) -> None:
+        self.log.event("link", self._prefix + text)
+
+    def _describe(self, info: RobotInfo) -> None:
+        self.log.describe(
+            f"{self._prefix}{ROBOT}",
+            {
+                "name": info.identity.name,
+                "kind": kind(info).lower(),
+                "url": without_secrets(info.url),
+                "model": info.model.name,
+                "limits": msgspec.json.encode(info.limits).decode(),
+                "configuration": msgspec.json.encode(info.config).decode(),
+            },
+        )
+
+    def _topic(
+        self, name: str, kind: type, make: Callable[[Any], Any] | None = None
+    ) -> LogTopic[Any]:
+        return LogTopic(self._prefix + name, kind, make=make)
+
+
+Record = Path | bool | RobotLog | None
+"""Where a robot is recorded: a new file, part of a log, nowhere if false, else the user's logs."""
+
+
+@contextmanager
+def recorded(record: Record, clock: Clock) -> Iterator[RobotLog | None]:
+    """Record a robot during the block; the log tells why it ended.
+
+    Raises:
+        ConfigError: The file cannot be written; one that exists is left alone.
+    """
+    if isinstance(record, RobotLog) or record is False:
+        yield record or None
+        return
+    if isinstance(record, Path):
+        log: LogWriter | None = named_log(record, clock)
+    else:
+        log = user_log(clock, always=record is True)
+    if log is None:
+        yield None
+        return
+    why = "it was left as usual"
+    try:
+        yield RobotLog(log)
+    except BaseException as error:
+        why = _why(error)
+        raise
+    finally:
+        log.close(why)
+
+
+def _why(error: BaseException) -> str:
+    """Return the reason for the end of a block, in words."""
+    if isinstance(error, CancelledError | KeyboardInterrupt | GeneratorExit | SystemExit):
+        return "it was told to leave"
+    return f"{type(error).__name__}: {error}"

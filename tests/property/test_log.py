@@ -1,0 +1,211 @@
+"""Logs come back exactly, are read up to where they were cut, and damaged ones are refused."""
+
+import resource
+import struct
+from contextlib import suppress
+from dataclasses import fields, is_dataclass
+from functools import cache
+from math import inf, nan
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import msgspec
+import pytest
+import zstandard
+from hypothesis import given
+from hypothesis import strategies as st
+
+from pioneer3.behaviors.action import Contribution
+from pioneer3.behaviors.engine import Decision
+from pioneer3.errors import ConfigError
+from pioneer3.geometry import Pose2, Twist2
+from pioneer3.links.tap import recorded_links
+from pioneer3.log.command_line import started
+from pioneer3.log.folder import create
+from pioneer3.log.mcap import McapFile
+from pioneer3.log.reader import open_log
+from pioneer3.log.topics import LogTopic, decode
+from pioneer3.runtime.recording import CommandGiven, DecisionMade
+from pioneer3.state import Battery, Charging, Motors, Odometry, Scan, Snapshot, Sonar
+
+NUMBERS = st.floats() | st.sampled_from([inf, -inf, nan, -0.0, 1e-300, 0.1 + 0.2])
+POSES = st.builds(Pose2, NUMBERS, NUMBERS, NUMBERS)
+TWISTS = st.builds(Twist2, NUMBERS, NUMBERS)
+SNAPSHOTS = st.builds(
+    Snapshot,
+    stamp=NUMBERS,
+    sequence=st.integers(0, 2**62),
+    odometry=st.builds(
+        Odometry,
+        robot_in_odom=POSES,
+        twist=TWISTS,
+        left_speed=NUMBERS,
+        right_speed=NUMBERS,
+        robot_in_encoder=POSES,
+    ),
+    battery=st.builds(
+        Battery,
+        voltage=NUMBERS,
+        charge=st.none() | NUMBERS,
+        charging=st.sampled_from(Charging),
+        low=st.booleans(),
+    ),
+    motors=st.builds(Motors),
+    sonar=st.builds(Sonar, ranges=st.lists(NUMBERS, max_size=16).map(tuple)),
+    faults=st.lists(st.text(), max_size=3).map(tuple),
+)
+SCANS = st.builds(
+    Scan,
+    stamp=NUMBERS,
+    sequence=st.integers(0, 2**62),
+    robot_in_odom=POSES,
+    sensor_in_robot=POSES,
+    angles=st.lists(NUMBERS, max_size=20).map(tuple),
+    ranges=st.lists(NUMBERS, max_size=20).map(tuple),
+    reflectances=st.lists(st.integers(0, 2**20), max_size=5).map(tuple),
+    laser=st.text(),
+    echoes=st.lists(st.lists(NUMBERS, max_size=3).map(tuple), max_size=4).map(tuple),
+    last_in_odom=st.none() | POSES,
+)
+DECISIONS = st.builds(
+    DecisionMade,
+    mode=st.text(),
+    decision=st.builds(
+        Decision,
+        twist=TWISTS,
+        until=NUMBERS,
+        contributions=st.lists(
+            st.builds(Contribution, st.text(), st.text(), NUMBERS, NUMBERS, st.text()), max_size=3
+        ).map(tuple),
+        limits=st.dictionaries(st.text(), NUMBERS, max_size=3),
+    ),
+    told=st.lists(st.text(), max_size=3).map(tuple),
+)
+COMMANDS = st.builds(CommandGiven, st.text(), st.text(), TWISTS, NUMBERS, st.text())
+
+
+def exact(value: Any) -> Any:
+    """Return a value that is equal only to one of the same bits: NaN to itself, -0.0 not to 0.0."""
+    if is_dataclass(value):
+        return [type(value).__name__, *(exact(getattr(value, each.name)) for each in fields(value))]
+    if isinstance(value, dict):
+        return {key: exact(each) for key, each in value.items()}
+    if isinstance(value, list | tuple):
+        return [exact(each) for each in value]
+    return repr(value) if isinstance(value, float) else value
+
+
+@given(SNAPSHOTS | DECISIONS | COMMANDS)
+def test_a_message_comes_back_bit_for_bit(message: Any) -> None:
+    topic = LogTopic("any", type(message))
+    assert exact(decode(topic.encode(message), topic.kind)) == exact(message)
+
+
+@given(SCANS)
+def test_a_scan_comes_back_with_the_angles_that_its_channel_has(scan: Scan) -> None:
+    topic = LogTopic("scan", Scan, steady="angles")
+    data, part = topic.encode(scan), topic.steady_part(scan)
+    assert b"angles" not in data.replace(msgspec.json.encode(scan.laser), b"")
+    assert exact(decode(data, Scan, "angles", part)) == exact(scan)
+
+
+WIRE = LogTopic("wire/robot/in", bytes)
+CHUNKS = 12
+
+
+@cache
+def a_log() -> tuple[bytes, tuple[int, ...]]:
+    """Return a log of a few chunks of three messages, and where each chunk was flushed."""
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "a.mcap"
+        file, flushed = McapFile(create(path)), []
+        file.add_metadata("program", {"command": "drive"})
+        for number in range(CHUNKS):
+            for part in range(3):
+                file.add(number, WIRE, bytes([number, part]) * 20)
+                file.add(number, LogTopic("command", CommandGiven), CommandGiven("a", "b"))
+            file.flush()
+            flushed.append(file.size)
+        file.add_metadata("end", {"why": "done"})
+        file.finish()
+        return path.read_bytes(), tuple(flushed)
+
+
+def read(data: bytes) -> list[bytes]:
+    """Return the bytes in a log, after asking it for all that can be asked."""
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "a.mcap"
+        path.write_bytes(data)
+        log = open_log(path)
+        log.info()
+        recorded_links(path)
+        [*log.of(LogTopic("command", CommandGiven))]
+        return [each.data for each in log.messages(WIRE.name.__eq__)]
+
+
+WHOLE = [bytes([number, part]) * 20 for number in range(CHUNKS) for part in range(3)]
+
+
+@given(st.data())
+def test_a_file_that_is_cut_at_any_byte_has_all_that_was_flushed_before(
+    data: st.DataObject,
+) -> None:
+    log, flushed = a_log()
+    size = data.draw(st.integers(8, len(log)))
+    kept = read(log[:size])
+    assert kept == WHOLE[: len(kept)]
+    # of the last chunk its message index may be missing, its messages not
+    assert len(kept) >= 3 * sum(end <= size for end in flushed)
+
+
+def test_a_whole_file_is_whole() -> None:
+    assert read(a_log()[0]) == WHOLE
+
+
+@given(st.data())
+def test_a_hostile_file_is_read_or_refused(data: st.DataObject) -> None:
+    log = bytearray(a_log()[0])
+    for _ in range(data.draw(st.integers(1, 6))):
+        at = data.draw(st.integers(8, len(log) - 1))
+        part = data.draw(st.binary(min_size=1, max_size=9) | st.just(b"\xff" * 8))
+        log[at : at + len(part)] = part
+    with suppress(ConfigError):
+        read(bytes(log))
+
+
+@given(st.binary(max_size=200))
+def test_what_is_no_log_is_refused(data: bytes) -> None:
+    with pytest.raises(ConfigError, match="is no log"):
+        read(b"\x89MCAP1\r\n" + data)
+
+
+@pytest.mark.parametrize("claimed", [10, 2**40])
+def test_a_chunk_that_would_unpack_to_a_gigabyte_is_not_unpacked(claimed: int) -> None:
+    packer = zstandard.ZstdCompressor(level=1).compressobj(size=-1)
+    packed = b"".join([packer.compress(bytes(2**20)) for _ in range(1024)]) + packer.flush()
+    content = struct.pack("<QQQII4sQ", 0, 0, claimed, 0, 4, b"zstd", len(packed)) + packed
+    bomb = b"\x89MCAP0\r\n" + struct.pack("<BQ", 6, len(content)) + content
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    with suppress(ConfigError):
+        assert read(bomb) == []
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 100_000  # KiB
+
+
+SECRETS = st.text("abcXYZ019", min_size=9)
+
+
+@given(SECRETS)
+def test_no_secret_of_a_command_line_is_written(secret: str) -> None:
+    for arguments in (
+        ["--camera", f"http://user:{secret}@cam/video"],
+        ["--camera", f"http://cam/video?size=1&access_token={secret}"],
+        [f"--camera=rtsp://{secret}@cam"],
+        ["--password", secret],
+        [f"--api-key={secret}"],
+        ["_password:=x", "--token", secret],
+    ):
+        title, command = started(["/usr/bin/pioneer3", "drive", *arguments])
+        assert secret not in command
+        assert "***" in command
+        assert title == "drive"
