@@ -4,11 +4,14 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Literal
 
+import numpy as np
 import pytest
 from msgspec.structs import replace
 from playwright.sync_api import Page, expect
 
-from pioneer3.web.messages import Navigation
+from pioneer3.nav.changes import MapChange
+from pioneer3.web.messages import Mapping, Navigation, encode
+from pioneer3.web.world import map_message
 from tests.browser.support import Product, until, wait_for_the_robot
 from tests.browser.tabs import Size, Tabs
 from tests.browser.test_accessibility import faults
@@ -52,6 +55,27 @@ def doubted(product: Product) -> Iterator[None]:
     product.call(lambda: tell(sure=True))
 
 
+@contextmanager
+def asked(product: Product) -> Iterator[None]:
+    """Let the page ask which map is kept, while the block lasts."""
+    mapping, used = product.web.robots[1].mapping, product.simulation.world.map
+    publish = mapping._publish
+    cells = np.array([[4.0, 3.0], [4.2, 3.4]])
+    changes = [MapChange(x=4.1, y=3.2, area=0.1, gone=gone, cells=cells) for gone in (True, False)]
+    told = Mapping(1, making=True, updates="office.map", asks=True)
+
+    def tell(*, asks: bool) -> None:
+        mapping._publish = (lambda _: publish(told)) if asks else publish
+        mapping._publish(told if asks else Mapping(1, making=False))
+        shown = encode(map_message(used, changes=changes if asks else ()))
+        for audience in product.web.audiences:
+            audience.put("map", shown)
+
+    product.call(lambda: tell(asks=True))
+    yield
+    product.call(lambda: tell(asks=False))
+
+
 def states(page: Page, product: Product) -> Iterator[str]:
     """Bring the page into one state after the other; yield the name of each."""
     yield "first"
@@ -68,6 +92,10 @@ def states(page: Page, product: Product) -> Iterator[str]:
         yield "placing"
         page.keyboard.press("Escape")
     expect(page.locator("#unsure")).to_be_hidden()
+    with asked(product):
+        expect(page.locator("#changes-title")).to_contain_text("1 gone, 1 new. Which map")
+        yield "asks"
+    expect(page.locator("#changes-card")).to_be_hidden()
     page.keyboard.press("l")
     yield "legend"
     page.keyboard.press("l")
@@ -114,7 +142,7 @@ def assert_in_reach(page: Page, state: str, *, fingers: bool) -> None:
     controls = page.evaluate(CONTROLS)
     there = {one["name"] for one in controls if one["there"]}
     assert {"stop", "estop"} <= there, state
-    if state in {"first", "way", "unsure", "placing", "stopped"}:
+    if state in {"first", "way", "unsure", "placing", "asks", "stopped"}:
         assert [one["name"] for one in controls if not one["there"]] == [], state
     if fingers:
         assert [one["name"] for one in controls if one["there"] and not one["wide"]] == [], state

@@ -7,6 +7,8 @@ import subprocess
 import sys
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from dataclasses import dataclass
+from io import StringIO
 from math import cos, hypot, inf, radians, sin
 from pathlib import Path
 from types import SimpleNamespace
@@ -321,32 +323,79 @@ def test_odometry_that_contradicts_the_scans_is_told_of_and_repaired(
         assert (abs(width - 12.0) < 0.1) == right
 
 
+@dataclass(frozen=True)
+class Continued:
+    """A map of the hall that was continued on a day when the box was gone and the shelf there."""
+
+    keeper: _Keeper
+    path: Path
+    old: LineMap
+    before: Mapper
+    after: Mapper
+
+    def end(self) -> None:
+        with self.keeper.saved_at_the_end():
+            pass
+
+    def is_old(self, path: Path) -> bool:
+        """Return whether the map there and its survey are those of before."""
+        same = len(load_survey(path)["poses"]) == len(self.before.survey.poses)
+        return same and np.array_equal(load_map(path).walls, self.old.walls)
+
+
+def continued(path: Path, *, asks: bool) -> Continued:
+    before, after = driven_on(BOX, SHELF)
+    home = (MapObject(kind="RobotHome", name="Home", pose=ORIGIN),)
+    save_map(drawn(before.survey, 0.3, objects=home), path)
+    save_survey(before, path)
+    keeper = _Keeper(path, _Begin.of(path, None).update, asks=asks)
+    finished = drawn(after.survey, 0.3, objects=home)
+    builder = SimpleNamespace(mapper=after, finished=lambda: finished)
+    keeper.builder = cast("MapBuilder", builder)
+    return Continued(keeper, path, load_map(path), before, after)
+
+
 @pytest.mark.parametrize("name", ["hall.map", "hall.yaml"])
 def test_what_has_changed_is_told_and_the_old_map_is_kept(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str
 ) -> None:
-    before, after = driven_on(BOX, SHELF)
-    path = tmp_path / name
-    home = (MapObject(kind="RobotHome", name="Home", pose=ORIGIN),)
-    save_map(drawn(before.survey, 0.3, objects=home), path)
-    save_survey(before, path)
-    old = load_map(path)
-    keeper = _Keeper(path, _Begin.of(path, None), path)
-    finished = drawn(after.survey, 0.3, objects=home)
-    builder = SimpleNamespace(mapper=after, finished=lambda: finished)
-    keeper.builder = cast("MapBuilder", builder)
-    with keeper.saved_at_the_end():
-        pass
-    told, kept = capsys.readouterr().out, path.with_stem("hall-before")
+    the = continued(tmp_path / name, asks=False)
+    the.end()
+    told, kept = capsys.readouterr().out, the.path.with_stem("hall-before")
     assert re.search(r"^gone: 0\.\d\d m² of walls near \(5\.\d, 0\.\d\)$", told, re.MULTILINE)
     assert re.search(r"^new: 0\.\d\d m² of walls near \(5\.\d, 7\.\d\)$", told, re.MULTILINE)
     assert f"the map as it was before is {kept}" in told
-    assert (load_map(kept).walls == old.walls).all()
-    assert len(load_survey(kept)["poses"]) == len(before.survey.poses)
-    assert len(load_survey(path)["poses"]) == len(after.survey.poses)
-    assert (len(load_map(path).walls) != len(old.walls)) or (
-        load_map(path).walls != old.walls
-    ).any()
+    assert the.is_old(kept)
+    assert len(load_survey(the.path)["poses"]) == len(the.after.survey.poses)
+    assert not np.array_equal(load_map(the.path).walls, the.old.walls)
+
+
+@pytest.mark.parametrize(
+    ("answer", "replaced", "left"),
+    [("yes\n", True, False), ("n\n", False, False), ("\n", False, True), ("", False, True)],
+)
+def test_somebody_is_asked_before_a_map_is_replaced(
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    answer: str,
+    *,
+    replaced: bool,
+    left: bool,
+) -> None:
+    the = continued(tmp_path / "hall.map", asks=True)
+    monkeypatch.setattr(sys, "stdin", StringIO(answer))
+    the.end()
+    told = capsys.readouterr()
+    new, before = tmp_path / "hall-new.map", tmp_path / "hall-before.map"
+    assert told.err == f"Replace {the.path}? yes or no: " + "\n" * (not answer)
+    assert told.out.index("gone: 0.") < told.out.index("hall.map", told.out.index("gone: 0."))
+    assert (f"{the.path} stays as it is" in told.out) == (not replaced)
+    assert (f"the new map is {new}" in told.out) == left
+    assert the.is_old(before if replaced else the.path)
+    assert [path.exists() for path in files_of(new)] == [left] * len(files_of(new))
+    if left:
+        assert len(load_survey(new)["poses"]) == len(the.after.survey.poses)
 
 
 def test_nothing_is_written_over_unless_asked_for(tmp_path: Path) -> None:

@@ -1,6 +1,5 @@
 """`pioneer3 fleet`: the robots of a fleet file; its commands are listed at the end."""
 
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Literal
@@ -14,7 +13,7 @@ from pioneer3.cli.fleet_network import aliases, hosts, ssh_config, tell_applied
 from pioneer3.cli.fleet_tables import list_
 from pioneer3.cli.fleet_work import WORK
 from pioneer3.cli.options import Flag, FleetFile
-from pioneer3.cli.process import write_error, write_line
+from pioneer3.cli.process import ask, write_error, write_line
 from pioneer3.errors import ConfigError
 
 fleet_app = App(
@@ -96,16 +95,6 @@ def init(
     tell_applied(change)
     write_line("Next: pioneer3 fleet list, and pioneer3 fleet hosts for the names of all.")
     return 0
-
-
-def ask(question: str, otherwise: str) -> str:
-    """Return the answer of a person at the terminal; Enter takes the one in brackets."""
-    shown = f" [{otherwise}]" if otherwise else ""
-    write_error(f"{question}{shown}: ", end="")
-    line = sys.stdin.readline()
-    if not line:
-        write_error("")
-    return line.strip() or otherwise
 
 
 def _version(answer: str) -> Literal["", "1", "2"]:

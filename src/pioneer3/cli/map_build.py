@@ -1,26 +1,25 @@
 """`pioneer3 map build`: make a map while somebody drives, or while the robot explores."""
 
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import AbstractAsyncContextManager, contextmanager
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import AbstractAsyncContextManager, contextmanager, suppress
 from dataclasses import dataclass
 from functools import partial
 from math import radians
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
 from pioneer3.cli.live import announce, how_to_stop, line, rewrite, show_while, tell_cuts
 from pioneer3.cli.options import LINK, NAVIGATION, Flag, LinkOptions, NavigationOptions, Speed
-from pioneer3.cli.process import busy_sign, run_until_told_to_leave, write_line, write_warning
+from pioneer3.cli.process import ask, busy_sign, run_until_told_to_leave, write_line, write_warning
 from pioneer3.errors import ConfigError, DeviceError
 from pioneer3.geometry import ORIGIN, Pose2
 from pioneer3.nav.place_text import pose_of
 from pioneer3.runtime.signals import LEAVE
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from pioneer3.maps import LineMap
     from pioneer3.maps.line_map import MapObject
     from pioneer3.nav.exploring import GivenUp
@@ -28,6 +27,7 @@ if TYPE_CHECKING:
     from pioneer3.nav.settings import NavigationSettings
     from pioneer3.navigation.map_builder import MapBuilder
     from pioneer3.navigation.map_logs import LogMap
+    from pioneer3.navigation.map_update import ContinuedMap
     from pioneer3.runtime.driven import Driven
     from pioneer3.runtime.robot import Robot
 
@@ -39,8 +39,6 @@ TURN_RATE = radians(30)
 """Turn rate of the keys [rad/s]."""
 KEEP_EVERY = 30.0
 """The survey is saved so often while it grows [s]."""
-TOLD_CHANGES = 8
-"""Changes of a map that are told at most, the largest ones."""
 ROOM = 0.3
 """A robot of a log had so much free ground around it [m]."""
 KEYS = "arrows: drive   + -: speed   space: stop   k: emergency stop   q: save the map and quit"
@@ -60,6 +58,7 @@ def build(
     speed: Speed = SPEED,
     max_speed: Speed | None = None,
     force: Flag = False,
+    yes: Flag = False,
     navigation: NavigationOptions = NAVIGATION,
 ) -> int:
     """Make a map with the laser while you drive by the keys, or the robot explores.
@@ -91,6 +90,7 @@ def build(
         speed: Of the forward key, or at most.
         max_speed: Keep below this in any case.
         force: Write over files that are there.
+        yes: Ask nothing before a map that is continued is replaced.
         navigation: Settings.
     """
     from pioneer3.navigation.connect import require_navigation
@@ -104,7 +104,8 @@ def build(
     if scans is not None or odometry is not None or repair_odometry:
         raise ConfigError("--scans, --odometry and --repair-odometry are of logs: only with --from")
     begin = _Begin.of(continue_, start)
-    keeper = _Keeper(target, begin, continue_)
+    asks = not yes and sys.stdin is not None and sys.stdin.isatty()
+    keeper = _Keeper(target, begin.update, asks=asks)
     connect = partial(link.connect, max_speed=max_speed, navigation=navigation)
     with keeper.saved_at_the_end():
         return run_until_told_to_leave(
@@ -116,17 +117,15 @@ def build(
 
 @dataclass(frozen=True, slots=True)
 class _Begin:
-    """A beginning: the map that is continued, its survey, and where the robot is on it."""
+    """A beginning: the map that is continued, and where the robot is on it, if that is told."""
 
-    line_map: "LineMap | None" = None
-    state: "Mapping[str, NDArray[Any]] | None" = None
+    update: "ContinuedMap | None" = None
     start: "Pose2 | None" = None
 
     @classmethod
     def of(cls, old: Path | None, start: str | None) -> "_Begin":
         from pioneer3.nav.places import find_place
-        from pioneer3.navigation.map_files import load_survey
-        from pioneer3.sim.worldfile import load_map
+        from pioneer3.navigation.map_update import ContinuedMap
 
         if old is None:
             if start is not None:
@@ -134,20 +133,20 @@ class _Begin:
                     "--start: a new map begins where the robot is; only with --continue"
                 )
             return cls()
-        state, line_map = load_survey(old), load_map(old)
+        update = ContinuedMap(old)
         told = pose_of(start, "map build") if start is not None else None
         if isinstance(told, str):
-            place = find_place(line_map, told)
+            place = find_place(update.line_map, told)
             told = Pose2(place.x, place.y, place.heading or 0.0)
-        return cls(line_map, state, told)
+        return cls(update, told)
 
     @property
     def objects(self) -> "tuple[MapObject, ...]":
         """The places of the map: those of the old one, or a home where the robot begins."""
         from pioneer3.maps import MapObject
 
-        if self.line_map is not None:
-            return self.line_map.objects
+        if self.update is not None:
+            return self.update.line_map.objects
         return (MapObject(kind="RobotHome", name="Home", pose=ORIGIN),)
 
     async def builder(self, robot: "Robot", patience: float) -> "MapBuilder":
@@ -156,23 +155,26 @@ class _Begin:
         Raises:
             MotionError: It was not found within `patience` [s].
         """
-        from pioneer3.nav.mapper import Mapper
         from pioneer3.navigation.map_builder import MapBuilder, whereabouts
 
         mapper = None
-        if self.line_map is not None and self.state is not None:
-            here = self.start or await whereabouts(robot, self.line_map, patience)
-            mapper = Mapper.of(self.state, here, robot.settings.mapper)
+        if self.update is not None:
+            here = self.start or await whereabouts(robot, self.update.line_map, patience)
+            mapper = self.update.mapper(here, robot.settings.mapper)
         return MapBuilder(robot, mapper, objects=self.objects)
 
 
 class _Keeper:
-    """Saves a map on every way out; `builder` is `None` before the robot is connected and found."""
+    """Saves a map on every way out; `builder` is `None` before the robot is connected and found.
 
-    def __init__(self, target: Path, begin: _Begin, continued: Path | None) -> None:
+    Before a map that is continued is replaced, somebody at the terminal is asked, if it `asks`.
+    """
+
+    def __init__(self, target: Path, update: "ContinuedMap | None", *, asks: bool) -> None:
         self.builder: MapBuilder | None = None
-        self._target, self._told = target, set[str]()
-        self._begin, self._kept = begin, None if continued == target else target
+        self._target, self._told, self._update = target, set[str](), update
+        self._replaces = update if update is not None and update.path == target else None
+        self._asks = asks
 
     async def keep(self) -> None:
         """Save the survey now and then: a computer may lose its power."""
@@ -182,8 +184,11 @@ class _Keeper:
 
         while True:
             await asyncio.sleep(KEEP_EVERY)
-            if self.builder is not None and self.builder.mapper.survey.frames:
-                await asyncio.to_thread(self._keep_old)
+            if self.builder is None or not self.builder.mapper.survey.frames:
+                continue
+            if self._replaces is not None:
+                await asyncio.to_thread(self._replaces.keep, self.builder.mapper)
+            else:
                 await asyncio.to_thread(save_survey, self.builder.mapper, self._target)
 
     @contextmanager
@@ -193,43 +198,39 @@ class _Keeper:
             yield
         finally:
             if self.builder is not None:
-                with _deaf():
-                    self._save(self.builder)
+                self._save(self.builder)
 
     def _save(self, builder: "MapBuilder") -> None:
         if not builder.mapper.survey.frames:
             write_warning("no scan has come: there is no map to save")
             return
-        write_line(f"saving {self._target} ...")
-        self._keep_old()
-        line_map = builder.finished()
-        if _save(line_map, builder.mapper, self._target):
-            self._tell_changes(line_map)
+        with suppress(OSError):  # the terminal may be gone
+            write_line(f"saving {self._target} ...")
+        with _deaf():
+            line_map = builder.finished()
+            if self._replaces is None:
+                if _save(line_map, builder.mapper, self._target) and self._update is not None:
+                    _tell_changes(self._update, line_map)
+                return
+            beside = self._replaces.write(line_map, builder.mapper) if self._asks else None
+        _tell_changes(self._replaces, line_map)
+        answer = self._asked() if beside else "yes"
+        with _deaf():
+            if answer.startswith("y"):
+                _, before = self._replaces.replace(line_map, builder.mapper)
+                _tell_saved(line_map, builder.mapper, self._target)
+                write_line(f"the map as it was before is {before}")
+                return
+            if answer.startswith("n"):
+                self._replaces.discard()
+                beside = None
+        write_line(f"{self._target} stays as it is{f'; the new map is {beside}' if beside else ''}")
 
-    def _keep_old(self) -> None:
-        """Copy the map that is continued, once, before it is written over."""
-        from pioneer3.navigation.map_files import copy_map
-
-        if self._kept is None:
-            self._kept = copy_map(self._target, "before")
-
-    def _tell_changes(self, line_map: "LineMap") -> None:
-        from pioneer3.nav.changes import changes, render_days
-        from pioneer3.nav.mapper import Mapper
-
-        if self._begin.state is None:
-            return
-        survey, (grid, *_) = Mapper.of(self._begin.state).survey, line_map.grids
-        found = changes(render_days(survey, grid.resolution), grid)
-        for change in found[:TOLD_CHANGES]:
-            how = "gone" if change.gone else "new"
-            write_line(
-                f"{how}: {change.area:.2f} m² of walls near ({change.x:.1f}, {change.y:.1f})"
-            )
-        if found[TOLD_CHANGES:]:
-            write_line(f"and {len(found) - TOLD_CHANGES} smaller changes")
-        if self._kept != self._target:
-            write_line(f"the map as it was before is {self._kept}")
+    def _asked(self) -> str:
+        """Return the answer of somebody at the terminal, or nothing if none comes."""
+        with suppress(KeyboardInterrupt, OSError):
+            return ask(f"Replace {self._target}? yes or no", "")
+        return ""
 
     def words(self) -> str:
         """Return how far the map is, in a few words."""
@@ -374,7 +375,7 @@ def _play(
 
 def _save(line_map: "LineMap", mapper: "Mapper", target: Path) -> bool:
     """Write a map and its survey, if it has a wall; say which files, and what is in them."""
-    from pioneer3.navigation.map_files import files_of, save_map, save_survey
+    from pioneer3.navigation.map_files import save_map, save_survey
 
     if not len(line_map.walls):
         write_warning(
@@ -384,6 +385,13 @@ def _save(line_map: "LineMap", mapper: "Mapper", target: Path) -> bool:
         return False
     save_survey(mapper, target)
     save_map(line_map, target)
+    _tell_saved(line_map, mapper, target)
+    return True
+
+
+def _tell_saved(line_map: "LineMap", mapper: "Mapper", target: Path) -> None:
+    from pioneer3.navigation.map_files import files_of
+
     bounds, survey = line_map.bounds, mapper.survey
     size = f"{bounds.x_max - bounds.x_min:.1f} x {bounds.y_max - bounds.y_min:.1f} m"
     loops = sum(edge.loop for edge in survey.edges)
@@ -392,7 +400,13 @@ def _save(line_map: "LineMap", mapper: "Mapper", target: Path) -> bool:
     write_line(f"{size}, of {survey.frames[-1].way:.0f} m driven, {loops} loops closed")
     for path in files_of(target):
         write_line(f"wrote {path}")
-    return True
+
+
+def _tell_changes(update: "ContinuedMap", line_map: "LineMap") -> None:
+    from pioneer3.nav.changes import in_words
+
+    for change in in_words(update.changes(line_map)):
+        write_line(change)
 
 
 def _target(output: Path | None, old: Path | None, *, force: bool) -> Path:

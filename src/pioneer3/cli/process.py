@@ -90,6 +90,16 @@ async def read_line() -> str:
     return sys.stdin.readline()
 
 
+def ask(question: str, otherwise: str) -> str:
+    """Return the answer of a person at the terminal; Enter takes the one in brackets."""
+    shown = f" [{otherwise}]" if otherwise else ""
+    write_error(f"{question}{shown}: ", end="")
+    line = sys.stdin.readline()
+    if not line:
+        write_error("")
+    return line.strip() or otherwise
+
+
 def write_line(text: str) -> None:
     """Write lines to stdout, at once; a terminal obeys nothing in them.
 

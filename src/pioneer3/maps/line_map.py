@@ -3,6 +3,7 @@
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
@@ -179,6 +180,7 @@ class LineMap:
         grids: Occupancy grids; some of the walls outline their occupied cells.
         lines: The walls that outline no grid [m], shape (L, 4); without grids all walls.
         materials: Codes of the walls' materials, shape (W,); if not given, all are plain.
+        file: The file that it was read from, or saved to; `None` if it ships, or has none.
     """
 
     name: str
@@ -188,6 +190,7 @@ class LineMap:
     grids: tuple[OccupancyGrid, ...] = ()
     lines: Float = field(default_factory=lambda: np.empty((0, 4)))
     materials: Codes = field(default_factory=lambda: np.empty(0, dtype=np.uint8))
+    file: Path | None = None
 
     def __post_init__(self) -> None:
         """Keep read-only copies of the segments."""

@@ -1,12 +1,12 @@
 """Draws maps that were continued, the last day over those before, and finds what has changed."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from scipy import ndimage
 
-from pioneer3.arrays import Bool, UInt8
+from pioneer3.arrays import Bool, Float, UInt8
 from pioneer3.geometry import Pose2
 from pioneer3.maps import LineMap, MapObject, OccupancyGrid
 from pioneer3.maps.line_map import FREE, OCCUPIED, UNKNOWN
@@ -18,16 +18,27 @@ JOINED_REACH = 0.3
 """Distance below which changed cells are one change [m]."""
 LEAST_CHANGE = 0.01
 """Area below which a change is not worth a word [m^2]: a leg of a chair."""
+TOLD_CHANGES = 8
+"""Changes of a map that are told at most, the largest ones."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MapChange:
-    """A wall, or part of it, that has come or gone: its middle and the area of its cells."""
+    """A wall, or part of it, that has come or gone: its middle, and the area of its cells.
+
+    The middles of these are `cells` [m], shape (N, 2).
+    """
 
     x: float
     y: float
     area: float
     gone: bool
+    cells: Float = field(compare=False, repr=False)
+
+    def __str__(self) -> str:
+        """Return the change in words."""
+        how = "gone" if self.gone else "new"
+        return f"{how}: {self.area:.2f} m² of walls near ({self.x:.1f}, {self.y:.1f})"
 
 
 def days_of(survey: Survey) -> Iterator[Survey]:
@@ -44,17 +55,32 @@ def days_of(survey: Survey) -> Iterator[Survey]:
         yield Survey(frames[begin:end], poses[begin:end], ())
 
 
-def render_days(survey: Survey, cell: float = AS_SHIPPED.mapper.cell) -> OccupancyGrid:
-    """Return the map of a survey as cells, those of later days over those of earlier ones.
+class DaysRenderer:
+    """Draws a survey, the days over those before: :class:`MapRenderer` draws each of them.
 
     A wall goes where light passed often enough on a later day, and no wall was seen beside.
     """
-    grid: OccupancyGrid | None = None
-    for day in days_of(survey):
-        renderer = MapRenderer(cell)
-        renderer.update(day)
-        grid = renderer.grid if grid is None else _over(grid, renderer)
-    return grid if grid is not None else MapRenderer(cell).grid
+
+    def __init__(self, cell: float = AS_SHIPPED.mapper.cell) -> None:
+        self._cell = cell
+        self._days = [MapRenderer(cell)]
+
+    def update(self, survey: Survey) -> OccupancyGrid:
+        """Return the map as cells; only what is new, and what has moved, is drawn anew."""
+        for number, day in enumerate(days_of(survey)):
+            if number == len(self._days):
+                self._days.append(MapRenderer(self._cell))
+            self._days[number].update(day)
+        first, *later = self._days
+        grid = first.grid
+        for renderer in later:
+            grid = _over(grid, renderer)
+        return grid
+
+
+def render_days(survey: Survey, cell: float = AS_SHIPPED.mapper.cell) -> OccupancyGrid:
+    """Return the map of a survey as cells, those of later days over those of earlier ones."""
+    return DaysRenderer(cell).update(survey)
 
 
 def drawn(
@@ -78,14 +104,23 @@ def changes(before: OccupancyGrid, after: OccupancyGrid) -> list[MapChange]:
         # walls that have moved by the errors of poses have not changed
         mask = (was == OCCUPIED) & (now == FREE) & ~_near(now == OCCUPIED, cell)
         joined = ndimage.binary_dilation(mask, iterations=round(JOINED_REACH / cell / 2))
-        labels, count = ndimage.label(joined)
-        for number in range(1, count + 1):
-            cells = np.argwhere(mask & (labels == number))
-            area = len(cells) * cell**2
-            if area >= LEAST_CHANGE:
-                y, x = (corner + (cells.mean(axis=0) + 0.5) * cell).tolist()
-                found.append(MapChange(x=x, y=y, area=area, gone=gone))
+        labels, _ = ndimage.label(joined)
+        for number, (rows, columns) in enumerate(ndimage.find_objects(labels), 1):
+            here = np.argwhere(mask[rows, columns] & (labels[rows, columns] == number))
+            area = len(here) * cell**2
+            if area < LEAST_CHANGE:
+                continue
+            cells = (corner + (here + (rows.start, columns.start) + 0.5) * cell)[:, ::-1]
+            x, y = cells.mean(axis=0).tolist()
+            found.append(MapChange(x=x, y=y, area=area, gone=gone, cells=cells))
     return sorted(found, key=lambda each: -each.area)
+
+
+def in_words(found: Sequence[MapChange]) -> tuple[str, ...]:
+    """Return a line for each change; of many, the largest are told and the others counted."""
+    lines = tuple(map(str, found[:TOLD_CHANGES]))
+    left = len(found) - len(lines)
+    return (*lines, f"and {left} smaller {'change' if left == 1 else 'changes'}") if left else lines
 
 
 def _over(grid: OccupancyGrid, renderer: MapRenderer) -> OccupancyGrid:

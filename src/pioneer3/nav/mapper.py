@@ -236,7 +236,7 @@ class Mapper:
         side = "left" if askew > 0 else "right"
         pose = f"{laser.x:g},{laser.y:g},{degrees(laser.theta + askew):.1f}"
         looks = f"the laser looks {degrees(abs(askew)):.1f} degrees to the {side} of where it is"
-        return (*self._moved(), f"{looks} said to: --laser-pose {pose}")
+        return (*self._moved(), f"{looks} said to; --laser-pose {pose} mends it")
 
     def _moved(self) -> tuple[str, ...]:
         if not self._moves:

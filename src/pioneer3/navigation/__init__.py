@@ -24,6 +24,7 @@ log_files       logs, opened by their content, and names of other files
 bag_logs        rosbags as logs
 bag_frames      the frames of a bag: where its laser is, and whose motion is odometry
 map_files       maps as files
+map_update      a map that is continued, and what has changed on it
 simulator       the map and the pose that a simulator tells
 ==============  =================================================================================
 

@@ -17,7 +17,7 @@ from pioneer3.maps import LineMap, MapObject, OccupancyGrid
 from pioneer3.maps.grid import samples
 from pioneer3.maps.line_map import FREE
 from pioneer3.nav.beams import beams_of
-from pioneer3.nav.changes import drawn
+from pioneer3.nav.changes import DaysRenderer, drawn
 from pioneer3.nav.clearance import Walls
 from pioneer3.nav.costs import COST_CELL, CostMap
 from pioneer3.nav.exploring import Exploration, GivenUp, Outlook
@@ -26,7 +26,7 @@ from pioneer3.nav.frames import Survey
 from pioneer3.nav.mapper import Mapper
 from pioneer3.nav.places import home
 from pioneer3.nav.planner import Way
-from pioneer3.nav.rendering import MapRenderer, line_map_of, trodden
+from pioneer3.nav.rendering import line_map_of, trodden
 from pioneer3.nav.sightings import Sightings
 from pioneer3.navigation.follow_way import FollowWay, follow_way, stand_unsure
 from pioneer3.navigation.keep_clear import LimiterOutline
@@ -147,7 +147,7 @@ class MapBuilder:
         self._robot, self._in_thread = robot, in_thread
         self._name, self._objects = name, tuple(objects)
         self._named: list[tuple[str, int, Pose2]] = []
-        self._renderer = MapRenderer(robot.settings.mapper.cell)
+        self._renderer = DaysRenderer(robot.settings.mapper.cell)
         self._drawing: _Drawing | None = None
         self._sightings: Sightings | None = None
         self._trip: _Trip | None = None
@@ -274,8 +274,7 @@ class MapBuilder:
             self._trip.action.leg = None
 
     def _draw(self, survey: Survey) -> _Drawing:
-        self._renderer.update(survey)
-        grid = trodden(self._renderer.grid, survey.poses, self._robot.info.model.corner)
+        grid = trodden(self._renderer.update(survey), survey.poses, self._robot.info.model.corner)
         line_map = line_map_of(grid, self._name, self.objects)
         return _Drawing(line_map, grid, float((grid.states == FREE).sum()) * grid.resolution**2)
 

@@ -3,7 +3,7 @@
 from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 from zipfile import BadZipFile
 
 import numpy as np
@@ -11,11 +11,13 @@ from numpy.typing import NDArray
 
 from pioneer3.errors import ConfigError
 from pioneer3.maps import LineMap, write_aria_map, write_map_server
-from pioneer3.nav.mapper import Mapper
 from pioneer3.sim.relief import FLAT, Relief
 from pioneer3.sim.worldfile import write_world
 from pioneer3.sim.worldfile.flattened import not_on_map, solids_in_words, split
 from pioneer3.text import read_bytes, write_bytes, wrong
+
+if TYPE_CHECKING:
+    from pioneer3.nav.mapper import Mapper
 
 FORMATS = (".map", ".yaml", ".toml")
 """ARIA's map; map_server's YAML with a picture; a world on a map."""
@@ -107,7 +109,13 @@ def save_map(line_map: LineMap, path: Path, relief: Relief = FLAT) -> None:
             write_map_server(named, path, *(grid.resolution for grid in named.grids[:1]))
 
 
-def save_survey(mapper: Mapper, path: Path) -> None:
+def not_continued(path: Path) -> str:
+    """Return the reason that nobody can go on with a map, or nothing."""
+    file = survey_path(path)
+    return "" if file.exists() else f"to go on with a map, {file.name} has to lie beside it"
+
+
+def save_survey(mapper: "Mapper", path: Path) -> None:
     """Write the key frames and edges of a map beside it, for another day.
 
     Raises:
@@ -124,9 +132,11 @@ def load_survey(path: Path) -> dict[str, NDArray[Any]]:
     Raises:
         ConfigError: There is none, or it cannot be read.
     """
+    from pioneer3.nav.mapper import Mapper  # which compiles: a page asks `not_continued` before
+
+    if reason := not_continued(path):
+        raise ConfigError(f"{path}: {reason}")
     file = survey_path(path)
-    if not file.exists():
-        raise ConfigError(f"{path}: to go on with a map, {file.name} has to lie beside it")
     data = read_bytes(file, LARGEST_SURVEY)
     try:
         with np.load(BytesIO(data), allow_pickle=False) as arrays:

@@ -20,7 +20,7 @@ hosting      connects a page to several robots
 map_editor   edits the map that robots of the page use: a draft, which is saved and then driven on
 page_map     the map of a page: the one that it shows, and the one that its robots drive on
 robot_view   one robot of the page: its control, and the messages that describe it
-mapping      makes maps with a robot of the page, and saves them in the server's folder
+mapping      makes maps with a robot of the page, and goes on with the one in use
 navigation   takes a robot of the page to places of its map, along planned ways
 details      details of a robot beyond its snapshots
 editor       changes of the simulated world that drivers make on the page

@@ -9,6 +9,7 @@ import asyncio
 import logging
 from collections import deque
 from collections.abc import Awaitable, Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -135,7 +136,7 @@ class MapEditor:
             raise CommandError(f"{path.name} is saved, but robots use another map meanwhile")
         for robot in self._page_map.robots_on(used):
             robot.arbiter.end_mode("the map has changed")
-        self._page_map.replace(used, draft)
+        self._page_map.replace(used, replace(draft, file=path))
         self._forget()
 
     def _relief_of(self, line_map: LineMap) -> Relief:

@@ -263,7 +263,10 @@ class Mapping(Message, tag="mapping", frozen=True):
 
     `driven` is in metres, `area` in square metres; `edges` is the number of edges that are left to
     explore, null before they are known; `way` leads to the next; `saved` is the file saved last;
-    `remarks` are sentences about the map.
+    `remarks` are sentences about the map. While one `waits`, that says what for.
+
+    `no_update` is the reason that the map in use is not updated, empty if it can be, and null
+    without one. `updates` is the file of the one that is; it `asks` whether the new one is kept.
     """
 
     robot: int
@@ -276,6 +279,10 @@ class Mapping(Message, tag="mapping", frozen=True):
     way: tuple[tuple[float, float], ...] = ()
     saved: str = ""
     remarks: tuple[str, ...] = ()
+    waits: str = ""
+    no_update: str | None = None
+    updates: str = ""
+    asks: bool = False
 
 
 class Robots(Message, tag="robots", frozen=True):
@@ -358,8 +365,18 @@ class MapSolid(Part, frozen=True):
     shapes: tuple[MapShape, ...]
 
 
+class DrawnChange(Part, frozen=True):
+    """Walls that have come, or gone, since a map was saved: their middle, and that of each cell."""
+
+    text: str
+    gone: bool
+    x: float
+    y: float
+    cells: tuple[tuple[float, float], ...]
+
+
 class Drawing(Part, frozen=True):
-    """A map: walls as lines x0, y0, x1, y1 [m], grids, named places, solids.
+    """A map: walls as lines x0, y0, x1, y1 [m], grids, named places, solids, and its changes.
 
     Walls are `wall_height` [m] high, or as `heights` says of each; 0 for an outline of a solid.
     """
@@ -371,6 +388,7 @@ class Drawing(Part, frozen=True):
     wall_height: float
     heights: tuple[float, ...]
     solids: tuple[MapSolid, ...]
+    changes: tuple[DrawnChange, ...]
 
 
 class Map(Message, tag="map", frozen=True):

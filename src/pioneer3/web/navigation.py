@@ -154,6 +154,19 @@ class RobotNavigation:
         if self._sender is operator:
             self.goals.end(GoalStatus.ABORTED, f"{operator.name} let go")
 
+    async def whereabouts(self) -> Pose2:
+        """Return where the robot is on the map [m, rad].
+
+        Raises:
+            PioneerError: It is not sure; see the message.
+        """
+        navigator = await self._ready()
+        await navigator.find()
+        pose = navigator.estimate.robot_in_map
+        if (unsure := _unsure(navigator)) or pose is None:
+            raise MotionError(unsure)
+        return pose
+
     async def plan(self, place: Destination, speed: float) -> messages.PlannedWay:
         """Return the way to a place from where the robot is.
 

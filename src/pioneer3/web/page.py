@@ -200,6 +200,8 @@ class Page:
             robot,
             scene,
             control,
+            whereabouts=navigation.whereabouts,
+            replace=self.map.replace,
             tell=tell,
             publish=partial(self.audiences.publish, number, "mapping"),
         )

@@ -156,10 +156,11 @@ class PlanWay(RobotRequest, tag="plan_way"):
 class MakeMap(RobotRequest, tag="make_map"):
     """Begin a map, explore, or end it: save it under `name` in the server's folder, or not.
 
-    `name_place` makes the place where the robot is a goal of the map.
+    `name_place` makes the place where the robot is a goal of the map. `update` goes on with the map
+    in use instead; `finish` shows what has changed, and `save` replaces it then.
     """
 
-    step: Literal["begin", "explore", "name_place", "save", "discard"]
+    step: Literal["begin", "update", "explore", "name_place", "finish", "save", "discard"]
     name: FileName = "map"
     speed: Speed = 0.4
 

@@ -1,10 +1,11 @@
 """The simulated world as pages see it: its map, its things by number, and their changes."""
 
 from base64 import b64encode
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import count
+from typing import TYPE_CHECKING
 
 from msgspec.structs import replace
 
@@ -23,6 +24,7 @@ from pioneer3.web.audience import Audience
 from pioneer3.web.messages import (
     BoxThing,
     Drawing,
+    DrawnChange,
     DrawnObject,
     Map,
     MapCells,
@@ -36,11 +38,16 @@ from pioneer3.web.messages import (
 )
 from pioneer3.web.solids import heights_of_lines, solids_of
 
+if TYPE_CHECKING:
+    from pioneer3.nav.changes import MapChange
+
 Item = RobotItem | Obstacle
 MOST_GONE = 1000
 """So many removed things are remembered; a client that missed more is sent everything anew."""
 MOST_CELLS = 4_000_000
 """Most cells of a grid: a phone keeps four bytes for each."""
+MOST_CHANGED = 2000
+"""Most cells of a change that are drawn."""
 SLOW_UPDATES = 5
 """Limited audiences are sent every fifth update about the world."""
 SHADE = 85
@@ -220,7 +227,9 @@ class WorldChannel:
         return True
 
 
-def map_message(line_map: LineMap | None, relief: Relief = FLAT) -> Map:
+def map_message(
+    line_map: LineMap | None, relief: Relief = FLAT, changes: "Sequence[MapChange]" = ()
+) -> Map:
     """Return the message for a map; it leaves out walls that outline cells."""
     if line_map is None:
         return Map(None)
@@ -234,8 +243,15 @@ def map_message(line_map: LineMap | None, relief: Relief = FLAT) -> Map:
             wall_height=relief.wall_height,
             heights=heights_of_lines(line_map, relief),
             solids=solids_of(relief),
+            changes=tuple(map(_change, changes)),
         )
     )
+
+
+def _change(change: "MapChange") -> DrawnChange:
+    thinned = change.cells[:: len(change.cells) // MOST_CHANGED + 1]
+    cells = tuple((x, y) for x, y in thinned.round(3).tolist())
+    return DrawnChange(str(change), change.gone, round(change.x, 3), round(change.y, 3), cells)
 
 
 def _cells(grid: OccupancyGrid) -> MapCells:

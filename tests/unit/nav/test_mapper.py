@@ -70,7 +70,7 @@ def test_it_finds_out_that_a_laser_is_mounted_askew(*, continued: bool) -> None:
     assert found == pytest.approx(askew, abs=radians(0.5))
     (told,) = mapper.remarks(Pose2(0.16, 0.0, radians(1)))
     assert re.search(
-        r"looks [23]\.\d degrees to the left of .* --laser-pose 0\.16,0,[34]\.\d$", told
+        r"looks [23]\.\d degrees to the left of .* --laser-pose 0\.16,0,[34]\.\d mends it$", told
     )
 
 

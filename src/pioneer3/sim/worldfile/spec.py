@@ -232,7 +232,9 @@ class WorldFile:
             return self.map
         if self.map == "empty":
             return empty_map()
-        return read_map(self.map) if isinstance(self.map, Path) else shipped_map(self.map)
+        if isinstance(self.map, Path):
+            return replace(read_map(self.map), file=self.map)
+        return shipped_map(self.map)
 
     def line_map(self) -> LineMap:
         """Return all fixed parts on a plane: the map, walls, boxes, solids, homes and places.
@@ -261,6 +263,7 @@ class WorldFile:
             grids=base.grids,
             lines=np.concatenate([base.lines, *added]),
             materials=materials,
+            file=base.file if not (self.walls or fixed or self.solids or places) else None,
         )
 
     def relief(self, line_map: LineMap) -> Relief:

@@ -22,6 +22,7 @@ import { Scene } from "./map/scene.js";
 import { View } from "./map/view.js";
 import { View3d } from "./map/view3d.js";
 import { Model } from "./model/model.js";
+import { MapNews } from "./panels/map_making.js";
 import { Panels } from "./panels/panels.js";
 import { People } from "./panels/people.js";
 import { Picker, addsRobot } from "./panels/picker.js";
@@ -108,6 +109,8 @@ const panels = new Panels({
   },
 });
 
+const mapNews = new MapNews({ send: sendToRobot, notify: toast });
+
 /** The socket has opened or closed. */
 function connected() {
   stops.flush(connection.open);
@@ -149,6 +152,7 @@ function takeMap(map) {
   mapInUse = map;
   mapEditor.adopt(map);
   editMode.offer("map", Boolean(map?.walls.length || map?.cells.length));
+  legend.offer("changes", Boolean(map?.changes.length));
   showMap();
 }
 
@@ -365,6 +369,7 @@ function refresh() {
   picker.show();
   goto.show();
   whereabouts.show();
+  mapNews.show(model.selected?.mapping ?? null, mapInUse?.changes ?? [], model.viewer);
 }
 
 const inputs = new Inputs(teleop);

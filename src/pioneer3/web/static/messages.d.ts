@@ -228,7 +228,7 @@ export interface Map {
   map: Drawing | null;
 }
 
-/** A map: walls as lines x0, y0, x1, y1 [m], grids, named places, solids. Walls are `wall_height` [m] high, or as `heights` says of each; 0 for an outline of a solid. */
+/** A map: walls as lines x0, y0, x1, y1 [m], grids, named places, solids, and its changes. Walls are `wall_height` [m] high, or as `heights` says of each; 0 for an outline of a solid. */
 export interface Drawing {
   name: string;
   walls: [number, number, number, number][];
@@ -237,6 +237,7 @@ export interface Drawing {
   wall_height: number;
   heights: number[];
   solids: MapSolid[];
+  changes: DrawnChange[];
 }
 
 /** A grid as a grey PNG picture in base64; its first row is the lowest, which `corner` is at. */
@@ -276,6 +277,15 @@ export interface MapShape {
   numbers: number[];
   corners: number[];
   columns: number;
+}
+
+/** Walls that have come, or gone, since a map was saved: their middle, and that of each cell. */
+export interface DrawnChange {
+  text: string;
+  gone: boolean;
+  x: number;
+  y: number;
+  cells: [number, number][];
 }
 
 /** The map as edited but not saved, null without edits; `steps` can be undone. `version` counts the drafts: requests about an object of `map` name it. */
@@ -474,7 +484,7 @@ export interface GoalProgress {
   text: string;
 }
 
-/** The map that is being made with a robot; only where one can be made. `driven` is in metres, `area` in square metres; `edges` is the number of edges that are left to explore, null before they are known; `way` leads to the next; `saved` is the file saved last; `remarks` are sentences about the map. */
+/** The map that is being made with a robot; only where one can be made. `driven` is in metres, `area` in square metres; `edges` is the number of edges that are left to explore, null before they are known; `way` leads to the next; `saved` is the file saved last; `remarks` are sentences about the map. While one `waits`, that says what for. `no_update` is the reason that the map in use is not updated, empty if it can be, and null without one. `updates` is the file of the one that is; it `asks` whether the new one is kept. */
 export interface Mapping {
   type: "mapping";
   robot: number;
@@ -487,6 +497,10 @@ export interface Mapping {
   way: [number, number][];
   saved: string;
   remarks: string[];
+  waits: string;
+  no_update: string | null;
+  updates: string;
+  asks: boolean;
 }
 
 /** News for this client alone. */
@@ -727,10 +741,10 @@ export interface GotoPlace {
   robot?: number | null;
 }
 
-/** Begin a map, explore, or end it: save it under `name` in the server's folder, or not. `name_place` makes the place where the robot is a goal of the map. */
+/** Begin a map, explore, or end it: save it under `name` in the server's folder, or not. `name_place` makes the place where the robot is a goal of the map. `update` goes on with the map in use instead; `finish` shows what has changed, and `save` replaces it then. */
 export interface MakeMap {
   type: "make_map";
-  step: "begin" | "discard" | "explore" | "name_place" | "save";
+  step: "begin" | "discard" | "explore" | "finish" | "name_place" | "save" | "update";
   name?: string;
   speed?: number;
   robot?: number | null;

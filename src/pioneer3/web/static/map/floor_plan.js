@@ -1,6 +1,7 @@
 // The map: occupancy grids, walls, the metric grid and the scale bar.
 
 import { make } from "../dom.js";
+import { drawChanges } from "./changes.js";
 import { drawPlaceNames, drawPlaces, drawZones } from "./places.js";
 
 const TILE = 8; // m
@@ -22,6 +23,8 @@ export class FloorPlan {
   /** Of each wall [m], or of all where there are none. */
   heights;
   wallHeight;
+  /** What has come and gone. @type {import("../messages.d.ts").DrawnChange[]} */
+  changes;
   /** Extent of walls, cells and objects, or null without any. */
   bounds = null;
 
@@ -32,6 +35,7 @@ export class FloorPlan {
     this.grids = grids;
     this.solids = map?.solids ?? [];
     this.heights = map?.heights ?? [];
+    this.changes = map?.changes ?? [];
     this.wallHeight = map?.wall_height ?? 1;
     for (const wall of this.walls) this.#add(wall);
     for (const { outline } of this.solids) for (const [x, y] of outline) this.bounds = grow(this.bounds, x, y);
@@ -48,6 +52,7 @@ export class FloorPlan {
     if (shown("map")) this.#drawSolids(context, camera, palette);
     if (shown("zones")) drawZones(context, camera, palette, this.objects);
     if (shown("map")) this.#drawWalls(context, camera, palette);
+    if (shown("changes")) drawChanges(context, camera, palette, this.changes);
     if (shown("places")) drawPlaces(context, camera, palette, this.objects);
     if (!shown("names")) return;
     context.setTransform(ratio, 0, 0, ratio, 0, 0);

@@ -7,6 +7,7 @@ const KEY = "pioneer3.layers";
 /** In the order of the legend: name, label, whether it is on at first, note. */
 const LAYERS = [
   ["map", "Walls and cells", true],
+  ["changes", "Gone (−) and new (+)", true],
   ["places", "Goals, docks, homes", true],
   ["zones", "Forbidden, marked", true],
   ["things", "Boxes and people", true],

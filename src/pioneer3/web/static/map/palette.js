@@ -4,7 +4,7 @@ const NAMES = [
   "floor", "grid", "grid-major", "wall", "wall-soft", "trail", "path", "body", "deck", "edge",
   "arrow", "wheel", "nose", "sonar-near", "sonar-mid", "sonar-far", "sonar-none", "bumper", "hit", "ink",
   "box", "box-edge", "person", "person-soft", "person-head", "mate", "mate-deck", "mate-edge", "other", "other-deck", "other-edge", "select", "label",
-  "cell", "free", "goal", "dock", "home", "forbidden", "zone", "laser", "target",
+  "cell", "free", "goal", "dock", "home", "forbidden", "zone", "laser", "target", "gone", "come",
 ];
 
 /** Colours by name; `unselected` has those of a robot that is not selected, `external` of one that is not this page's. */

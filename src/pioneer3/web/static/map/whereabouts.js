@@ -52,7 +52,8 @@ export class Whereabouts {
   show() {
     const { selected, live, viewer, snapshot } = this.#model;
     const navigation = live ? selected?.navigation : null;
-    byId("unsure").hidden = !navigation?.reason || navigation.sure || snapshot?.mode === LOOKS;
+    const asked = selected?.mapping?.asks; // one question after the other
+    byId("unsure").hidden = !navigation?.reason || navigation.sure || snapshot?.mode === LOOKS || asked;
     if (byId("unsure").hidden) return;
     const who = this.#model.several ? `${selected.name} is not sure` : "It is not sure";
     putHelp(byId("unsure-why"), `${who} where it is: ${navigation.reason}.`, "not-sure-where-it-is");

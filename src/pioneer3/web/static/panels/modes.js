@@ -2,6 +2,7 @@
 
 import { byId, degrees, make, put, putLines, putProse, sentence, set } from "../dom.js";
 import { Fields, button, choice, loadForms } from "./fields.js";
+import { MapMaking } from "./map_making.js";
 import { part } from "./widgets.js";
 
 const TIMES = [["60", "1 minute"], ["300", "5 minutes"], ["900", "15 minutes"], ["3600", "1 hour"]];
@@ -107,50 +108,6 @@ export class ModesView {
     if (!this.#pose) return;
     const { x, y, theta } = this.#pose;
     made.fill({ x: x.toFixed(2), y: y.toFixed(2), heading: String(Math.round(degrees(theta))) });
-  }
-}
-
-/** Begins a map, lets the robot explore, and saves it. */
-class MapMaking {
-  element;
-  #state = make("p", { class: "words", id: "map-state", role: "status" });
-  #begin;
-  #explore;
-  #save;
-  #discard;
-  #name = make("input", { id: "map-name", class: "small", value: "lab", maxlength: "40", pattern: "[A-Za-z0-9][A-Za-z0-9 _\\-]*", required: "" });
-  #place = make("input", { id: "map-place", class: "small", placeholder: "Kitchen", maxlength: "40", pattern: "[A-Za-z0-9][A-Za-z0-9 _\\-]*", required: "" });
-  #placed = make("label", { class: "field" }, make("span", {}, "This place is"), this.#place);
-  #here;
-  #named = make("label", { class: "field" }, make("span", {}, "Name of the map"), this.#name);
-
-  constructor({ send, notify }) {
-    const ask = (step, rest = {}) => send({ type: "make_map", step, ...rest }) || notify("Not connected: nothing was changed.");
-    this.#begin = button("map-begin", "Begin a map", () => ask("begin"));
-    this.#explore = button("map-explore", "Explore", () => ask("explore"));
-    const askNamed = (step, input) => {
-      if (input.checkValidity()) ask(step, { name: input.value });
-      else (input.focus(), notify("A name has letters, digits, blanks, - and _ only."));
-    };
-    this.#here = button("map-name-place", "Name this place", () => askNamed("name_place", this.#place));
-    this.#save = button("map-save", "Finish and save", () => askNamed("save", this.#name));
-    this.#discard = button("map-discard", "Discard", () => ask("discard"), "danger");
-    this.element = part("Make a map", this.#state, make("div", { class: "row" }, this.#begin, this.#explore),
-      this.#placed, make("div", { class: "row" }, this.#here), this.#named, make("div", { class: "row" }, this.#save, this.#discard));
-  }
-
-  show(mapping, usable) {
-    const { making, exploring, driven, area, loops, edges, saved, remarks = [] } = mapping ?? {};
-    this.element.hidden = !mapping;
-    this.#begin.hidden = making;
-    for (const one of [this.#explore, this.#placed, this.#here, this.#named, this.#save, this.#discard]) one.hidden = !making;
-    for (const one of [this.#begin, this.#here, this.#save, this.#discard]) one.disabled = !usable;
-    this.#explore.disabled = !usable || exploring;
-    const left = exploring && edges !== null ? `, ${edges} edges left to explore` : "";
-    const before = saved ? `Saved ${saved}. ` : "";
-    put(this.#state, making
-      ? `${area?.toFixed(0)} m² known, ${driven?.toFixed(0)} m driven, ${loops} loops closed${left}. Drive through all rooms, or let the robot explore: it MOVES by itself.${remarks.map((one) => ` Note: ${one}.`).join("")}`
-      : `${before}The laser draws the map here while you drive, or while the robot explores by itself.`);
   }
 }
 
