@@ -26,6 +26,7 @@ from benchmarks import (
     hostile,
     laser_link,
     laser_recovery,
+    log,
     nav,
     ros1,
     ros2,
@@ -53,6 +54,7 @@ BENCHMARKS = {
     "hostile": hostile,
     "laser_link": laser_link,
     "laser_recovery": laser_recovery,
+    "log": log,
 }
 LONG = {"nav": nav}
 """These are run only where they are named, and have a quick form."""

@@ -215,7 +215,7 @@ class Bridge:
     def stop_recording(self) -> None:
         """End the recording, if there is one."""
         if self._log is not None:
-            self._log.close("it was stopped", LAST_WRITE)
+            self._log.close("stopped", LAST_WRITE)
         self._log = self._recording = None
 
     # Connections, as of `ports.Server`

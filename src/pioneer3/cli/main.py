@@ -23,6 +23,7 @@ from pioneer3.cli.drive import drive
 from pioneer3.cli.fleet import fleet_app
 from pioneer3.cli.goto import goto, patrol
 from pioneer3.cli.laser import laser_app
+from pioneer3.cli.log import log_app
 from pioneer3.cli.map import map_app
 from pioneer3.cli.model import model_app
 from pioneer3.cli.monitor import monitor
@@ -80,7 +81,7 @@ GROUPS: dict[str, tuple[Callable[..., object], ...]] = {
     "Start": (run, sim, docs),
     "Drive with your hands": (drive, demo),
     "Let the robot drive": (*MODE_COMMANDS, goto, move, patrol, turn),
-    "Look at the robot": (info, monitor, sonar, laser_app),
+    "Look at the robot": (info, monitor, sonar, laser_app, log_app),
     "When something is wrong": (doctor, find_port, setup_app),
     "Many robots": (fleet_app, bridge, class_),
     "Maps, models, ROS, and who may use the page": (
@@ -98,6 +99,7 @@ WITHOUT_UNITS = (
     class_,
     info,
     find_port,
+    log_app,
     setup_app,
     map_app,
     model_app,

@@ -1,22 +1,21 @@
 """One MCAP file while it is written; all of it that is flushed can be read, whatever comes then."""
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import IO, Any, Final, cast
 
 from mcap.writer import CompressionType, Writer
 
 from pioneer3 import __version__
-from pioneer3.log.topics import LogTopic
+from pioneer3.log.topics import LogTopic, pack_pieces
+from pioneer3.state import Scan
 
 PROFILE: Final = "pioneer3"
 """Profile of our files; readers know them by it."""
-JSON: Final = "json"
-"""Encoding of messages that are no bytes."""
-BYTES: Final = "bytes"
-"""Encoding of messages that are bytes."""
 STEADY: Final = "steady"
 """Key in a channel's metadata: the name of the field that is kept there, beside the field."""
+PIECES: Final = {"pieces": "times after one another [us], sizes, bytes"}
+"""Metadata of a channel whose messages are bytes in pieces."""
 MOST_CHANNELS: Final = 4096
 """Channels of one file, of which each value of a steady field has one; MCAP counts to 65535."""
 
@@ -51,7 +50,7 @@ class McapFile:
     def __init__(self, descriptor: int) -> None:
         self._sink = _Sink(descriptor)
         self._writer = Writer(cast("IO[Any]", self._sink), compression=CompressionType.ZSTD)
-        self._schemas: dict[type, int] = {bytes: 0}
+        self._schemas: dict[type, int] = {bytes: 0, Scan: 0}
         self._channels: dict[tuple[str, bytes], int] = {}
         self._parts: dict[str, tuple[object, bytes]] = {}
         self._counts: dict[int, int] = {}
@@ -72,11 +71,18 @@ class McapFile:
         self._writer.add_metadata(name, dict(data))
         self._sink.flush()
 
-    def add(self, time: int, topic: LogTopic[Any], message: Any) -> None:
-        """Take a message of a time [ns since 1970]; it is written by the next flush."""
+    def add(self, topic: LogTopic[Any], messages: Sequence[tuple[int, Any]]) -> None:
+        """Take messages of a topic, each of a time [ns since 1970]; the next flush writes them."""
+        if topic.kind is bytes:
+            self._add(topic, messages[0][0], b"", pack_pieces(messages))
+            return
+        for time, message in messages:
+            self._add(topic, time, message, topic.encode(message))
+
+    def _add(self, topic: LogTopic[Any], time: int, message: Any, data: bytes) -> None:
         channel = self._channel(topic, message)
         self._counts[channel] = number = self._counts.get(channel, 0) + 1
-        self._writer.add_message(channel, time, topic.encode(message), time, number)
+        self._writer.add_message(channel, time, data, time, number)
 
     def flush(self) -> None:
         """Write what was taken, as one chunk."""
@@ -104,9 +110,9 @@ class McapFile:
         if channel is None:
             channel = self._channels[topic.name, part] = self._writer.register_channel(
                 topic.name,
-                BYTES if topic.kind is bytes else JSON,
+                topic.encoding,
                 self._schema(topic),
-                {STEADY: topic.steady, topic.steady: part.decode()} if topic.steady else {},
+                _told(topic, part),
             )
         return channel
 
@@ -127,3 +133,10 @@ class McapFile:
             found = self._writer.register_schema(name, "jsonschema", topic.schema())
             self._schemas[topic.kind] = found
         return found
+
+
+def _told(topic: LogTopic[Any], part: bytes) -> dict[str, str]:
+    """Return the metadata of a channel."""
+    if topic.kind is bytes:
+        return PIECES
+    return {STEADY: topic.steady, topic.steady: part.decode()} if topic.steady else {}

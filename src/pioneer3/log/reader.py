@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from io import BytesIO
+from operator import attrgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO, Final, TypeVar
 
@@ -17,12 +18,13 @@ import msgspec
 from pioneer3.errors import ConfigError, PortNotFoundError
 from pioneer3.log.cut import HEADER, MAGIC, data_records
 from pioneer3.log.folder import is_being_written, is_pinned
-from pioneer3.log.topics import LogTopic, decode
+from pioneer3.log.topics import LogTopic, decode, unpack_pieces
 from pioneer3.state import Snapshot
 from pioneer3.text import one_line, wrong
 
 if TYPE_CHECKING:
     from mcap.data_stream import ReadDataStream
+    from mcap.records import Channel, Schema
 
 T = TypeVar("T")
 
@@ -43,11 +45,15 @@ FOOTER: Final = struct.Struct("<BQQQI8s")
 """Kind, length, begin of the summary and of its offsets, checksum; then the magic bytes."""
 GROUP: Final = struct.Struct("<BQBQQ")
 """Kind, length; kind, begin and length of a group in the summary."""
+OF_MESSAGE: Final = 22
+"""Bytes of a message before its content."""
 TIMES: Final = struct.Struct("<QQ")
 """Begin of a chunk: times of its first and last message [ns]."""
 DAMAGED: Final = (
     ValueError,
     KeyError,
+    TypeError,
+    AttributeError,
     EOFError,
     MemoryError,
     OverflowError,
@@ -118,9 +124,19 @@ class LogInfo:
     def end(self) -> str:
         """Why it ended, in words."""
         if self.being_written:
-            return "it goes on"
-        killed = "it was cut off: killed, or without power"
+            return "goes on"
+        killed = "cut off: killed, or without power"
         return self.texts.get("end", {}).get("why", killed)
+
+
+@dataclass(frozen=True, slots=True)
+class LogRecord:
+    """A message as it lies in a file, with its head, and what tells of it."""
+
+    time: int
+    channel: "Channel"
+    schema: "Schema | None"
+    data: bytes
 
 
 @dataclass(slots=True)
@@ -173,23 +189,48 @@ class RunLog:
         return {*counts} if counts is not None else {each.topic for each in self.messages()}
 
     def messages(self, wanted: Callable[[str], bool] = lambda topic: True) -> Iterator[LogMessage]:
-        """Yield the messages of the topics that are wanted, as they lie in the file."""
-        from mcap.records import Channel
+        """Yield the messages of the topics that are wanted, in the order of their times.
 
-        channels: dict[int, tuple[str, tuple[str, bytes]]] = {}
+        A chunk is sorted: its topics lie one behind the other.
+        """
+        with self._damage_told():
+            for chunk in self._chunks(wanted):
+                yield from sorted(
+                    (message for record in chunk for message in _messages(record)),
+                    key=attrgetter("time"),
+                )
+
+    def records(self, begin: int, end: int) -> Iterator["LogRecord"]:
+        """Yield the messages from `begin` to `end` [ns since 1970] as they lie in the file."""
+        with self._damage_told():
+            for chunk in self._chunks():
+                yield from (record for record in chunk if begin <= record.time <= end)
+
+    def _chunks(
+        self, wanted: Callable[[str], bool] = lambda topic: True
+    ) -> Iterator[list["LogRecord"]]:
+        """Yield the messages of each chunk."""
+        from mcap.records import Channel, Schema
+
+        schemas: dict[int, Schema] = {}
+        channels: dict[int, Channel] = {}
         with self._opened() as file:
-            for kind, content in _contents(file, {CHUNK, CHANNEL, MESSAGE}):
+            for kind, content in _contents(file, {CHUNK, CHANNEL, SCHEMA, MESSAGE}):
+                inside: list[LogRecord] = []
                 for inner, data in _unpacked(content) if kind == CHUNK else ((kind, content),):
-                    if inner == CHANNEL:
-                        found = Channel.read(_stream(data))
-                        steady = found.metadata.get("steady", "")
-                        part = found.metadata.get(steady, "").encode()
-                        channels[found.id] = found.topic, (steady, part)
+                    if inner == SCHEMA:
+                        schema = Schema.read(_stream(data))
+                        schemas[schema.id] = schema
+                    elif inner == CHANNEL:
+                        channel = Channel.read(_stream(data))
+                        channels[channel.id] = channel
                     elif inner == MESSAGE:
                         number, _, time = struct.unpack_from("<HIQ", data)
-                        topic, steady_part = channels[number]
-                        if wanted(topic):
-                            yield LogMessage(time, topic, data[22:], steady_part)
+                        channel = channels[number]
+                        if wanted(channel.topic):
+                            known = schemas.get(channel.schema_id)
+                            inside.append(LogRecord(time, channel, known, data))
+                yield inside
 
     def of(self, topic: LogTopic[T]) -> Iterator[tuple[int, T]]:
         """Yield the messages of a topic, each with its time [ns since 1970]."""
@@ -298,6 +339,25 @@ def _index_of_all(file: BinaryIO) -> _Index:
             file.seek(at)
             _take_texts(index, file.read(length))
     return index
+
+
+def _messages(record: LogRecord) -> Iterator[LogMessage]:
+    """Yield a message, or the pieces of bytes in it."""
+    data, topic = record.data[OF_MESSAGE:], record.channel.topic
+    steady = _steady(record.channel.metadata)
+    if steady is not None:
+        yield LogMessage(record.time, topic, data, steady)
+        return
+    for at, piece in unpack_pieces(record.time, data):
+        yield LogMessage(at, topic, piece)
+
+
+def _steady(metadata: Mapping[str, str]) -> tuple[str, bytes] | None:
+    """Return name and content of the steady field of a channel; `None` for bytes in pieces."""
+    if "pieces" in metadata:
+        return None
+    name = metadata.get("steady", "")
+    return name, metadata.get(name, "").encode()
 
 
 def _take_texts(index: _Index, data: bytes) -> None:

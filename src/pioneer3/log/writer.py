@@ -3,8 +3,8 @@
 Rules:
 
 1. Whoever puts a message waits for nothing: it joins a queue, and the thread does all the rest.
-2. Twice a second the thread takes what waits, and each second it writes one chunk: a program that
-   is killed loses the last second.
+2. Each second the thread takes what waits and writes one chunk, the messages of a topic side by
+   side, which takes less room: a program that is killed loses the last second.
 3. A disk that takes no more ends the log, with one line; the driver goes on. One that is too slow
    loses the oldest messages of the queue, which are counted, and told in the log too.
 4. Times are those of the event loop's clock, put on the wall clock's time of the beginning. Where
@@ -36,10 +36,8 @@ if TYPE_CHECKING:
 
 log = logging.getLogger(__name__)
 
-TAKE_PERIOD: Final = 0.45
-"""Messages are taken from the queue this often [s]."""
-TAKES_PER_CHUNK: Final = 2
-"""A chunk is written after so many takes."""
+CHUNK_PERIOD: Final = 0.9
+"""A chunk is written this often [s]."""
 SYNC_PERIOD: Final = 5.0
 """The file is brought to the disk this often [s], as ext4 does: an SD card bears that."""
 TIDY_PERIOD: Final = 60.0
@@ -66,6 +64,7 @@ class LogWriter:
         OSError: The file that is named cannot be written; another target is told instead.
 
     Attributes:
+        clock: Of the event loop.
         failure: The reason why it has ended by itself; empty if it has not.
         dropped: Messages that were lost because the disk was too slow.
     """
@@ -79,7 +78,7 @@ class LogWriter:
     ) -> None:
         self.failure = ""
         self.dropped = 0
-        self._target, self._clock, self._wall = target, clock, wall
+        self._target, self.clock, self._wall = target, clock, wall
         self._began, self._began_ns = clock(), wall()
         self._set_by = 0.0
         self._queue: deque[tuple[float, LogTopic[Any], Any]] = deque()
@@ -118,7 +117,7 @@ class LogWriter:
         if self._ended:
             return
         self._put += topic.size(message)
-        self._queue.append((self._clock(), topic, message))
+        self._queue.append((self.clock(), topic, message))
         if self._put - self._taken - self._lost > MOST_WAITING // 4:
             self._wake.set()
             if self._put - self._taken - self._lost > MOST_WAITING:
@@ -165,16 +164,13 @@ class LogWriter:
         try:
             if self._file is None:
                 self._open()
-            takes, synced, tidied = 0, self._clock(), self._clock()
+            synced = tidied = self.clock()
             while not self._ended:
-                self._wake.wait(TAKE_PERIOD)
+                self._wake.wait(CHUNK_PERIOD)
                 self._wake.clear()
                 self._take()
-                takes += 1
-                if takes % TAKES_PER_CHUNK:
-                    continue
                 self._flush()
-                if (now := self._clock()) - synced >= SYNC_PERIOD:
+                if (now := self.clock()) - synced >= SYNC_PERIOD:
                     self._sync()
                     synced = now
                 if now - tidied >= TIDY_PERIOD:
@@ -202,26 +198,33 @@ class LogWriter:
         self._look_at_clock()
         if self.dropped > self._told:
             lost, self._told = self.dropped - self._told, self.dropped
-            self._add(self._clock(), EVENT, LogEvent("dropped", f"{lost} messages: a slow disk"))
-        for _ in range(len(self._queue)):
-            try:
-                now, topic, message = self._queue.popleft()
-            except IndexError:  # the loop has dropped it
-                return
-            self._taken += topic.size(message)
-            self._add(now, topic, message)
+            self._note(self.clock(), "dropped", f"{lost} messages: a slow disk")
+        taken = []
+        with suppress(IndexError):  # the loop has dropped some
+            for _ in range(len(self._queue)):
+                taken.append(self._queue.popleft())
+                self._taken += taken[-1][1].size(taken[-1][2])
+        by_topic: dict[str, tuple[LogTopic[Any], list[tuple[int, Any]]]] = {}
+        for now, topic, message in taken:
+            by_topic.setdefault(topic.name, (topic, []))[1].append((self._ns(now), message))
+        for topic, messages in by_topic.values():
+            self._file.add(topic, messages)
 
-    def _add(self, now: float, topic: LogTopic[Any], message: Any) -> None:
+    def _note(self, now: float, kind: str, text: str) -> None:
         assert self._file is not None
-        self._file.add(self._began_ns + round((now - self._began) * 1e9), topic, message)
+        self._file.add(EVENT, [(self._ns(now), LogEvent(kind, text))])
+
+    def _ns(self, now: float) -> int:
+        """Return a time of the event loop as time since 1970 [ns]."""
+        return self._began_ns + round((now - self._began) * 1e9)
 
     def _look_at_clock(self) -> None:
         """Note that somebody has set the wall clock."""
-        now = self._clock()
+        now = self.clock()
         off = (self._wall() - self._began_ns) / 1e9 - (now - self._began)
         if abs(off - self._set_by) > CLOCK_JUMP:
             text = f"the computer's clock was set by {off - self._set_by:+.3f} s"
-            self._add(now, EVENT, LogEvent("clock", text))
+            self._note(now, "clock", text)
             self._set_by = off
 
     def _flush(self) -> None:
@@ -230,7 +233,7 @@ class LogWriter:
         self._file.flush()
         most = self._target.most
         if most is not None and (self._file.size >= most or self._file.is_crowded):
-            self._file.add_metadata("end", {"why": "it goes on in the next file"})
+            self._file.add_metadata("end", {"why": "goes on in the next file"})
             self._file.finish()
             self._open()
 

@@ -4,6 +4,7 @@ from asyncio import CancelledError
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -24,6 +25,8 @@ from pioneer3.state import Scan, Snapshot
 if TYPE_CHECKING:
     from pioneer3.robot.lasers.driver import LaserDriver
 
+RENEWED: Final = 1.0
+"""Period at which a command or decision is told that only goes on, as of a held key [s]."""
 READING_SIZE: Final = 40
 """Memory of one reading of a scan [bytes], about."""
 
@@ -73,6 +76,8 @@ class RobotLog:
         self._scans: dict[str, LogTopic[Scan]] = {}
         self._newest: dict[str, Scan] = {}
         self._decided: tuple[str, Decision] = ("", Decision())
+        self._decided_at = self._asked_at = -inf
+        self._asked: CommandGiven | None = None
 
     def of(self, robot: str) -> "RobotLog":
         """Return the part about another robot of the same program."""
@@ -101,14 +106,24 @@ class RobotLog:
         self.log.put(topic, scan)
 
     def decided(self, mode: str, decision: Decision) -> None:
-        """Take a decision, unless it is as the last one."""
-        made = mode, decision
-        if made != self._decided:
-            self._decided = made
-            self.log.put(self._decisions, made)
+        """Take a decision; one that only goes on is taken once a second."""
+        now, last = self.log.clock(), self._decided[1]
+        if (
+            mode == self._decided[0]
+            and decision.twist == last.twist
+            and decision.contributions == last.contributions
+            and (decision.until == last.until or now - self._decided_at < RENEWED)
+        ):
+            return
+        self._decided, self._decided_at = (mode, decision), now
+        self.log.put(self._decisions, self._decided)
 
     def asked(self, command: CommandGiven) -> None:
-        """Take a command."""
+        """Take a command; one that only goes on is taken once a second."""
+        now = self.log.clock()
+        if command == self._asked and now - self._asked_at < min(RENEWED, command.seconds):
+            return
+        self._asked, self._asked_at = command, now
         self.log.put(self._commands, command)
 
     async def follow(self, supervisor: Supervisor) -> None:
@@ -168,7 +183,7 @@ def recorded(record: Record, clock: Clock) -> Iterator[RobotLog | None]:
     if log is None:
         yield None
         return
-    why = "it was left as usual"
+    why = "left as usual"
     try:
         yield RobotLog(log)
     except BaseException as error:
@@ -181,5 +196,5 @@ def recorded(record: Record, clock: Clock) -> Iterator[RobotLog | None]:
 def _why(error: BaseException) -> str:
     """Return the reason for the end of a block, in words."""
     if isinstance(error, CancelledError | KeyboardInterrupt | GeneratorExit | SystemExit):
-        return "it was told to leave"
+        return "told to leave"
     return f"{type(error).__name__}: {error}"

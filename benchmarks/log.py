@@ -1,0 +1,216 @@
+"""What a log costs beside the driver, how long it is, and how quickly its facts are there.
+
+The simulator is another process. The processor time is that of the thread that writes, and of all
+calls that put messages.
+
+    python -m benchmarks log
+"""
+
+import asyncio
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from math import radians
+from pathlib import Path
+from random import Random
+from statistics import median
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from benchmarks.table import Row
+from pioneer3 import connect_async
+from pioneer3.clock import Clock
+from pioneer3.lasers.line import SerialLine
+from pioneer3.log.cut import HEADER, data_records
+from pioneer3.log.folder import create
+from pioneer3.log.mcap import McapFile
+from pioneer3.log.reader import CHUNK, open_log
+from pioneer3.log.target import LogTarget, NamedFile
+from pioneer3.log.topics import LogTopic
+from pioneer3.log.writer import CHUNK_PERIOD, LogWriter
+from pioneer3.runtime.recording import RobotLog
+from pioneer3.sim.server.start import simulator
+from pioneer3.sim.worldfile import parse_equipment
+from pioneer3.sim.worldfile.arguments import WorldOverrides
+
+LASERS = {"lms-200": (0.5, 20.0), "utm-30lx": (2.0, None)}
+"""Lasers of 181 beams at 10 Hz and of 1081 at 40 Hz, each with its bars: more of a core [%], and
+size in an hour [MB]."""
+TURNS = 3
+"""Drives of each kind; the median counts."""
+WARM_UP = 4
+"""Chunks until all is loaded."""
+SECONDS = 20.0
+"""Length of a drive."""
+LINE_SPEED = 38_400
+"""At this speed of its line [baud] the laser of 181 beams sends ten scans a second."""
+COMMANDS = 80
+"""Commands of a turn whose way to the wire is timed."""
+INDEXED = 180
+"""Bytes in the index for each chunk, about."""
+DAY = 86_400
+"""Chunks of a log of 24 h."""
+HOUR = 3600.0
+
+
+async def serve(laser: str) -> None:
+    """Simulate a robot; print its URL and that of its laser, until cancelled."""
+    overrides = WorldOverrides(equipment=parse_equipment(f"laser={laser}"), seed=1)
+    async with simulator(port=0, overrides=overrides) as running:
+        (robot,) = running.robots
+        assert robot.laser is not None
+        device: Any = robot.laser.device
+        if laser == "lms-200":
+            device._line = SerialLine(LINE_SPEED)
+        print(robot.url, f"{laser}@{robot.laser.url}", flush=True)
+        await asyncio.get_running_loop().create_future()
+
+
+@contextmanager
+def serving(laser: str) -> Iterator[tuple[str, str]]:
+    """Simulate in a process of its own; yield the URLs."""
+    command = [sys.executable, "-m", "benchmarks.log", laser]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        try:
+            assert process.stdout is not None
+            robot, scanner = process.stdout.readline().split()
+            yield robot, scanner
+        finally:
+            process.terminate()
+
+
+class MeasuredLog(LogWriter):
+    """A log that counts the processor time of its thread, and of those who put messages.
+
+    `times` has the time at each chunk, the processor time of both until then [s].
+    """
+
+    putting = 0.0
+
+    def __init__(self, target: LogTarget, clock: Clock) -> None:
+        self.times: list[tuple[float, float]] = []
+        super().__init__(target, clock)
+
+    def put(self, topic: LogTopic[Any], message: Any) -> None:
+        """Put it, and take the time."""
+        began = time.thread_time()
+        super().put(topic, message)
+        self.putting += time.thread_time() - began
+
+    def _flush(self) -> None:
+        super()._flush()
+        self.times.append((time.monotonic(), time.thread_time() + self.putting))
+
+    @property
+    def share(self) -> float:
+        """Share of a core, once all is loaded."""
+        (first, used_first), (last, used_last) = self.times[WARM_UP], self.times[-1]
+        return (used_last - used_first) / (last - first)
+
+
+async def drive(robot_url: str, laser: str, path: Path) -> tuple[float, float]:
+    """Drive in a circle; return the share of a core that the log takes, and the scans a second."""
+    log = MeasuredLog(NamedFile(path), asyncio.get_running_loop().time)
+    async with connect_async(robot_url, lasers=[laser], record=RobotLog(log)) as robot:
+        first = await robot.lasers[0].reading()
+        began = time.monotonic()
+        async for _ in robot.snapshots(SECONDS):
+            robot.drive(0.1, 0.3)
+        last = robot.lasers[0].latest
+        assert last is not None
+        seconds = time.monotonic() - began
+    log.close("done")
+    return log.share, (last.sequence - first.sequence) / seconds
+
+
+def rows_of_cost(laser: str, most: float, most_mb: float | None) -> Iterator[Row]:
+    """Yield what a log costs, and its size."""
+    shares, sizes = [], []
+    with serving(laser) as (robot, scanner), TemporaryDirectory() as folder:
+        for turn in range(TURNS):
+            path = Path(folder) / f"{turn}.mcap"
+            share, rate = asyncio.run(drive(robot, scanner, path))
+            shares.append(100 * share)
+            sizes.append(bytes_of_a_second(path) * HOUR / 1e6)
+    yield Row(f"log, {laser} at {rate:.0f} scans/s, of a core", median(shares), "%", most)
+    yield Row(f"log, {laser}, size in an hour", median(sizes), "MB", most_mb)
+
+
+def bytes_of_a_second(path: Path) -> float:
+    """Return how fast a log grows [bytes/s], after its first chunk, which has the schemas."""
+    with path.open("rb") as file:
+        sizes = [(kind, length) for kind, _, length in data_records(file)]
+    chunks = [number for number, (kind, _) in enumerate(sizes) if kind == CHUNK]
+    grown = sum(length + HEADER for _, length in sizes[chunks[1] : chunks[-1]])
+    return (grown / (len(chunks) - 2) + INDEXED) / CHUNK_PERIOD
+
+
+async def to_wire(url: str, record: Path | bool) -> list[float]:
+    """Return how long `drive()` takes until the bytes are with the operating system [s]."""
+    from benchmarks.bench_latency import PAUSES, TimedLink
+    from pioneer3.arcos.commands import RVel, to_payload
+    from pioneer3.arcos.packet import encode
+    from pioneer3.links import Link, open_link
+
+    links: list[TimedLink] = []
+
+    async def opener() -> Link:
+        links.append(TimedLink(await open_link(url)))
+        return links[-1]
+
+    took, random = [], Random(0)
+    async with connect_async(opener, record=record) as robot:
+        for number in range(COMMANDS):
+            rate, asked = radians(10 + number % 50) * (1 if number % 2 else -1), time.perf_counter()
+            robot.drive(0.0, rate)
+            await asyncio.sleep(random.uniform(*PAUSES))
+            frame = encode(to_payload(RVel(rate=rate)))
+            took += [w - asked for w, data in links[0].written if w > asked and frame in data][:1]
+    return took
+
+
+def rows_of_latency() -> Iterator[Row]:
+    """Yield how much later bytes are on the wire with a log."""
+    logged: list[float] = []
+    without: list[float] = []
+    with serving("lms-200") as (robot, _), TemporaryDirectory() as folder:
+        for turn in range(2 * TURNS):
+            without += asyncio.run(to_wire(robot, False))
+            logged += asyncio.run(to_wire(robot, Path(folder) / f"{turn}.mcap"))
+    yield Row("drive() to the wire without a log, median", median(without) * 1e3, "ms", None)
+    later = 100 * (median(logged) / median(without) - 1)
+    yield Row("drive() to the wire, later with a log, median", later, "%", 5.0)
+
+
+def rows_of_reading() -> Iterator[Row]:
+    """Yield how long the facts of a log of 24 h take."""
+    topics = [LogTopic(f"topic/{number}", bytes) for number in range(9)]
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "day.mcap"
+        file = McapFile(create(path))
+        for second in range(DAY):
+            for topic in topics:
+                file.add(topic, [(second * 10**9, b"%d" % second)])
+            file.flush()
+        file.finish()
+        took = []
+        for _ in range(5):
+            began = time.perf_counter()
+            open_log(path).info()
+            took.append(time.perf_counter() - began)
+    yield Row("log of 24 h, its facts", median(took), "s", 0.5)
+
+
+def rows() -> list[Row]:
+    """Measure everything of this file."""
+    return [
+        *(row for laser, bars in LASERS.items() for row in rows_of_cost(laser, *bars)),
+        *rows_of_latency(),
+        *rows_of_reading(),
+    ]
+
+
+if __name__ == "__main__":
+    asyncio.run(serve(sys.argv[1]))

@@ -1,0 +1,220 @@
+"""`pioneer3 log`: what robots did, as their logs have it."""
+
+import re
+from datetime import datetime, timedelta
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import App, Parameter
+
+from pioneer3.cli.options import Flag
+from pioneer3.cli.process import write_json, write_line, write_warning
+from pioneer3.errors import ConfigError
+from pioneer3.units import DURATION
+
+if TYPE_CHECKING:
+    from pioneer3.log.reader import LogInfo
+
+log_app = App(
+    name="log",
+    help="""Look at what robots did: each program that drives one writes a log.
+
+    A log is named by a part of its name that no other has, or as a file.
+
+    Example: pioneer3 log list
+    Example: pioneer3 log info drive
+    """,
+    help_format="plaintext",
+)
+CLOCK = re.compile(r"\d{1,2}:\d\d(:\d\d)?")
+"""A time of day."""
+Moment = Annotated[str | None, Parameter(metavar="TIME", show_default=False)]
+
+
+@log_app.command(name="list")
+def list_(*, json: Flag = False) -> int:
+    """List the logs, the newest last, with how long they are and why they ended.
+
+    Example: pioneer3 log list
+
+    Args:
+        json: Print JSON.
+    """
+    from rich.table import Table
+
+    from pioneer3.cli.terminal import Terminal
+    from pioneer3.log.folder import logs_folder, user_logs
+    from pioneer3.log.reader import open_log
+    from pioneer3.names import printable
+
+    found = []
+    for path in user_logs(logs_folder()):
+        try:
+            found.append(open_log(path).info())
+        except ConfigError as error:
+            write_warning(str(error))
+    if json:
+        write_json([_facts(info) for info in found])
+        return 0
+    if not found:
+        write_line(f"No logs in {logs_folder()}.")
+        return 0
+    table = Table(box=None, pad_edge=False, padding=(0, 1, 0, 0), header_style="bold")
+    table.add_column("name (begin in UTC)", no_wrap=True)
+    for heading in ("long", "robot", "end", "size", ""):
+        table.add_column(heading, overflow="fold")
+    for info in found:
+        table.add_row(
+            info.path.stem,
+            _length(info.seconds),
+            printable(info.robot),
+            printable(info.end),
+            _size(info.size),
+            "pinned" if info.pinned else "",
+        )
+    Terminal().print(table)
+    return 0
+
+
+@log_app.command
+def info(name: str, *, json: Flag = False) -> int:
+    """Show what a log has: what was started, the robot, the messages by topic.
+
+    Example: pioneer3 log info drive
+
+    Args:
+        name: Of the log.
+        json: Print JSON.
+    """
+    from pioneer3.log.reader import open_log
+    from pioneer3.names import printable
+
+    known = open_log(_find(name)).info()
+    if json:
+        write_json(_facts(known))
+        return 0
+    rows = {
+        "file": str(known.path),
+        "command": known.command,
+        "began": _local(known.began),
+        "long": _length(known.seconds),
+        "end": known.end,
+        "size": _size(known.size) + (", pinned" if known.pinned else ""),
+    }
+    for about, texts in known.texts.items():
+        if about.endswith("robot"):
+            keys = ("name", "model", "kind", "url")
+            rows[about] = ", ".join(texts[key] for key in keys if texts.get(key))
+    for topic, number in sorted((known.counts or {}).items()):
+        rows[topic] = str(number)
+    width = max(map(len, rows))
+    for label, text in rows.items():
+        write_line(f"{printable(label):{width}}  {printable(text)}")
+    if known.counts is None:
+        write_line("Its end is missing: it was not counted. Everything before can be read.")
+    return 0
+
+
+@log_app.command
+def pin(name: str, *, off: Flag = False) -> int:
+    """Keep a log until you remove it yourself, whatever room others need.
+
+    Example: pioneer3 log pin drive
+
+    Args:
+        name: Of the log.
+        off: Let it go when room is needed.
+    """
+    from pioneer3.log.folder import pin as set_pin
+
+    path = _find(name)
+    try:
+        set_pin(path, on=not off)
+    except OSError as error:
+        raise ConfigError(f"{path}: cannot be changed: {error.strerror}") from None
+    write_line(f"{path}: {'goes when room is needed' if off else 'is kept'}")
+    return 0
+
+
+@log_app.command
+def cut(
+    name: str,
+    *,
+    output: Annotated[Path, Parameter(name=["--output", "-o"])],
+    begin: Moment = None,
+    end: Moment = None,
+) -> int:
+    """Write a part of a log to a new file.
+
+    Example: pioneer3 log cut drive --begin 14:02:10 --end 14:03:00 -o stall.mcap
+    Example: pioneer3 log cut drive --begin 90s --end 2min -o stall.mcap
+
+    Args:
+        name: Of the log.
+        output: The new file.
+        begin: A time of day, or how long after the log began.
+        end: Likewise.
+    """
+    from pioneer3.log.excerpt import write_excerpt
+    from pioneer3.log.reader import open_log
+
+    log = open_log(_find(name))
+    known = log.info()
+    first = known.began if begin is None else _moment("begin", begin, known)
+    last = known.ended if end is None else _moment("end", end, known)
+    written = write_excerpt(log, output, first, last)
+    write_line(f"{output}: {written} messages of {_length((last - first) / 1e9)}")
+    return 0
+
+
+def _find(name: str) -> Path:
+    """Return the log of a name: a file that is there, or one of the user's logs."""
+    from pioneer3.log.folder import find_log, logs_folder
+
+    return Path(name) if Path(name).is_file() else find_log(logs_folder(), name)
+
+
+def _moment(option: str, text: str, known: "LogInfo") -> int:
+    """Return a time of a log [ns since 1970]."""
+    if not CLOCK.fullmatch(text):
+        try:
+            return known.began + round(DURATION.read(text) * 1e9)
+        except ValueError as error:
+            raise ConfigError(f"--{option} {error}; or as a time of day, 14:02:10") from None
+    began = datetime.fromtimestamp(known.began / 1e9).astimezone()
+    try:
+        hour, minute, second = (*map(int, text.split(":")), 0)[:3]
+        when = began.replace(hour=hour, minute=minute, second=second, microsecond=0)
+    except ValueError:
+        raise ConfigError(f"--{option} {text}: there is no such time of day") from None
+    if when < began - timedelta(seconds=1):
+        when += timedelta(days=1)  # it began before midnight
+    return round(when.timestamp() * 1e9)
+
+
+def _facts(known: "LogInfo") -> dict[str, object]:
+    return {
+        "file": str(known.path),
+        "command": known.command,
+        "robot": known.robot,
+        "began": known.began / 1e9,
+        "seconds": known.seconds,
+        "end": known.end,
+        "size": known.size,
+        "pinned": known.pinned,
+        "messages": known.counts,
+    }
+
+
+def _local(time: int) -> str:
+    return datetime.fromtimestamp(time / 1e9).astimezone().strftime("%Y-%m-%d %H:%M:%S")
+
+
+def _length(seconds: float) -> str:
+    minutes, rest = divmod(round(seconds), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f"{hours}:{minutes:02}:{rest:02}" if hours else f"{minutes}:{rest:02}"
+
+
+def _size(size: int) -> str:
+    return f"{size / 1e6:.1f} MB" if size >= 1e5 else f"{size / 1e3:.0f} kB"

@@ -1,0 +1,123 @@
+"""`pioneer3 log` lists logs, tells what is in one, keeps it, and cuts it."""
+
+import json
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from pioneer3.cli.log import _moment, cut, info, list_, pin
+from pioneer3.errors import ConfigError
+from pioneer3.log.folder import create_log, is_pinned, logs_folder
+from pioneer3.log.mcap import McapFile
+from pioneer3.log.reader import open_log
+from pioneer3.log.topics import EVENT, LogEvent, LogTopic
+
+WIRE = LogTopic("wire/robot/in", bytes)
+SECOND = 10**9
+BEGAN = 1_772_357_400 * SECOND
+"""When the logs of these tests began [ns since 1970]."""
+Output = Callable[[], str]
+
+
+@pytest.fixture
+def output(capsys: pytest.CaptureFixture[str]) -> Output:
+    return lambda: capsys.readouterr().out
+
+
+def a_log(title: str, *, seconds: int = 10, ended: bool = True) -> Path:
+    """Make a log of the user with an event and bytes each second."""
+    path, descriptor = create_log(logs_folder(), title, BEGAN / SECOND)
+    file = McapFile(descriptor)
+    file.add_metadata("program", {"command": f"pioneer3 {title}"})
+    file.add_metadata("robot", {"name": "bob\x1b[31m", "model": "p3at-sh"})
+    for second in range(seconds + 1):
+        file.add(EVENT, [(BEGAN + second * SECOND, LogEvent("link", str(second)))])
+        file.add(WIRE, [(BEGAN + second * SECOND, b"%d" % second)])
+        file.flush()
+    if ended:
+        file.add_metadata("end", {"why": "left as usual"})
+        file.finish()
+    return path
+
+
+def test_the_list_says_of_which_robot_how_long_and_why_it_ended(output: Output) -> None:
+    assert list_() == 0
+    assert output().startswith("No logs in ")
+    a_log("drive")
+    a_log("map build", seconds=3700)
+    a_log("wander", ended=False)
+    assert list_() == 0
+    text = output()
+    assert "\x1b" not in text
+    for words in ("Z-drive", "0:10", "left as usual", "Z-map-build", "1:01:40", "goes on"):
+        assert words in text
+    assert list_(json=True) == 0
+    known = json.loads(output())
+    assert [each["seconds"] for each in known] == [10.0, 3700.0, 10.0]
+    assert [each["messages"] and each["messages"]["event"] for each in known] == [11, 3701, None]
+
+
+def test_a_log_that_is_damaged_does_not_hide_the_others(output: Output) -> None:
+    a_log("drive")
+    (logs_folder() / "2026-03-01T09-30-00Z-run.mcap").write_bytes(b"no log")
+    assert list_(json=True) == 0
+    assert len(json.loads(output())) == 1
+
+
+def test_info_tells_what_was_started_and_counts_messages(output: Output) -> None:
+    path = a_log("drive")
+    assert info("drive") == 0
+    lines = dict(line.split("  ", 1) for line in output().splitlines())
+    assert lines["command"].strip() == "pioneer3 drive"
+    assert lines["event"].strip() == "11"
+    assert lines["robot"].strip() == r"bob\x1b[31m, p3at-sh"
+    assert info(str(path), json=True) == 0
+    assert json.loads(output())["end"] == "left as usual"
+
+
+def test_a_pinned_log_is_kept_until_it_is_let_go() -> None:
+    path = a_log("drive")
+    assert pin("drive") == 0
+    assert is_pinned(path)
+    assert pin("drive", off=True) == 0
+    assert not is_pinned(path)
+
+
+@pytest.mark.parametrize(
+    ("begin", "end", "kept"),
+    [("2s", "4s", range(2, 5)), (None, "1s", range(2)), ("9s", None, range(9, 11))],
+)
+def test_a_part_is_a_log_of_its_own(
+    tmp_path: Path, begin: str | None, end: str | None, kept: range
+) -> None:
+    a_log("drive")
+    part = tmp_path / "part.mcap"
+    assert cut("drive", output=part, begin=begin, end=end) == 0
+    log = open_log(part)
+    assert [event.text for _, event in log.of(EVENT)] == [str(second) for second in kept]
+    bytes_kept = [each.data for each in log.messages(WIRE.name.__eq__)]
+    assert bytes_kept == [b"%d" % second for second in kept]
+    assert log.info().command == "pioneer3 drive"
+    with pytest.raises(ConfigError, match=r"part\.mcap: cannot be written: File exists"):
+        cut("drive", output=part)
+
+
+def test_a_part_without_messages_leaves_no_file(tmp_path: Path) -> None:
+    a_log("drive")
+    with pytest.raises(ConfigError, match="nothing was logged then"):
+        cut("drive", output=tmp_path / "part.mcap", begin="1h")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_time_of_day_is_that_of_this_computer_also_after_midnight(tmp_path: Path) -> None:
+    known = open_log(a_log("drive")).info()
+    began = time.localtime(BEGAN / SECOND)
+    text = time.strftime("%H:%M:%S", began)
+    assert _moment("begin", text, known) == BEGAN
+    before = time.strftime("%H:%M:%S", time.localtime(BEGAN / SECOND - 3600))
+    assert _moment("begin", before, known) == BEGAN + 23 * 3600 * SECOND
+    for wrong in ("25:00", "soon"):
+        with pytest.raises(ConfigError, match=f"--begin.*{wrong}"):
+            _moment("begin", wrong, known)
