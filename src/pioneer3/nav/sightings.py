@@ -1,7 +1,7 @@
 """Things that are not on the map: boxes, closed doors, people. Where, and when they were seen."""
 
 from dataclasses import replace
-from math import hypot, inf, pi, sqrt
+from math import atan2, hypot, inf, pi, sqrt
 
 import numpy as np
 
@@ -40,6 +40,12 @@ WALL_DOUBT = 0.05
 """Error of a wall's place for each metre from the laser, which makes it no walker [m/m]."""
 COMING_WAY = 4.0
 """Way that people are expected to go on for [m]."""
+COMING_STEP = 0.1
+"""Step of that way [m]."""
+BENDS = np.radians([0, 20, -20, 40, -40, 60, -60, 80, -80])
+"""Turns at each step that walls may bring about, the likeliest first [rad]."""
+LEAST_ROOM = 0.2
+"""Distance from the middle of somebody to walls at least [m]."""
 STANDING_TIME = 12.0
 """Time after which walkers who have stood are in the way of plans [s]."""
 
@@ -260,13 +266,27 @@ class Sightings:
 
     def lines(self, now: float) -> Float:
         """Return the lines on which people come, or would if they were let [m], shape (L, 4)."""
-        rows = [
-            (x, y, x + COMING_WAY * thing.heading[0], y + COMING_WAY * thing.heading[1])
+        ways = [
+            self.way_of(thing.at(now), thing.heading)
             for thing in self.movers.walking()
             if now - thing.seen < COMING_TIME and any(thing.heading)
-            for x, y in [thing.at(now)]
         ]
-        return np.array(rows).reshape(-1, 4)
+        lines = [np.hstack([way[:-1], way[1:]]) for way in ways]
+        return np.concatenate([np.empty((0, 4)), *lines])
+
+    def way_of(self, place: tuple[float, float], heading: tuple[float, float]) -> Float:
+        """Return where somebody goes on from a place [m], shape (K, 2): straight, along walls."""
+        way, ahead = [np.array(place)], atan2(heading[1], heading[0])
+        for _ in range(round(COMING_WAY / COMING_STEP)):
+            turned = ahead + BENDS
+            steps = way[-1] + COMING_STEP * np.stack([np.cos(turned), np.sin(turned)], axis=1)
+            open_ = self.costs.clearance_at(steps) > LEAST_ROOM
+            if not open_.any():
+                break
+            best = int(open_.argmax())
+            ahead = float(turned[best])
+            way.append(steps[best])
+        return np.array(way)
 
     def are_people_about(self, now: float) -> bool:
         """Return whether somebody was seen within the last minute: then much may change soon."""

@@ -8,13 +8,15 @@ import numpy as np
 from pioneer3.arrays import Float
 from pioneer3.behaviors.action import Desire, Situation
 from pioneer3.geometry import Pose2
-from pioneer3.nav.manoeuvre import Manoeuvre, find_manoeuvre, find_way_aside
+from pioneer3.nav.manoeuvre import Manoeuvre, duration, find_manoeuvre, find_way_aside
 from pioneer3.nav.mover import Mover
 from pioneer3.nav.planner import CostToGo
-from pioneer3.nav.sightings import COMING_WAY, STANDING_TIME, Sightings
+from pioneer3.nav.sightings import STANDING_TIME, Sightings
 
 MOVED = 0.2
 """Way below which a robot has not moved [m]."""
+TURNED = 0.5
+"""Turn below which it has not turned [rad]."""
 HELD_UP_TIME = 4.0
 """Time without headway after which it looks for a manoeuvre [s]; half of it is between searches."""
 BLOCKED_TIME = 1.0
@@ -62,26 +64,33 @@ class Recovery:
             blocked: Whether no motion leads on.
         """
         here, now = robot_in_map, situation.now
-        if hypot(here.x - self._anchor.x, here.y - self._anchor.y) > MOVED:
+        moved = self._anchor.inverse() @ here
+        turned = self._manoeuvre is not None and abs(moved.theta) > TURNED
+        if turned or hypot(moved.x, moved.y) > MOVED:
             self._anchor, self._anchored = here, now
         still = now - self._anchored
+        waiting = self._waiting(here, now)
+        self._met = now if waiting else self._met
+        passed = now - self._met > BLOCKED_TIME and not blocked
         if self._manoeuvre is not None:
             v, w = self._manoeuvre.step(here)
-            if not self._manoeuvre.done and still < HELD_UP_TIME:
+            over = self._manoeuvre.done or (self._aside and passed)
+            if not over and still < HELD_UP_TIME:
                 why = "goes aside for somebody" if self._aside else "lines up with a narrow place"
                 return Desire(v=v, w=w, reason=why)
             self._manoeuvre, self._anchored, still = None, now, 0.0
-        waiting = self._waiting(here, now)
-        self._met = now if waiting else self._met
         self._aside &= now - self._met < BLOCKED_TIME and still < STANDING_TIME
         if self._aside:
             return Desire(v=0.0, w=0.0, reason="lets somebody pass")
         late, poses = now - self._searched > HELD_UP_TIME / 2, None
         if waiting and blocked and still > BLOCKED_TIME:
-            if late and still > STANDING_TIME:
+            if late:
                 model, costs = situation.model, self.sightings.costs
-                poses = find_way_aside(here, model, obstacles, _ways(waiting, here), costs)
-                self._searched, self._aside = now, poses is not None
+                poses = find_way_aside(here, model, obstacles, self._ways(waiting, here), costs)
+                self._searched = now
+                if poses is not None and still < min(duration(poses), STANDING_TIME):
+                    poses = None
+                self._aside = poses is not None
             if poses is None:
                 return Desire(v=0.0, w=0.0, reason="waits for somebody")
         elif late and min(held_up, still, now - self._met) > HELD_UP_TIME:
@@ -90,6 +99,17 @@ class Recovery:
         if poses is not None:
             self._manoeuvre, self._anchored = Manoeuvre(poses, situation.limits), now
         return None
+
+    def _ways(self, people: list[Mover], here: Pose2) -> Float:
+        """Return points on the ways ahead of people, or from them to the robot [m], (K, 2)."""
+        ways = [
+            self.sightings.way_of(
+                (each.x, each.y),
+                each.heading if any(each.heading) else (here.x - each.x, here.y - each.y),
+            )
+            for each in people
+        ]
+        return np.concatenate(ways)
 
     def _waiting(self, here: Pose2, now: float) -> list[Mover]:
         """Return the people who stand so near that the robot may be in their way."""
@@ -100,13 +120,3 @@ class Recovery:
             and (each.stands is not None or now - each.seen > BLOCKED_TIME)
             and now - each.still_since < STAYING_TIME
         ]
-
-
-def _ways(walkers: list[Mover], here: Pose2) -> Float:
-    """Return points on the lines ahead of people, or from them to the robot [m], shape (K, 2)."""
-    steps, points = np.linspace(0.0, COMING_WAY, 40)[:, None], []
-    for walker in walkers:
-        towards = np.array((here.x - walker.x, here.y - walker.y))
-        ahead = np.array(walker.heading) if any(walker.heading) else towards / hypot(*towards)
-        points.append((walker.x, walker.y) + steps * ahead)
-    return np.concatenate(points)

@@ -13,6 +13,7 @@ from pioneer3.nav.mover import OFTEN
 from pioneer3.nav.moving import PEOPLE_TIME
 from pioneer3.nav.sightings import (
     COMING_WAY,
+    LEAST_ROOM,
     PASSING_TIME,
     STANDING_TIME,
     Sightings,
@@ -232,10 +233,22 @@ def come_and_stand(sightings: Sightings, seconds: float) -> None:
 
 def test_the_line_on_which_somebody_comes_is_told(sightings: Sightings) -> None:
     come_and_stand(sightings, 1.5)
-    [(x, y, to_x, to_y)] = sightings.lines(6.5).tolist()
-    assert (x, y) == pytest.approx((4.5, 3.1), abs=0.2)
-    assert (to_x - x, to_y - y) == pytest.approx((0.0, COMING_WAY), abs=1.5)
+    lines = sightings.lines(6.5)
+    assert lines[0, :2] == pytest.approx((4.5, 3.1), abs=0.2)
+    assert lines[-1, 3] > 5.4  # to the wall and along it
+    lengths = np.hypot(lines[:, 2] - lines[:, 0], lines[:, 3] - lines[:, 1])
+    assert lengths.sum() == pytest.approx(COMING_WAY, abs=0.01)
     assert not len(sightings.lines(6.5 + PASSING_TIME))
+
+
+def test_who_comes_to_a_wall_goes_on_along_it(sightings: Sightings) -> None:
+    way = sightings.way_of((8.0, 4.5), (1.0, 0.2))
+    assert way[0] == pytest.approx((8.0, 4.5))
+    assert (way[:, 0] < 10.0 - LEAST_ROOM + 0.05).all()
+    assert (way[:, 1] < 6.0 - LEAST_ROOM + 0.05).all()
+    assert np.hypot(*np.diff(way, axis=0).T).max() < 0.11
+    assert way[-1, 1] > way[0, 1] + 0.5
+    assert len(sightings.way_of((9.95, 5.95), (1.0, 1.0))) < 20  # a corner: nobody goes on
 
 
 def test_echoes_outside_of_people_may_be_legs(sightings: Sightings) -> None:
