@@ -281,7 +281,7 @@ def is_mcap(path: Path) -> bool:
     except FileNotFoundError:
         raise PortNotFoundError(f"{path}: no such recording") from None
     except OSError as error:
-        raise ConfigError(f"{path}: cannot be read: {error.strerror or error}") from None
+        raise ConfigError(f"{path}: not a readable recording: {error.strerror}") from None
 
 
 def _read_index(file: BinaryIO, size: int) -> _Index | None:
