@@ -113,11 +113,11 @@ class LogInfo:
 
     @property
     def robot(self) -> str:
-        """The robot, for people; empty where none was connected."""
+        """The robot, or the names of several in this log; empty where none was connected."""
         return ", ".join(
-            texts["name"]
+            name.rpartition("/")[0] or texts.get("name", "")
             for name, texts in self.texts.items()
-            if name.endswith("robot") and "name" in texts
+            if name.rpartition("/")[2] == "robot"
         )
 
     @property

@@ -68,6 +68,15 @@ def test_what_is_put_is_there_in_its_order_and_at_its_time(
     assert path.stat().st_mode & 0o777 == 0o600
 
 
+def test_several_robots_are_told_by_their_names(tmp_path: Path) -> None:
+    path = tmp_path / "a.mcap"
+    with logged(path) as log:
+        for name in ("bob", "amy"):
+            log.describe(f"{name}/robot", {"name": "MobileSim"})
+    info = open_log(path).info()
+    assert info.robot == "bob, amy"
+
+
 def test_the_librarys_own_reader_finds_its_checksums_right(tmp_path: Path) -> None:
     path = tmp_path / "a.mcap"
     with logged(path) as log:
