@@ -10,7 +10,7 @@ from time import process_time
 
 import numpy as np
 
-from benchmarks import nav_localization, nav_mapping, nav_pushes
+from benchmarks import nav_localization, nav_long, nav_mapping, nav_pushes
 from benchmarks.nav_goals import MODELS, Trial, maps
 from benchmarks.nav_goto import SONAR_SHARE, outcomes_of, rows_of
 from benchmarks.table import Row
@@ -43,6 +43,7 @@ def rows(*, quick: bool = False, jobs: int | None = None) -> Iterator[Row]:
     yield from nav_localization.rows(quick=quick)
     sizes = (nav_mapping.QUICK_SECONDS, nav_mapping.QUICK_SEEDS) if quick else ()
     yield from nav_mapping.rows(*sizes)
+    yield from nav_long.rows(*((nav_long.QUICK_METRES,) if quick else ()))
     yield from nav_pushes.rows(*((nav_pushes.QUICK_PUSHES,) if quick else ()))
 
 

@@ -35,7 +35,7 @@ def found(numbers: Int) -> set[tuple[int, int]]:
 
 @given(inside, inside, point_lists)
 def test_rays_pass_the_cells_between_their_ends(x: float, y: float, ends: Float) -> None:
-    seen, out = np.zeros((SIZE, SIZE), dtype=np.int32), np.empty(2000, dtype=np.int64)
+    seen, out = np.zeros((SIZE, SIZE), dtype=np.uint8), np.empty(2000, dtype=np.int64)
     origin = np.array([x, y])
     count = plain(passed_cells)(origin, ends, seen, np.zeros(2, dtype=np.int64), 1, out)
     cells, share = found(out[:count]), np.linspace(0, 1, 997)[:, None]
@@ -49,14 +49,14 @@ def test_rays_pass_the_cells_between_their_ends(x: float, y: float, ends: Float)
 
 @given(point_lists)
 def test_echoes_hit_their_own_cells_and_nothing_else_without_walls(points: Float) -> None:
-    seen, out = np.zeros((SIZE, SIZE), dtype=np.int32), np.empty(100, dtype=np.int64)
+    seen, out = np.zeros((SIZE, SIZE), dtype=np.uint8), np.empty(100, dtype=np.int64)
     nothing = np.zeros((len(points), 3))
     count = plain(hit_cells)(points, nothing, 5.0, seen, np.zeros(2, dtype=np.int64), 1, out)
     assert found(out[:count]) == cells_of(points)
 
 
 def test_between_two_points_of_a_wall_the_cells_are_hit_too() -> None:
-    seen, out = np.zeros((SIZE, SIZE), dtype=np.int32), np.empty(100, dtype=np.int64)
+    seen, out = np.zeros((SIZE, SIZE), dtype=np.uint8), np.empty(100, dtype=np.int64)
     points, wall = np.array([[1.5, 4.5], [6.5, 4.5]]), np.tile([0.0, 1.0, 0.0], (2, 1))
     count = hit_cells(points, wall, 6.0, seen, np.zeros(2, dtype=np.int64), 1, out)
     assert found(out[:count]) == {(4, column) for column in range(1, 7)}
@@ -79,7 +79,7 @@ def test_a_search_by_blocks_finds_the_best_of_all(
         size = 2**level
         pyramid[level, row, column] = raster[row : row + size, column : column + size].max()
     cells = rng.integers(half, 30 - half, (len(turns), points, 2))
-    limits = np.array([float(half), 0.2, cost])
+    limits = np.array([float(half), 0.2, cost, -1e17])
     worths = {
         (a, row, column): raster[cells[a, :, 0] + row, cells[a, :, 1] + column].astype(float).sum()
         - cost * ((row / half) ** 2 + (column / half) ** 2 + (turn / 0.2) ** 2)
@@ -96,6 +96,11 @@ def test_a_search_by_blocks_finds_the_best_of_all(
             if most >= 0:
                 assert abs(best[part] - most) < 1e-6
                 assert abs(worths[tuple(out[part].tolist())] - most) < 1e-6
+    for least, found in (max(worths.values()) - 1e-6, True), (max(worths.values()) + 1e-6, False):
+        limits[3] = least
+        out, best = np.zeros((1, 3), dtype=np.int64), np.empty(1)
+        search(pyramid, cells, turns, np.zeros_like(sectors), 0.8, limits, out, best)
+        assert bool(best[0] >= least) is found
 
 
 @given(point_lists)

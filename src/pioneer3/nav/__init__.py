@@ -30,7 +30,10 @@ frames            parts of a map: scans at poses, and the ways that were measure
 matching          finds the pose from which a scan fits the scans before it
 relocalization    finds the place of a scan that is nowhere near where odometry has it
 loops             finds places again
+pose_graph        the poses, edges and pieces of a map while loops are added to it
 graph             poses from the ways that were measured between them
+odometry          where odometry leads to, and how far from there a robot may be
+mounting          finds out how far a laser is turned from where it is said to look
 mapper            makes a map: poses of a robot, live, from scans and odometry
 contradictions    finds where odometry contradicts the scans of a map
 rendering         draws the map of a survey: which cells are free, and which are walls

@@ -4,7 +4,7 @@ from math import hypot
 
 from pioneer3.geometry import Pose2, wrap
 from pioneer3.nav.frames import Survey
-from pioneer3.nav.mapper import slip
+from pioneer3.nav.odometry import slip
 from pioneer3.nav.settings import MapperSettings
 
 COMPARED_FRAMES = 4

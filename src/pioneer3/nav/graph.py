@@ -8,9 +8,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
 
 from pioneer3.arrays import Float, Int
-from pioneer3.geometry import Pose2, wrap
 from pioneer3.nav.frames import Edge
-from pioneer3.nav.particles import rows_of
 
 PHI = 10.0
 """Squared error above which a loop is taken for partly wrong [squared sigmas]."""
@@ -58,28 +56,31 @@ class _Graph:
 
 
 def optimized(
-    poses: Sequence[Pose2],
+    poses: Float,
     edges: Sequence[Edge],
     *,
+    held: int = 1,
     plain: int = GRAPH_PLAIN_ROUNDS,
     rounds: int = GRAPH_ROUNDS,
     small: float = GRAPH_STEP,
-) -> tuple[Pose2, ...]:
-    """Return the likeliest poses; the first stays where it is.
+) -> Float:
+    """Return the likeliest poses, shape (N, 3); the first `held` ones stay where they are.
 
     Loops are weighted by dynamic covariance scaling (Agarwal et al., 2013), so that a wrong one
     does little harm; in `plain` rounds all count in full. An unbroken chain of edges that are no
     loops leads to each pose from the first. Steps below `small` [m, rad] end the search.
     """
-    graph, result = _Graph(edges), rows_of(poses)
-    if len(result) < 2:
-        return tuple(poses)
+    result = poses.copy()
+    if len(result) <= held:
+        return result
+    graph = _Graph([edge for edge in edges if edge.first >= held or edge.second >= held])
     for number in range(rounds):
-        step = _step(graph, result, robust=number >= plain)
-        result[1:] += step
+        step = _step(graph, result, held, robust=number >= plain)
+        result[held:] += step
         if number >= plain and np.abs(step).max() < small:
             break
-    return tuple(Pose2(x, y, wrap(theta)) for x, y, theta in result.tolist())
+    result[held:, 2] = _wrapped(result[held:, 2])
+    return result
 
 
 def pieces_of(count: int, edges: Sequence[Edge]) -> Int:
@@ -94,28 +95,40 @@ def pieces_of(count: int, edges: Sequence[Edge]) -> Int:
     return labels
 
 
-def _step(graph: _Graph, poses: Float, *, robust: bool) -> Float:
-    """Return a step of Gauss-Newton's method for all poses but the first, shape (N - 1, 3)."""
+def _step(graph: _Graph, poses: Float, held: int, *, robust: bool) -> Float:
+    """Return a step of Gauss-Newton's method for all poses but those held, shape (N - held, 3)."""
     errors, information = graph.errors(poses), graph.information
     if robust:
         squared = np.einsum("ei,eij,ej->e", errors, information, errors)
         scale = np.where(graph.loop, np.minimum(1.0, 2 * PHI / (PHI + squared)), 1.0)
         information = information * (scale**2)[:, None, None]
-    size = 3 * len(poses)
-    gradient = np.zeros((len(poses), 3))
+    count = len(poses) - held
+    gradient = np.zeros((count, 3))
     rows, columns, values = [], [], []
-    by_pose = tuple(zip((graph.first, graph.second), graph.jacobians(poses), strict=True))
+    by_pose = tuple(
+        zip((graph.first - held, graph.second - held), graph.jacobians(poses), strict=True)
+    )
     for index, jacobian in by_pose:
         weighted = np.swapaxes(jacobian, 1, 2) @ information
-        np.add.at(gradient, index, -(weighted @ errors[:, :, None])[:, :, 0])
+        free = index >= 0
+        np.add.at(gradient, index[free], -(weighted @ errors[:, :, None])[free, :, 0])
         for other, derivative in by_pose:
-            values.append((weighted @ derivative).ravel())
-            rows.append(np.repeat(_numbers(index), 3, axis=1).ravel())
-            columns.append(np.tile(_numbers(other), (1, 3)).ravel())
+            both = free & (other >= 0)
+            values.append((weighted[both] @ derivative[both]).ravel())
+            rows.append(np.repeat(_numbers(index[both]), 3, axis=1).ravel())
+            columns.append(np.tile(_numbers(other[both]), (1, 3)).ravel())
     place = np.concatenate(rows), np.concatenate(columns)
-    matrix = coo_array((np.concatenate(values), place), shape=(size, size)).tocsc()[3:, 3:]
-    solver = splu(matrix, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
-    step: Float = solver.solve(gradient.ravel()[3:]).reshape(-1, 3)
+    matrix = coo_array((np.concatenate(values), place), shape=(3 * count, 3 * count)).tocsc()
+    # the matrix is positive definite: pivots would only undo the order that leaves most zeros; for
+    # blocks of three, supernodes that are filled up with zeros take three times as long
+    solver = splu(
+        matrix,
+        permc_spec="MMD_AT_PLUS_A",
+        diag_pivot_thresh=0.0,
+        relax=1,
+        options={"SymmetricMode": True},
+    )
+    step: Float = solver.solve(gradient.ravel()).reshape(-1, 3)
     return step
 
 

@@ -9,9 +9,8 @@ import numpy as np
 from pioneer3.arrays import Float
 from pioneer3.geometry import Pose2
 from pioneer3.nav.frames import Edge, Survey
-from pioneer3.nav.graph import optimized, pieces_of
 from pioneer3.nav.matching import Cloud, Match, Prior, Submap, rotation
-from pioneer3.nav.particles import rows_of
+from pioneer3.nav.pose_graph import ALONE_MOVE, LOOPS_APART, MOST_ALONE, PoseGraph, Progress
 from pioneer3.nav.relocalization import Vicinity
 
 RECENT_FRAMES = 30
@@ -47,13 +46,8 @@ LOOP_INLIERS = 0.65
 """Share of points on walls from which on a match closes a loop."""
 LOOP_RATIO = 0.05
 """Ratio from which on the walls fix the position in all directions: see `Match.ratio`."""
-ALONE_MOVE = 0.05
-"""Move of the robot up to which a loop is taken by itself [m]; another one needs a second that
-agrees with it."""
 ALONE_PER_WAY = 0.02
 """Move up to which a loop is taken by itself, as a share of the way since the last loop."""
-MOST_ALONE = 0.3
-"""Move up to which a loop is taken by itself at most [m]."""
 ASKED_PIECES = 2
 """Pieces of the map, the latest ones, that are looked for at a time."""
 ASKED_PLACES = 3
@@ -62,69 +56,51 @@ JOINED_WAY = 1.5
 """Distance from a place within which a piece is looked for [m]."""
 JOINED_APART = 2.5
 """Way between two places of a piece that confirm each other [m]: corridors look alike."""
-LOOPS_APART = 0.2
-"""Difference below which two loops agree [m], which is less than one that is taken by itself moves
-the robot."""
-LOOPS_TURN = 0.05
-"""Difference of headings below which two loops agree [rad]."""
 LOOPS_WAY = 20.0
 """Way within which two loops agree [m]."""
-LOOP_MOVE = 0.02
-"""Difference of a loop from the poses above which they are made new [m]."""
-LOOP_TURN = 0.004
-"""Difference of a loop from the headings above which poses are made new [rad]."""
-LOOP_PATIENCE = 8
-"""Loops after which poses are made new in any case."""
 LOOP_PRIOR = np.diag([1.0, 1.0, 10.0])
 """Information of a loop besides its points."""
-LOOP_PLAIN_ROUNDS = 2
-"""Rounds of the graph in which all loops count in full."""
-LOOP_ROUNDS = 3
-"""Rounds of the graph at most: the next loops go on where these end."""
-LOOP_STEP = 2e-3
-"""Step of the graph below which it ends [m, rad]."""
 MATCH_FLOOR = np.diag([0.01, 0.01, 0.003]) ** 2
 """Errors of a match that its points do not show [m, m, rad]: motion in a scan, rough walls."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Improvement:
-    """An improvement of a :class:`MapSnapshot`: poses, and all edges with the `loops` found.
+    """An improvement of a :class:`MapSnapshot`: poses, and all edges with the loops found.
 
-    The `pieces` of the map are those whose places to each other are not known.
+    The `pieces` of the map are those whose places to each other are not known. The edges of the
+    snapshot were so many as `before`.
     """
 
     poses: tuple[Pose2, ...]
     edges: tuple[Edge, ...]
-    looked: int
-    waiting: tuple[Edge, ...]
-    loops: int
+    before: int
+    progress: Progress
     pieces: int
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class MapSnapshot:
-    """A map at one instant, for a thread of its own.
-
-    Key frames from the number `looked` on have not been looked for; with the loops that are
-    `waiting` nothing else agrees so far.
-    """
+    """A map at one instant, for a thread of its own."""
 
     survey: Survey
-    looked: int
-    waiting: tuple[Edge, ...]
+    progress: Progress
 
     @property
     def is_looked_through(self) -> bool:
-        """Whether all key frames have been looked for."""
-        return self.looked >= len(self.survey.frames)
+        """Whether all key frames have been looked for, and their poses follow from the loops."""
+        return self.progress.looked >= len(self.survey.frames) and not self.progress.due
 
     def improve(self) -> Improvement:
         """Look for a place that the robot has been at before.
 
-        It ends after the first key frame that had to be compared with others, as that takes long.
+        It ends after the first key frame that had to be compared with others, as that takes long;
+        so does a round of the whole graph.
         """
-        search, looked, count = _Search(self), self.looked, len(self.survey.frames)
+        search, looked, count = _Search(self), self.progress.looked, len(self.survey.frames)
+        if self.progress.due:
+            search.settle()
+            return search.finish(looked)
         while looked < count and not search.look_for(looked):
             looked += 1
         if looked < count:
@@ -138,50 +114,50 @@ class _Search:
     """Looks for loops, one key frame after the other."""
 
     def __init__(self, snapshot: MapSnapshot) -> None:
-        survey = snapshot.survey
-        self._frames, self._poses = survey.frames, survey.poses
-        self._edges, self._waiting = [*survey.edges], [*snapshot.waiting]
-        self._views = self._seen_from_all()
-        self._ways = np.array([frame.way for frame in self._frames])
-        loops = [edge.second for edge in self._edges if edge.loop]
-        self._closed = max((self._frames[k].way for k in loops), default=0.0)
-        asked = [self._frames[edge.second].way for edge in self._waiting]
-        self._tried = max((self._closed, *asked))
-        self._found = self._fresh = 0
-        self._piece = pieces_of(len(self._frames), self._edges)
+        self._graph = PoseGraph(snapshot.survey, snapshot.progress)
+        self._before = len(snapshot.survey.edges)
+        self._waiting = [*snapshot.progress.waiting]
+        asked = [self._graph.frames[edge.second].way for edge in self._waiting]
+        self._tried = max((self._graph.closed, *asked))
 
     def look_for(self, number: int) -> bool:
         """Look for the place of a key frame among older ones, and close the loops found.
 
         Return whether there were any that it was compared with.
         """
-        way = self._ways[number]
+        way = self._graph.ways[number]
         if number < RECENT_FRAMES + AROUND_FRAMES or way - self._tried < ATTEMPT_WAY:
             return False
-        drift = min(MOST_DRIFT, DRIFT_START + DRIFT_SHARE * (way - self._closed))
+        drift = min(MOST_DRIFT, DRIFT_START + DRIFT_SHARE * (way - self._graph.closed))
         query = self._query(number)
         for old in self._candidates(number, SEEN_APART + drift):
             self._tried = way
             edge = self._close(old, number, query, drift)
             if edge is not None:
                 self._take(edge)
+            if self._graph.is_due:  # the poses are about to change
+                break
         return bool(self._tried == way)
+
+    def settle(self) -> None:
+        """Make the round of the whole graph that is due."""
+        self._graph.settle()
 
     def finish(self, looked: int) -> Improvement:
         """Return the result; key frames before the number `looked` have been looked for."""
+        graph = self._graph
         return Improvement(
-            poses=self._poses,
-            edges=(*self._edges,),
-            looked=looked,
-            waiting=(*self._waiting,),
-            loops=self._found,
-            pieces=len(np.unique(self._piece)),
+            poses=graph.poses,
+            edges=(*graph.edges,),
+            before=self._before,
+            progress=graph.progress(looked, (*self._waiting,)),
+            pieces=graph.pieces,
         )
 
     def _candidates(self, number: int, near: float) -> Iterator[int]:
         """Yield the key frame of each old pass that saw most of the same."""
-        views = self._views[: number - RECENT_FRAMES]
-        off = np.hypot(*(views - self._views[number]).T)
+        views = self._graph.views
+        off = np.hypot(*(views[: number - RECENT_FRAMES] - views[number]).T)
         close = np.flatnonzero(off < near)
         if not len(close):
             return
@@ -191,9 +167,9 @@ class _Search:
 
     def _query(self, number: int) -> Cloud:
         """Return the points of the last key frames in the frame of the robot at one."""
-        here = self._poses[number].inverse()
-        numbers = self._of_piece(number, number - POOLED_FRAMES + 1, number + 1)
-        clouds = [self._frames[k].cloud.moved(here @ self._poses[k]) for k in numbers]
+        here = self._graph.poses[number].inverse()
+        numbers = self._graph.of_piece(number, number - POOLED_FRAMES + 1, number + 1)
+        clouds = [self._graph.frames[k].cloud.moved(here @ self._graph.poses[k]) for k in numbers]
         return Cloud(
             np.concatenate([cloud.points for cloud in clouds]),
             np.concatenate([cloud.normals for cloud in clouds]),
@@ -201,19 +177,21 @@ class _Search:
 
     def _close(self, old: int, number: int, query: Cloud, drift: float) -> Edge | None:
         """Return the loop from an old key frame to a new one, if there is one."""
-        here = self._poses[old].inverse()
-        numbers = self._of_piece(
+        graph = self._graph
+        here = graph.poses[old].inverse()
+        numbers = graph.of_piece(
             old, old - AROUND_FRAMES, min(number - RECENT_FRAMES, old + AROUND_FRAMES) + 1
         )
         submap = Submap(
-            [self._frames[k].cloud for k in numbers], [here @ self._poses[k] for k in numbers]
+            [graph.frames[k].cloud for k in numbers],
+            [here @ graph.poses[k] for k in numbers],
         )
-        guess = here @ self._poses[number]
-        since = self._ways[number] - self._closed
+        guess = here @ graph.poses[number]
+        since = graph.ways[number] - graph.closed
         turn = min(MOST_TURN_DRIFT, TURN_DRIFT_START + TURN_DRIFT * since)
         sparse = np.ascontiguousarray(query.points[:: max(1, len(query.points) // SEARCHED_POINTS)])
-        found, worth = submap.search(sparse, guess, drift, turn)
-        if worth < SEARCH_SCORE:
+        found = submap.search_for(sparse, guess, drift, turn, SEARCH_SCORE)
+        if found is None:
             return None
         match = submap.match(query, found, Prior.around(found, 0.5, 0.2))
         if match.inliers < LOOP_INLIERS or match.ratio < LOOP_RATIO:
@@ -228,17 +206,19 @@ class _Search:
 
         Each call asks a few places: that beside the tear, and others in turn.
         """
-        for piece in np.unique(self._piece[self._piece != self._piece[0]])[-ASKED_PIECES:].tolist():
-            members = np.flatnonzero(self._piece == piece)
-            latest = members[-1] == len(self._frames) - 1
-            number = int(members[-1] if latest else members[len(self._frames) % len(members)])
-            known = np.flatnonzero(self._piece == self._piece[0])
+        graph = self._graph
+        pieces = np.unique(graph.piece[graph.piece != graph.piece[0]])
+        for piece in pieces[-ASKED_PIECES:].tolist():
+            members = np.flatnonzero(graph.piece == piece)
+            latest = members[-1] == len(graph.frames) - 1
+            number = int(members[-1] if latest else members[len(graph.frames) % len(members)])
+            known = np.flatnonzero(graph.piece == graph.piece[0])
             away = known[::AROUND_FRAMES]
-            turn = len(self._frames) * ASKED_PLACES
+            turn = len(graph.frames) * ASKED_PLACES
             others = [int(away[(turn + k) % len(away)]) for k in range(ASKED_PLACES)]
             beside = int(known[np.abs(known - members[0]).argmin()])
             for old in dict.fromkeys((beside, *others)):
-                if self._join(old, number, self._poses[number] if old == beside else None):
+                if self._join(old, number, graph.poses[number] if old == beside else None):
                     break
 
     def _join(self, old: int, number: int, near: Pose2 | None) -> bool:
@@ -246,15 +226,15 @@ class _Search:
 
         It is looked for near a pose, if that is given.
         """
-        here = self._poses[old].inverse()
-        numbers = self._of_piece(old, old - AROUND_FRAMES, old + AROUND_FRAMES + 1)
+        here = self._graph.poses[old].inverse()
+        numbers = self._graph.of_piece(old, old - AROUND_FRAMES, old + AROUND_FRAMES + 1)
         around = Vicinity(
-            [self._frames[k] for k in numbers], [here @ self._poses[k] for k in numbers]
+            [self._graph.frames[k] for k in numbers], [here @ self._graph.poses[k] for k in numbers]
         )
         begin = here @ near if near else Pose2()
         query = self._query(number)
         match = around.find(
-            query, self._frames[number].beams, begin, way=JOINED_WAY, fit=LOOP_INLIERS
+            query, self._graph.frames[number].beams, begin, way=JOINED_WAY, fit=LOOP_INLIERS
         )
         if match is None or match.ratio < LOOP_RATIO:
             return False
@@ -266,90 +246,40 @@ class _Search:
         if not self._is_seconded(edge):
             self._waiting.append(edge)
             return False
-        first, second = edge.first, edge.second
-        moved = self._poses[first] @ edge.second_in_first @ self._poses[second].inverse()
-        mine = self._piece == self._piece[second]
-        if mine[0]:  # the first pose stays where it is
-            moved, mine = moved.inverse(), self._piece == self._piece[first]
-        self._poses = tuple(
-            moved @ pose if part else pose
-            for pose, part in zip(self._poses, mine.tolist(), strict=True)
-        )
-        self._piece[mine] = self._piece[second if mine[first] else first]
-        self._accept(edge, Pose2(LOOP_MOVE, LOOP_MOVE))
+        self._graph.merge(edge)
         return True
 
     def _is_seconded(self, edge: Edge) -> bool:
         """Whether another edge between two pieces, which waited for it, says the same."""
+        graph = self._graph
         for other in self._waiting:
-            apart = self._piece[other.first] != self._piece[other.second]
-            independent = abs(self._ways[other.second] - self._ways[edge.second]) >= JOINED_APART
-            if apart and independent and self._agree(other, edge, LOOPS_APART):
+            apart = graph.piece[other.first] != graph.piece[other.second]
+            independent = abs(graph.ways[other.second] - graph.ways[edge.second]) >= JOINED_APART
+            if apart and independent and graph.agree(other, edge, LOOPS_APART):
                 self._waiting.remove(other)
-                self._edges.append(other)
+                graph.edges.append(other)
                 return True
         return False
 
-    def _of_piece(self, number: int, begin: int, end: int) -> list[int]:
-        """Return the key frames from one number to another in the piece of a key frame."""
-        return [
-            k
-            for k in range(max(0, begin), min(len(self._frames), end))
-            if self._piece[k] == self._piece[number]
-        ]
-
     def _take(self, edge: Edge) -> None:
         """Close a loop, or wait for another that agrees."""
-        moved, way = self._error(edge), self._ways[edge.second]
-        alone = min(MOST_ALONE, ALONE_MOVE + ALONE_PER_WAY * (way - self._closed))
-        if self._piece[edge.first] != self._piece[edge.second]:
+        graph = self._graph
+        moved, way = graph.error(edge), graph.ways[edge.second]
+        alone = min(MOST_ALONE, ALONE_MOVE + ALONE_PER_WAY * (way - graph.closed))
+        if graph.piece[edge.first] != graph.piece[edge.second]:
             self._merge(edge)
             return
         if hypot(moved.x, moved.y) < alone:
-            self._accept(edge, moved)
+            graph.accept(edge, moved)
             return
-        self._waiting = [e for e in self._waiting if way - self._ways[e.second] < LOOPS_WAY]
+        self._waiting = [e for e in self._waiting if way - graph.ways[e.second] < LOOPS_WAY]
         for other in self._waiting:
-            if edge.second - other.second >= POOLED_FRAMES and self._agree(other, edge, alone):
+            if edge.second - other.second >= POOLED_FRAMES and graph.agree(other, edge, alone):
                 self._waiting.remove(other)
-                self._edges.append(other)
-                self._accept(edge, moved)
+                graph.edges.append(other)
+                graph.accept(edge, moved)
                 return
         self._waiting.append(edge)
-
-    def _error(self, edge: Edge) -> Pose2:
-        """Return how far the second robot is from where the edge has it, in its own frame."""
-        between = self._poses[edge.first].inverse() @ self._poses[edge.second]
-        return between.inverse() @ edge.second_in_first
-
-    def _agree(self, a: Edge, b: Edge, near: float) -> bool:
-        """Whether two loops say the same, within `near` [m]."""
-        olds = self._poses[a.first].inverse() @ self._poses[b.first]
-        news = self._poses[a.second].inverse() @ self._poses[b.second]
-        off = (a.second_in_first @ news).inverse() @ (olds @ b.second_in_first)
-        return hypot(off.x, off.y) < min(LOOPS_APART, near) and abs(off.theta) < LOOPS_TURN
-
-    def _accept(self, edge: Edge, moved: Pose2) -> None:
-        self._edges.append(edge)
-        self._found += 1
-        self._fresh += 1
-        self._closed = self._ways[edge.second]
-        far = hypot(moved.x, moved.y) > LOOP_MOVE or abs(moved.theta) > LOOP_TURN
-        if far or self._fresh >= LOOP_PATIENCE:
-            self._fresh = 0
-            plain = 0 if hypot(moved.x, moved.y) < MOST_ALONE else LOOP_PLAIN_ROUNDS
-            self._poses = optimized(
-                self._poses, self._edges, plain=plain, rounds=LOOP_ROUNDS, small=LOOP_STEP
-            )
-            self._views = self._seen_from_all()
-
-    def _seen_from_all(self) -> Float:
-        """Return the middle of what each key frame sees, shape (N, 2)."""
-        views = np.array([frame.view for frame in self._frames]).reshape(-1, 2)
-        x, y, theta = rows_of(self._poses).T
-        c, s = np.cos(theta), np.sin(theta)
-        across, along = views[:, 1], views[:, 0]
-        return np.stack([x + c * along - s * across, y + s * along + c * across], axis=1)
 
 
 def certainty(match: Match, prior: Float) -> Float:

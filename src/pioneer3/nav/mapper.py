@@ -6,7 +6,7 @@ poses, and :meth:`Mapper.apply` takes the result, whatever has been added meanwh
 """
 
 from collections.abc import Mapping
-from math import cos, degrees, hypot, sin, sqrt
+from math import hypot
 from typing import Any, Self
 
 import numpy as np
@@ -19,25 +19,20 @@ from pioneer3.nav.frames import Edge, KeyFrame, Survey, arrays_of, survey_of
 from pioneer3.nav.graph import pieces_of
 from pioneer3.nav.loops import RECENT_FRAMES, Improvement, MapSnapshot, certainty
 from pioneer3.nav.matching import Cloud, Match, Prior, Submap
+from pioneer3.nav.mounting import LearnedMounting
+from pioneer3.nav.odometry import (
+    SEARCHED_SIGMAS,
+    SEARCHED_TURN,
+    SEARCHED_WAY,
+    backwards,
+    expected_pose,
+    search_window,
+    slip,
+)
+from pioneer3.nav.pose_graph import Progress
 from pioneer3.nav.relocalization import CLEARLY, CONTRADICTED, Vicinity
 from pioneer3.nav.settings import AS_SHIPPED, MapperSettings
 
-BEND = 0.05
-"""Turn that odometry does not tell, by the way [rad/m]: that of wheels one of which is 2 % larger.
-"""
-LEVER = 0.03
-"""Error of the place of a laser, and of the middle of a turn [m]."""
-STILL_ERROR = 0.007
-"""Error of a stretch without a way [m]: of the time of odometry, mostly."""
-STILL_TURN_ERROR = 0.01
-"""Error of the heading of a stretch without a way [rad]."""
-SEARCHED_SIGMAS = 2.5
-"""Standard deviations of odometry within which the pose is searched for."""
-SEARCHED_WAY = 1.5
-"""Distance within which the pose is searched for at most [m]: a log may miss much, and a search
-takes time with its area."""
-SEARCHED_TURN = 1.5
-"""Turn within which the pose is searched for at most [rad]."""
 WIDE_WAY = 0.12
 """Distance of a scan above which matching needs a search before it [m]."""
 WIDE_TURN = 0.1
@@ -71,64 +66,6 @@ SLIPPED = 0.01
 """Share of its information that odometry has where a scan says otherwise."""
 TORN_WAY = 1e-4 * UNKNOWN_WAY
 """Information of a way that odometry missed."""
-STRAIGHT_TURN = 0.1
-"""Turn below which a way tells where a laser looks [rad]."""
-MOST_ASKEW = 0.2
-"""Angle of a laser from where it is said to look at most [rad]."""
-LEAST_ASKEW = 0.01
-"""Angle of a laser from where it is said to look from which on that is worth a remark [rad]."""
-FEWEST_WAYS = 40
-"""Ways from which on the angle of a laser may be certain."""
-ASKEW_SIGMAS = 5.0
-"""Standard deviations of the angle of a laser from which on it is certain."""
-MOUNTING_WEIGHT = 0.5
-"""Weight against all ways that a laser looks where it is said to [m^2]: about two metres."""
-
-
-class _Mounting:
-    """Finds out how far a laser is turned from where it is said to look.
-
-    A robot that drives ahead moves aside in the scans of such a laser. The prior of odometry would
-    pull it back at each scan, and bend straight walls.
-    """
-
-    def __init__(self) -> None:
-        self._along, self._aside = MOUNTING_WEIGHT, 0.0
-        self._squares, self._ways = 0.0, 0
-
-    @property
-    def angle(self) -> float:
-        """[rad]; positive if it is turned to the left."""
-        return self._aside / self._along
-
-    @property
-    def is_certain(self) -> bool:
-        """Whether the laser is certainly turned by more than is worth a word."""
-        if self._ways < FEWEST_WAYS:
-            return False
-        variance = max(0.0, self._squares / self._along - self.angle**2) / self._ways
-        return abs(self.angle) > max(LEAST_ASKEW, ASKEW_SIGMAS * sqrt(variance))
-
-    def take(self, odometry: Pose2, step: Pose2) -> None:
-        """Learn from a way by odometry that is known by scans as `step`."""
-        if max(abs(odometry.theta), abs(step.theta)) > STRAIGHT_TURN:
-            return
-        # along the chords, as turns may be told wrong
-        half = (step.theta - odometry.theta) / 2
-        c, s = cos(half), sin(half)
-        x, y = c * odometry.x - s * odometry.y, s * odometry.x + c * odometry.y
-        along, aside = step.x * x + step.y * y, step.x * y - step.y * x
-        if abs(aside) < MOST_ASKEW * along:
-            self._along += along
-            self._aside += aside
-            self._squares += aside**2 / along
-            self._ways += 1
-
-    def seen(self, odometry: Pose2, origin: Float) -> Pose2:
-        """Return a way by odometry as it is in the scans of a laser at `origin` (2,) [m]."""
-        x, y = origin.tolist()
-        turned = Pose2(x, y, self.angle) @ Pose2(-x, -y)
-        return turned.inverse() @ odometry @ turned
 
 
 class Mapper:
@@ -155,8 +92,8 @@ class Mapper:
         self._odom_of_scan: Pose2 | None = None
         self._way = self._turn = 0.0
         self._way_of_scan = self._turn_of_scan = 0.0
-        self._looked, self._waiting = 0, tuple[Edge, ...]()
-        self._mounting = _Mounting()
+        self._progress = Progress()
+        self._mounting = LearnedMounting()
         self._pieces, self._moves, self._moved_at = 1, 0, -1
 
     @classmethod
@@ -172,7 +109,7 @@ class Mapper:
         """
         survey, looked, waiting = survey_of(state)
         mapper = cls(start or (survey.poses[-1] if survey.poses else ORIGIN), settings)
-        mapper._survey, mapper._looked, mapper._waiting = survey, looked, waiting
+        mapper._survey, mapper._progress = survey, Progress(looked=looked, waiting=waiting)
         if survey.frames:
             mapper._pieces = len(np.unique(pieces_of(len(survey.frames), survey.edges)))
             mapper._way, mapper._turn = survey.frames[-1].way, survey.frames[-1].turn
@@ -189,7 +126,7 @@ class Mapper:
     @property
     def state(self) -> dict[str, NDArray[Any]]:
         """All that a map is made of, as arrays that can be written to a file."""
-        return arrays_of(self._survey, self._looked, self._waiting)
+        return arrays_of(self._survey, self._progress.looked, self._progress.waiting)
 
     @property
     def survey(self) -> Survey:
@@ -230,13 +167,8 @@ class Mapper:
 
         The `laser` is said to be at this place on the robot; `None` if that is not known.
         """
-        askew = self._mounting.angle
-        if laser is None or not self._mounting.is_certain:
-            return self._moved()
-        side = "left" if askew > 0 else "right"
-        pose = f"{laser.x:g},{laser.y:g},{degrees(laser.theta + askew):.1f}"
-        looks = f"the laser looks {degrees(abs(askew)):.1f} degrees to the {side} of where it is"
-        return (*self._moved(), f"{looks} said to; --laser-pose {pose} mends it")
+        askew = self._mounting.remark(laser) if laser is not None else None
+        return self._moved() if askew is None else (*self._moved(), askew)
 
     def _moved(self) -> tuple[str, ...]:
         if not self._moves:
@@ -253,7 +185,7 @@ class Mapper:
     @property
     def snapshot(self) -> MapSnapshot:
         """The map at this instant, to be improved in a thread."""
-        return MapSnapshot(survey=self._survey, looked=self._looked, waiting=self._waiting)
+        return MapSnapshot(survey=self._survey, progress=self._progress)
 
     def move(self, robot_in_odom: Pose2) -> None:
         """Note odometry between scans: a long way there and back is less certain than none."""
@@ -279,27 +211,23 @@ class Mapper:
 
     def improve(self) -> None:
         """Look for all loops at once; a thread takes them one by one, as this may take seconds."""
-        self.apply(self.snapshot.improve())
         while not self.snapshot.is_looked_through:
             self.apply(self.snapshot.improve())
 
     def apply(self, improvement: Improvement) -> None:
         """Take better poses for the key frames of a snapshot; what came later moves along."""
-        survey, count = self._survey, len(improvement.poses)
-        self._looked, self._waiting = improvement.looked, improvement.waiting
-        later = tuple(edge for edge in survey.edges if edge.second >= count)
-        poses = improvement.poses
-        if count and poses != survey.poses[:count]:
-            moved = poses[-1] @ survey.poses[count - 1].inverse()
-            poses += tuple(moved @ pose for pose in survey.poses[count:])
-            self._here = moved @ self._here
-        else:
-            poses = survey.poses
-        changed = poses is not survey.poses
-        self._survey = Survey(survey.frames, poses, improvement.edges + later)
+        survey, poses, count = self._survey, improvement.poses, len(improvement.poses)
+        later = survey.edges[improvement.before :]
+        self._progress = improvement.progress
         self._pieces = improvement.pieces + sum(edge.torn for edge in later)
-        if changed:
-            self._recall(self._recent)
+        if poses == survey.poses[:count]:
+            self._survey = Survey(survey.frames, survey.poses, improvement.edges + later)
+            return
+        moved = poses[-1] @ survey.poses[count - 1].inverse()
+        poses += tuple(moved @ pose for pose in survey.poses[count:])
+        self._here = moved @ self._here
+        self._survey = Survey(survey.frames, poses, improvement.edges + later)
+        self._recall(self._recent)
 
     def _track(self, beams: Beams, cloud: Cloud, odom_of_scan: Pose2) -> None:
         """Find the robot where odometry leads to from the last key frame and scan."""
@@ -307,7 +235,7 @@ class Mapper:
         since_key = self._signed(key.beams.robot_in_odom.inverse() @ beams.robot_in_odom)
         odometry = self._mounting.seen(since_key, beams.origin)
         key_sigmas = slip(self._settings, self._way - key.way, self._turn - key.turn)
-        prior = expected = _expected(self._survey.poses[-1], odometry, *key_sigmas)
+        prior = expected = expected_pose(self._survey.poses[-1], odometry, *key_sigmas)
         odometry = self._signed(odom_of_scan.inverse() @ beams.robot_in_odom)
         odometry = self._mounting.seen(odometry, beams.origin)
         guess = self._here @ odometry
@@ -315,10 +243,10 @@ class Mapper:
         sigma, sigma_theta = slip(self._settings, way, turn)
         if self._way_of_scan + self._turn_of_scan > key.way + key.turn:
             # nothing that walks along with the robot is to take it with it in small steps
-            prior = prior.joined(_expected(self._here, odometry, sigma, sigma_theta))
-        way, turn = _window(odometry, sigma, sigma_theta)
+            prior = prior.joined(expected_pose(self._here, odometry, sigma, sigma_theta))
+        way, turn = search_window(odometry, sigma, sigma_theta)
         if way > WIDE_WAY or turn > WIDE_TURN:
-            guess, _ = self._submap.search(cloud.points, guess, way, turn)
+            guess = self._submap.search(cloud.points, guess, way, turn)
         match = self._match = self._submap.match(cloud, guess, prior)
         far = prior.squared_error(match.pose) > NEAR_ODOMETRY
         if far:
@@ -359,10 +287,10 @@ class Mapper:
             return None
         found = list[tuple[float, bool, Match]]()
         anywhere = SEARCHED_WAY / SEARCHED_SIGMAS, SEARCHED_TURN / SEARCHED_SIGMAS
-        for step, (sigma, sigma_theta) in (odometry, anywhere), (_backwards(odometry), sigmas):
-            prior = _expected(self._here, step, sigma, sigma_theta)
-            window = _window(step, sigma, sigma_theta)
-            guess, _ = self._submap.search(cloud.points, self._here @ step, *window)
+        for step, (sigma, sigma_theta) in (odometry, anywhere), (backwards(odometry), sigmas):
+            prior = expected_pose(self._here, step, sigma, sigma_theta)
+            window = search_window(step, sigma, sigma_theta)
+            guess = self._submap.search(cloud.points, self._here @ step, *window)
             other = self._submap.match(cloud, guess, prior)
             fits = other.inliers - self._vicinity.contradiction(beams, other.pose)
             found.append((fits, step != odometry, other))
@@ -373,7 +301,7 @@ class Mapper:
         return other
 
     def _signed(self, odometry: Pose2) -> Pose2:
-        return _backwards(odometry) if self._reversed else odometry
+        return backwards(odometry) if self._reversed else odometry
 
     def _find_again(self, beams: Beams, cloud: Cloud, match: Match, expected: Prior) -> bool:
         """Find a robot that was moved without its odometry, or begin a new piece of the map.
@@ -421,7 +349,7 @@ class Mapper:
     def _continue(self, beams: Beams, cloud: Cloud) -> None:
         """Find the robot near where it is said to be on a map that was made before."""
         said = self._here
-        guess, _ = self._submap.search(cloud.points, said, BEGIN_WAY, BEGIN_TURN)
+        guess = self._submap.search(cloud.points, said, BEGIN_WAY, BEGIN_TURN)
         prior = Prior(said, UNKNOWN_WAY)
         match = self._match = self._submap.match(cloud, guess, prior)
         if match.inliers < FOUND_INLIERS:
@@ -457,40 +385,3 @@ class Mapper:
         poses = [survey.poses[number] for number in numbers]
         self._submap = Submap([frame.cloud for frame in frames], poses)
         self._vicinity = Vicinity(frames, poses, self._submap)
-
-
-def slip(settings: MapperSettings, way: float, turn: float) -> tuple[float, float]:
-    """Return the standard deviations of odometry [m, rad] after a way and a turn."""
-    return (
-        STILL_ERROR + settings.way_error * way + LEVER * turn,
-        STILL_TURN_ERROR + settings.turn_error * turn + BEND * way,
-    )
-
-
-def _backwards(step: Pose2) -> Pose2:
-    """Return a way with the other sign and the same turn."""
-    return Pose2(-step.x, -step.y, step.theta)
-
-
-def _window(step: Pose2, sigma: float, sigma_theta: float) -> tuple[float, float]:
-    """Return the way [m] and the turn [rad] within which the end of a step is searched for."""
-    aside = hypot(step.x, step.y) * sigma_theta
-    return (
-        min(SEARCHED_WAY, SEARCHED_SIGMAS * (sigma + aside / 2)),
-        min(SEARCHED_TURN, SEARCHED_SIGMAS * sigma_theta),
-    )
-
-
-def _expected(begin: Pose2, odometry: Pose2, sigma: float, sigma_theta: float) -> Prior:
-    """Return where odometry leads to, with its errors `sigma` [m] and `sigma_theta` [rad].
-
-    An error of the heading that arises somewhere on the way puts the robot aside of its end, by
-    between none and all of it, and half of it if it arises evenly.
-    """
-    end = begin @ odometry
-    aside = np.array([begin.y - end.y, end.x - begin.x])
-    even = sigma_theta * np.array([*(aside / 2), 1.0])
-    covariance = np.outer(even, even)
-    covariance[:2, :2] += np.outer(aside, aside) * sigma_theta**2 / 12
-    covariance += np.diag([sigma**2, sigma**2, 0.0])
-    return Prior(end, np.linalg.inv(covariance).astype(np.float64))

@@ -45,7 +45,7 @@ FINE_TURN = 0.0087
 """Turns of a search [rad]."""
 COARSE_TURN = 0.0175
 """Turns of a search of all headings [rad]."""
-FINE_LEVELS = 4
+FINE_LEVELS = 6
 """Times that a block of a search is halved until it is a cell."""
 HEADING_SECTORS = 12
 """Sectors of headings, each of which has a best pose of its own."""
@@ -186,13 +186,21 @@ class Submap:
         x, y, theta = pose.tolist()
         return Match(pose=Pose2(x, y, wrap(theta)), information=information, inliers=float(inliers))
 
-    def search(self, points: Float, guess: Pose2, way: float, turn: float) -> tuple[Pose2, float]:
-        """Return the best pose within `way` [m] and `turn` [rad] of `guess`, and its worth.
+    def search(self, points: Float, guess: Pose2, way: float, turn: float) -> Pose2:
+        """Return the best pose within `way` [m] and `turn` [rad] of `guess`."""
+        found = self.search_for(points, guess, way, turn, worth=NOTHING)
+        assert found is not None
+        return found
+
+    def search_for(
+        self, points: Float, guess: Pose2, way: float, turn: float, worth: float
+    ) -> Pose2 | None:
+        """Return the best pose within `way` [m] and `turn` [rad] of `guess`, if worth that much.
 
         The worth is 1 where all points lie on walls, less up to `SHIFT_COST` for shift and turn.
         """
-        (found,) = self._search(points, guess, (way, turn), cost=SHIFT_COST, sectors=1)
-        return found
+        found = self._search(points, guess, (way, turn), cost=SHIFT_COST, sectors=1, least=worth)
+        return found[0][0] if found else None
 
     def search_all_headings(self, points: Float, guess: Pose2, way: float) -> list[Place]:
         """Return the best poses within `way` [m] of `guess`, one in each sector, the best first.
@@ -203,9 +211,19 @@ class Submap:
         return sorted(found, key=lambda each: -each[1])
 
     def _search(
-        self, points: Float, guess: Pose2, within: tuple[float, float], *, cost: float, sectors: int
+        self,
+        points: Float,
+        guess: Pose2,
+        within: tuple[float, float],
+        *,
+        cost: float,
+        sectors: int,
+        least: float = NOTHING,
     ) -> list[Place]:
-        """Return the best pose in each of so many `sectors` of headings, and its worth."""
+        """Return the best pose in each of so many `sectors` of headings, and its worth.
+
+        Those are left out that are worth less than `least`.
+        """
         if self._pyramid is None:
             self._pyramid = self._smeared()
         grid, pyramid = self._pyramid
@@ -218,7 +236,8 @@ class Submap:
         y = np.outer(s, points[:, 0]) + np.outer(c, points[:, 1]) + guess.y
         cells = np.floor(np.stack([y - grid[1], x - grid[0]], axis=2) / FINE_CELL).astype(np.int64)
         full = 255.0 * max(1, len(points))
-        limits = np.array([float(max(1, ceil(way / FINE_CELL))), half * apart, cost * full])
+        shift = float(max(1, ceil(way / FINE_CELL)))
+        limits = np.array([shift, half * apart, cost * full, max(NOTHING, least * full)])
         sector = np.arange(len(turns), dtype=np.int64) * sectors // len(turns)
         best, worths = np.zeros((sectors, 3), dtype=np.int64), np.empty(sectors)
         fast(search, CACHE)(pyramid, cells, turns, sector, KEPT, limits, best, worths)

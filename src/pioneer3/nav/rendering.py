@@ -3,12 +3,15 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import product
 from math import ceil
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import ndimage
 
-from pioneer3.arrays import Bool, Float, UInt8
+from pioneer3.arrays import Bool, Float, Int, UInt8
 from pioneer3.geometry import Pose2
 from pioneer3.jit import fast
 from pioneer3.maps import LineMap, MapObject, OccupancyGrid
@@ -49,6 +52,8 @@ REDRAWN_TURN = 0.002
 """Change of its heading above which a scan is drawn anew [rad]."""
 BEAM_GAP = 2
 """Half of the cells between two beams up to which they are free."""
+NUMBERS = 255
+"""Scans after which the numbers in cells, by which each is counted once a scan, begin anew."""
 SPARE_GROUND = 5.0
 """Space around the map, for it grows [m]."""
 
@@ -91,38 +96,38 @@ class MapRenderer:
     def __init__(self, cell: float = AS_SHIPPED.mapper.cell) -> None:
         self._cell = cell
         self._corner = np.zeros(2, dtype=np.int64)
-        self._hits, self._misses, self._seen = (np.zeros((0, 0), dtype=np.int32) for _ in range(3))
+        # cells are many: 16 bits last for 65,535 key frames that all see one place
+        self._hits, self._misses = (np.zeros((0, 0), dtype=np.uint16) for _ in range(2))
+        self._seen = np.zeros((0, 0), dtype=np.uint8)
         self._number = 0
-        self._strokes: list[_Strokes] = []
         self._poses: list[Pose2] = []
 
     def update(self, survey: Survey) -> None:
         """Draw the key frames that are new, and those that have moved, anew."""
         for number, (frame, pose) in enumerate(zip(survey.frames, survey.poses, strict=True)):
-            if number == len(self._poses):
-                self._strokes.append(_Strokes.of(frame.beams))
-                self._poses.append(pose)
-            elif _is_near(self._poses[number], pose):
+            if number < len(self._poses) and _is_near(self._poses[number], pose):
                 continue
+            strokes = _Strokes.of(frame.beams)
+            if number == len(self._poses):
+                self._poses.append(pose)
             else:
-                self._count(self._strokes[number], self._poses[number], -1)
+                self._count(strokes, self._poses[number], drawn=False)
                 self._poses[number] = pose
-            self._count(self._strokes[number], pose, 1)
+            self._count(strokes, pose, drawn=True)
 
     @property
     def grid(self) -> OccupancyGrid:
         """The map as cells."""
-        hits, total = self._hits, self._hits + self._misses
-        states = np.full(hits.shape, UNKNOWN, dtype=np.uint8)
-        free = self._misses > 0
-        closed = ndimage.binary_closing(np.pad(free, BEAM_GAP), iterations=BEAM_GAP)[
-            BEAM_GAP:-BEAM_GAP, BEAM_GAP:-BEAM_GAP
-        ]
-        states[free | closed] = FREE
-        most = ndimage.maximum_filter(hits, size=2 * round(SPILL_REACH / self._cell) + 1)
-        states[
-            (hits >= WALL_HITS) & (hits >= WALL_SHARE * total) & (hits >= SPILL_SHARE * most)
-        ] = OCCUPIED
+        states = np.full(self._hits.shape, UNKNOWN, dtype=np.uint8)
+        free = np.pad(self._misses > 0, BEAM_GAP)
+        free |= ndimage.binary_closing(free, iterations=BEAM_GAP)
+        states[free[BEAM_GAP:-BEAM_GAP, BEAM_GAP:-BEAM_GAP]] = FREE
+        del free
+        rows, columns = np.nonzero(self._hits >= WALL_HITS)
+        hits, misses = self._hits[rows, columns] * 1.0, self._misses[rows, columns]
+        wall = hits >= WALL_SHARE * (hits + misses)
+        wall &= hits >= SPILL_SHARE * self._most(rows, columns)
+        states[rows[wall], columns[wall]] = OCCUPIED
         return self._cropped(states)
 
     @property
@@ -131,21 +136,35 @@ class MapRenderer:
         clear = (self._misses >= CLEAR_MISSES) & (self._hits == 0)
         return self._cropped(np.where(clear, FREE, UNKNOWN).astype(np.uint8))
 
+    def _most(self, rows: Int, columns: Int) -> Float:
+        """Return the most hits of a cell within the reach of a spill of each cell, shape (N,)."""
+        height, width = self._hits.shape
+        most = np.zeros(len(rows), dtype=self._hits.dtype)
+        reach = round(SPILL_REACH / self._cell)
+        for down, right in product(range(-reach, reach + 1), repeat=2):
+            row, column = (
+                np.clip(rows + down, 0, height - 1),
+                np.clip(columns + right, 0, width - 1),
+            )
+            np.maximum(most, self._hits[row, column], out=most)
+        return most.astype(np.float64)
+
     def _cropped(self, states: UInt8) -> OccupancyGrid:
-        known = np.argwhere(states != UNKNOWN)
-        if not len(known):
+        known = states != UNKNOWN
+        rows, columns = (np.flatnonzero(known.any(axis=axis)) for axis in (1, 0))
+        if not len(rows):
             nothing = np.full((1, 1), UNKNOWN, dtype=np.uint8)
             return OccupancyGrid(states=nothing, resolution=self._cell, origin=Pose2())
-        low, high = known.min(axis=0), known.max(axis=0) + 1
-        row, column = (self._corner + low).tolist()
+        row, column = (self._corner + np.array([rows[0], columns[0]])).tolist()
         return OccupancyGrid(
-            states=states[low[0] : high[0], low[1] : high[1]],
+            states=states[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1],
             resolution=self._cell,
             origin=Pose2(self._cell * column, self._cell * row),
         )
 
-    def _count(self, strokes: _Strokes, pose: Pose2, sign: int) -> None:
+    def _count(self, strokes: _Strokes, pose: Pose2, *, drawn: bool) -> None:
         """Add a scan to the counts of cells, or take it out of them."""
+        change = np.add if drawn else np.subtract
         turn = rotation(pose.theta).T
         points, ends, origin = (
             (part @ turn + np.array([pose.x, pose.y])) / self._cell
@@ -154,19 +173,23 @@ class MapRenderer:
         self._make_room(np.concatenate([points, ends, origin[None]]))
         lines, bridge = strokes.lines.copy(), BRIDGED_GAP / self._cell
         lines[:, :2] = lines[:, :2] @ turn
-        self._number += 1
+        self._number = self._number % NUMBERS + 1
+        if self._number == 1:
+            self._seen[:] = 0
         apart = np.hypot(*np.diff(points, axis=0).T)
         hits = np.empty(len(points) + 2 * ceil(apart[apart <= bridge].sum()), dtype=np.int64)
         count = fast(hit_cells, CACHE)(
             points, lines, bridge, self._seen, self._corner, self._number, hits
         )
-        self._hits.ravel()[hits[:count]] += sign
+        at = hits[:count]
+        self._hits.ravel()[at] = change(self._hits.ravel()[at], 1)
         most = int(np.abs(ends - origin).sum()) + 3 * len(ends)
         passed = np.empty(most, dtype=np.int64)
         count = fast(passed_cells, CACHE)(
             origin, ends, self._seen, self._corner, self._number, passed
         )
-        self._misses.ravel()[passed[:count]] += sign
+        at = passed[:count]
+        self._misses.ravel()[at] = change(self._misses.ravel()[at], 1)
 
     def _make_room(self, points: Float) -> None:
         """Add cells where points [cells] lie outside of those that there are."""
@@ -182,12 +205,16 @@ class MapRenderer:
         row, column = (old - low).tolist()
         room = slice(row, row + int(shape[0])), slice(column, column + int(shape[1]))
         self._corner = low
-        larger = []
-        for counts in (self._hits, self._misses, self._seen):
-            larger.append(np.zeros((high - low).tolist(), dtype=np.int32))
+
+        def larger(counts: NDArray[Any]) -> NDArray[Any]:
+            more = np.zeros((high - low).tolist(), dtype=counts.dtype)
             if shape.all():
-                larger[-1][room] = counts
-        self._hits, self._misses, self._seen = larger
+                more[room] = counts
+            return more
+
+        self._hits = larger(self._hits)  # one after the other, as they are large
+        self._misses = larger(self._misses)
+        self._seen = larger(self._seen)
 
 
 def render(survey: Survey, cell: float = AS_SHIPPED.mapper.cell) -> OccupancyGrid:

@@ -264,10 +264,9 @@ class MapBuilder:
 
     async def _improve(self) -> None:
         before = self.mapper.odom_in_map
-        count, looked = len(self.mapper.survey.frames), 0
-        while looked < count:
+        count = len(self.mapper.survey.frames)
+        while self.mapper.snapshot.progress.looked < count:
             self.mapper.apply(await self._in_thread(self.mapper.snapshot.improve))
-            looked = self.mapper.snapshot.looked
         here = self.mapper.robot_in_map
         was = before @ (self.mapper.odom_in_map.inverse() @ here)
         if self._trip is not None and hypot(was.x - here.x, was.y - here.y) > BENT_BY:

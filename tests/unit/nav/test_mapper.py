@@ -1,6 +1,7 @@
 """Maps from scans."""
 
 import re
+from dataclasses import replace
 from itertools import pairwise
 from math import hypot, pi, radians
 
@@ -142,14 +143,7 @@ def test_what_was_added_while_a_thread_worked_moves_along() -> None:
     added = len(mapper.survey.poses) - len(before)
     improvement = snapshot.improve()
     shift = Pose2(1.0, -2.0, 0.5)
-    moved = type(improvement)(
-        poses=tuple(shift @ pose for pose in improvement.poses),
-        edges=improvement.edges,
-        looked=improvement.looked,
-        waiting=improvement.waiting,
-        loops=improvement.loops,
-        pieces=improvement.pieces,
-    )
+    moved = replace(improvement, poses=tuple(shift @ pose for pose in improvement.poses))
     here = mapper.robot_in_map
     mapper.apply(moved)
     assert added == 1

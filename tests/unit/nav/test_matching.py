@@ -128,9 +128,11 @@ def test_a_search_finds_what_is_too_far_off_for_matching(x: float, y: float, the
     pose = Pose2(3.0, 1.5, 0.2)
     submap = Submap([cloud_at(pose)], [pose])
     cloud = cloud_at(pose)
-    found, worth = submap.search(cloud.points, pose @ Pose2(x, y, theta), 2.2, 0.35)
+    guess = pose @ Pose2(x, y, theta)
+    found = submap.search(cloud.points, guess, 2.2, 0.35)
     assert near(found, pose, 0.12, 0.02)
-    assert worth > 0.5
+    assert submap.search_for(cloud.points, guess, 2.2, 0.35, 0.5) == found
+    assert submap.search_for(cloud.points, guess, 2.2, 0.35, 1.01) is None
 
 
 def test_an_empty_submap_matches_nothing() -> None:

@@ -261,7 +261,8 @@ def search(
         turns: [rad], shape (A,).
         sectors: The number of each turn's sector, shape (A,); each has a best shift of its own.
         keep: What is worth less than this share of the best one is not looked for.
-        limits: Largest shift [cells], largest turn [rad], and what each of them costs [sum].
+        limits: Largest shift [cells], largest turn [rad], what each of them costs [sum], and what
+            the best one is worth at least [sum].
         out: Is filled with the number of the turn and the shift in rows and columns, (S, 3).
         worths: Is filled with the sums, less the costs, shape (S,); low where nothing was found.
     """
@@ -282,7 +283,7 @@ def search(
                     limits,
                 )
     worths[:] = -1e18
-    top = -1e18
+    top = limits[3]
     stack, waiting = np.empty((4 * levels, 3), dtype=np.int64), np.empty(4 * levels)
     for block in np.argsort(-bounds):
         if bounds[block] < keep * top or (len(worths) == 1 and bounds[block] <= top):
@@ -295,6 +296,8 @@ def search(
             depth -= 1
             level, row, column = stack[depth, 0], stack[depth, 1], stack[depth, 2]
             if waiting[depth] <= worths[sector] or waiting[depth] < keep * top:
+                continue
+            if waiting[depth] < limits[3]:
                 continue
             if level == 0:
                 worths[sector] = waiting[depth]

@@ -2,12 +2,12 @@
 
 from math import floor, hypot, sqrt
 
-from pioneer3.arrays import Float, Float32, Int, Int32, UInt8
+from pioneer3.arrays import Float, Float32, Int, UInt8
 from pioneer3.jit import inlined, kernel
 
 
 @inlined
-def mark(seen: Int32, corner: Int, number: int, x: float, y: float, out: Int, count: int) -> int:
+def mark(seen: UInt8, corner: Int, number: int, x: float, y: float, out: Int, count: int) -> int:
     """Note the cell of a point, in cells, unless it was noted in this scan; return their number."""
     height, width = seen.shape
     row, column = floor(y) - corner[0], floor(x) - corner[1]
@@ -20,7 +20,7 @@ def mark(seen: Int32, corner: Int, number: int, x: float, y: float, out: Int, co
 
 @kernel
 def hit_cells(
-    points: Float, lines: Float, bridge: float, seen: Int32, corner: Int, number: int, out: Int
+    points: Float, lines: Float, bridge: float, seen: UInt8, corner: Int, number: int, out: Int
 ) -> int:
     """Fill `out` with the cells in which a scan ended, each once; return how many.
 
@@ -57,7 +57,7 @@ def hit_cells(
 
 @kernel
 def passed_cells(
-    origin: Float, ends: Float, seen: Int32, corner: Int, number: int, out: Int
+    origin: Float, ends: Float, seen: UInt8, corner: Int, number: int, out: Int
 ) -> int:
     """Fill `out` with the cells that rays pass, without those seen already; return how many.
 
