@@ -174,13 +174,6 @@ def _search(
     return found
 
 
-def duration(poses: Float) -> float:
-    """Return the time that a manoeuvre takes [s]."""
-    ways = np.hypot(*np.diff(poses[:, :2], axis=0).T)
-    turns = np.abs((np.diff(poses[:, 2]) + pi) % (2 * pi) - pi)
-    return float(np.where(ways > MOVE_LENGTH / 2, ways / SPEED, turns / TURN_RATE).sum())
-
-
 def _within(reach: float, here: Pose2, points: Float) -> Float:
     """Return those of `points` (N, any) that are not farther from a place than this [m]."""
     return points[np.hypot(points[:, 0] - here.x, points[:, 1] - here.y) < reach]

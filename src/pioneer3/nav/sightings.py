@@ -266,13 +266,13 @@ class Sightings:
 
     def lines(self, now: float) -> Float:
         """Return the lines on which people come, or would if they were let [m], shape (L, 4)."""
-        ways = [
-            self.way_of(thing.at(now), thing.heading)
+        rows = [
+            (x, y, x + COMING_WAY * thing.heading[0], y + COMING_WAY * thing.heading[1])
             for thing in self.movers.walking()
             if now - thing.seen < COMING_TIME and any(thing.heading)
+            for x, y in [thing.at(now)]
         ]
-        lines = [np.hstack([way[:-1], way[1:]]) for way in ways]
-        return np.concatenate([np.empty((0, 4)), *lines])
+        return np.array(rows).reshape(-1, 4)
 
     def way_of(self, place: tuple[float, float], heading: tuple[float, float]) -> Float:
         """Return where somebody goes on from a place [m], shape (K, 2): straight, along walls."""

@@ -8,7 +8,7 @@ import numpy as np
 from pioneer3.arrays import Float
 from pioneer3.behaviors.action import Desire, Situation
 from pioneer3.geometry import Pose2
-from pioneer3.nav.manoeuvre import Manoeuvre, duration, find_manoeuvre, find_way_aside
+from pioneer3.nav.manoeuvre import Manoeuvre, find_manoeuvre, find_way_aside
 from pioneer3.nav.mover import Mover
 from pioneer3.nav.planner import CostToGo
 from pioneer3.nav.sightings import STANDING_TIME, Sightings
@@ -84,13 +84,10 @@ class Recovery:
             return Desire(v=0.0, w=0.0, reason="lets somebody pass")
         late, poses = now - self._searched > HELD_UP_TIME / 2, None
         if waiting and blocked and still > BLOCKED_TIME:
-            if late:
+            if late and still > STANDING_TIME:
                 model, costs = situation.model, self.sightings.costs
                 poses = find_way_aside(here, model, obstacles, self._ways(waiting, here), costs)
-                self._searched = now
-                if poses is not None and still < min(duration(poses), STANDING_TIME):
-                    poses = None
-                self._aside = poses is not None
+                self._searched, self._aside = now, poses is not None
             if poses is None:
                 return Desire(v=0.0, w=0.0, reason="waits for somebody")
         elif late and min(held_up, still, now - self._met) > HELD_UP_TIME:
