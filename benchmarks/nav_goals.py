@@ -301,7 +301,7 @@ async def drive_all(course: Course, tell: Callable[[int, Drive], None]) -> Outco
         if course.trial.sonar:
             stack.enter_context(patch.object(Laser, "presence", NO_LASER))
         await stack.enter_async_context(sim)
-        robot = await stack.enter_async_context(connect_async(sim.open))
+        robot = await stack.enter_async_context(connect_async(sim.open, record=False))
         rng = np.random.default_rng(course.trial.seed)
         navigator = await Navigator.on(
             robot, course.map, start=course.home, rng=rng, in_thread=at_once
