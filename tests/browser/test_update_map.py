@@ -10,8 +10,8 @@ from playwright.sync_api import Page, expect
 from pioneer3.maps import LineMap
 from pioneer3.sim.equipment import EquipmentOptions
 from pioneer3.sim.worldfile import RobotSpec, WorldFile
-from tests.browser.drawn import colour, pixel, rest, settle
-from tests.browser.support import Product, hold, running_product, wait_for_the_robot
+from tests.browser.drawn import colour, pixel, rest
+from tests.browser.support import Product, hold, running_product, until, wait_for_the_robot
 from tests.browser.tabs import DESKTOP, Tabs, no_complaints
 from tests.browser.views import open_view
 from tests.unit.nav.halls import HALL, ROUND
@@ -74,15 +74,13 @@ def test_the_new_map_is_shown_with_its_changes_and_kept(
         page.locator(f"#layer-{layer}").uncheck()
     page.locator("#legend-close").click()
     rest(page)
-    settle(page)
     front = [(x, 0.6) for x in (5.1, 5.2, 5.3, 5.4, 5.5)]
     gone = pytest.approx(colour(page, "--c-gone"), abs=30)
-    assert any(pixel(page, *point) == gone for point in front)
+    until(lambda: any(pixel(page, *point) == gone for point in front))
     page.locator("#layers").click()
     page.locator("#layer-changes").uncheck()
     page.locator("#legend-close").click()
-    settle(page)
-    assert not any(pixel(page, *point) == gone for point in front)
+    until(lambda: not any(pixel(page, *point) == gone for point in front))
     page.locator("#changes-save").click()
     expect(page.locator("#toast")).to_contain_text("Saved hall.map; the map as it was before is")
     expect(page.locator("#changes-card")).to_be_hidden()
