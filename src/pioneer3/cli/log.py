@@ -122,12 +122,13 @@ def pin(name: str, *, off: Flag = False) -> int:
     Example: pioneer3 log pin drive
 
     Args:
-        name: Of the log.
+        name: Of the log, which is among the user's: no other file is changed.
         off: Let it go when room is needed.
     """
+    from pioneer3.log.folder import find_log, logs_folder
     from pioneer3.log.folder import pin as set_pin
 
-    path = _find(name)
+    path = find_log(logs_folder(), Path(name).name)
     try:
         set_pin(path, on=not off)
     except OSError as error:

@@ -19,6 +19,7 @@ from typing import Final
 
 from pioneer3.errors import ConfigError, RecordingOverError
 from pioneer3.links.base import Link, Opener
+from pioneer3.log.command_line import without_secrets
 from pioneer3.log.reader import is_mcap, open_log
 from pioneer3.log.topics import LogTopic
 from pioneer3.log.writer import LogWriter
@@ -46,7 +47,7 @@ def _size(data: bytes) -> int:
 
 
 class WireRecording:
-    """Puts the bytes of a link into a log, and what happens to it."""
+    """Puts the bytes of a link into a log, and its events."""
 
     def __init__(self, log: LogWriter, name: str = ROBOT) -> None:
         self.name = name
@@ -82,7 +83,7 @@ class TapLink:
         self.round_trip = link.round_trip
         self._link = link
         self._recording = recording
-        self._recording.remark(f"open: {link.url}")
+        self._recording.remark(f"open: {without_secrets(link.url)}")
 
     async def read(self) -> bytes:
         """Read from the link inside."""

@@ -9,8 +9,8 @@ writer        takes messages from the event loop, and writes them in a thread
 target        opens the files of a log: one that is named, or the next ones of the user's folder
 folder        the user's logs: their names, which go first, which are pinned or being written
 mcap          one MCAP file while it is written: chunks, flushes, its end
-reader        reads a log, with or without its end, and what its index tells
-command_line  what was started, without secrets
+reader        reads a log, with or without its end, and its index
+command_line  the command that was started, without secrets
 excerpt       a part of a log, as a log of its own
 cut           MCAP files without an end
 ============  =================================================================================

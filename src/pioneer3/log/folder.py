@@ -188,6 +188,6 @@ def make_room(folder: Path, room: int) -> None:
 
 
 def _age(name: str) -> tuple[str, int, str]:
-    """Return what sorts the names of logs by their age."""
+    """Return the key that sorts the names of logs by their age."""
     stem, _, number = name.removesuffix(SUFFIX).partition(".")
     return stem[:20], int(number or 1), stem

@@ -1,7 +1,7 @@
-"""Reads a log, with or without its end, and what its index tells.
+"""Reads a log, with or without its end, and its index.
 
-Nothing of a file is trusted: lengths are compared with what is there, and what is unpacked has a
-bound of its own.
+It trusts no file: it compares each length with the size of the file, and unpacks no more than a
+bound.
 """
 
 import struct
@@ -327,7 +327,7 @@ def _read_index(file: BinaryIO, size: int) -> _Index | None:
 
 
 def _index_of_all(file: BinaryIO) -> _Index:
-    """Return what a file without its end tells, by the heads of its records."""
+    """Return the facts of a file without its end, read from the heads of its records."""
     index = _Index()
     for kind, at, length in data_records(file):
         if kind == CHUNK and length >= TIMES.size:

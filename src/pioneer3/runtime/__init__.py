@@ -5,7 +5,7 @@ module     contents
 =========  =======================================================================================
 connect    connecting, and every way of leaving
 robot      `Robot`, as programs see it
-recording  the log of a robot: what comes from it, is asked of it, and decides
+recording  the log of a robot: snapshots and scans, commands, decisions
 driven     the commands and snapshots of a robot that programs get, at a cable or over topics
 arbiter    asks all actions, sends one velocity command, tells the reason to stand still
 motions    moves, turns and modes that are waited for

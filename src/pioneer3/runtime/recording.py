@@ -1,4 +1,4 @@
-"""The log of a robot: what comes from it, what is asked of it, and what decides its motion."""
+"""The log of a robot: its snapshots and scans, the commands to it, and the decisions."""
 
 from asyncio import CancelledError
 from collections.abc import Callable, Iterable, Iterator
@@ -127,7 +127,7 @@ class RobotLog:
         self.log.put(self._commands, command)
 
     async def follow(self, supervisor: Supervisor) -> None:
-        """Take what happens to the connection, and descriptions of the robot."""
+        """Log changes of the connection, and descriptions of the robot."""
         described = None
         async for status in supervisor.status.values(latest_first=True):
             self._event(f"robot: {status.connection}: {status.message}")
@@ -136,7 +136,7 @@ class RobotLog:
                 self._describe(described)
 
     async def follow_laser(self, laser: "LaserDriver") -> None:
-        """Take what happens to the connection of a laser."""
+        """Log changes of the connection of a laser."""
         async for status in laser.status.values(latest_first=True):
             self._event(f"{laser.name}: {status.connection}: {status.message}")
 
@@ -197,4 +197,4 @@ def _why(error: BaseException) -> str:
     """Return the reason for the end of a block, in words."""
     if isinstance(error, CancelledError | KeyboardInterrupt | GeneratorExit | SystemExit):
         return "told to leave"
-    return f"{type(error).__name__}: {error}"
+    return without_secrets(f"{type(error).__name__}: {error}")

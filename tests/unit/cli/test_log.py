@@ -85,6 +85,14 @@ def test_a_pinned_log_is_kept_until_it_is_let_go() -> None:
     assert not is_pinned(path)
 
 
+def test_no_file_but_a_log_of_the_user_is_pinned(tmp_path: Path) -> None:
+    mine = tmp_path / "thesis.mcap"
+    mine.touch(mode=0o644)
+    with pytest.raises(ConfigError, match="names no log"):
+        pin(str(mine))
+    assert mine.stat().st_mode & 0o777 == 0o644
+
+
 @pytest.mark.parametrize(
     ("begin", "end", "kept"),
     [("2s", "4s", range(2, 5)), (None, "1s", range(2)), ("9s", None, range(9, 11))],

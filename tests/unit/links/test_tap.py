@@ -29,6 +29,7 @@ async def test_a_recording_plays_back_what_the_robot_said_when_it_said_it(tmp_pa
     path = tmp_path / "wire.mcap"
     log = named_log(path, clock)
     ours, theirs = null_modem(speeds=(9600,))
+    ours.url = "tcp://user:word@host?token=1"
     tap = TapLink(ours, WireRecording(log))
     assert (tap.url, tap.speeds) == (ours.url, (9600,))
     await tap.set_speed(38400)
@@ -51,7 +52,7 @@ async def test_a_recording_plays_back_what_the_robot_said_when_it_said_it(tmp_pa
     ]
     events = [event for _, event in open_log(path).of(EVENT)]
     assert [event.text for event in events if event.kind == "link"] == [
-        f"robot: open: {ours.url}",
+        "robot: open: tcp://***@host?token=***",
         "robot: 38400 baud",
         "robot: closed",
     ]
