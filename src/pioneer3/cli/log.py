@@ -105,11 +105,12 @@ def info(name: str, *, json: Flag = False) -> int:
         if about.endswith("robot"):
             keys = ("name", "model", "kind", "url")
             rows[about] = ", ".join(texts[key] for key in keys if texts.get(key))
-    for topic, number in sorted((known.counts or {}).items()):
-        rows[topic] = str(number)
-    width = max(map(len, rows))
-    for label, text in rows.items():
-        write_line(f"{printable(label):{width}}  {printable(text)}")
+    counts = known.counts or {}
+    width = max(map(len, [*rows, *(f"  {topic}" for topic in counts)]))
+    lines = [*rows.items(), *[("messages", "")] * bool(counts)]
+    lines += [(f"  {topic}", str(number)) for topic, number in sorted(counts.items())]
+    for label, text in lines:
+        write_line(f"{printable(label):{width}}  {printable(text)}".rstrip())
     if known.counts is None:
         write_line("Its end is missing: it was not counted. Everything before can be read.")
     return 0

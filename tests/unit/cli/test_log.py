@@ -15,6 +15,7 @@ from pioneer3.log.reader import open_log
 from pioneer3.log.topics import EVENT, LogEvent, LogTopic
 
 WIRE = LogTopic("wire/robot/in", bytes)
+COMMAND = LogTopic("command", LogEvent)
 SECOND = 10**9
 BEGAN = 1_772_357_400 * SECOND
 """When the logs of these tests began [ns since 1970]."""
@@ -34,6 +35,7 @@ def a_log(title: str, *, seconds: int = 10, ended: bool = True) -> Path:
     file.add_metadata("robot", {"name": "bob\x1b[31m", "model": "p3at-sh"})
     for second in range(seconds + 1):
         file.add(EVENT, [(BEGAN + second * SECOND, LogEvent("link", str(second)))])
+        file.add(COMMAND, [(BEGAN + second * SECOND, LogEvent("drive", ""))])
         file.add(WIRE, [(BEGAN + second * SECOND, b"%d" % second)])
         file.flush()
     if ended:
@@ -69,10 +71,11 @@ def test_a_log_that_is_damaged_does_not_hide_the_others(output: Output) -> None:
 def test_info_tells_what_was_started_and_counts_messages(output: Output) -> None:
     path = a_log("drive")
     assert info("drive") == 0
-    lines = dict(line.split("  ", 1) for line in output().splitlines())
+    facts, _, counts = output().partition("messages")
+    lines = dict(line.split("  ", 1) for line in facts.splitlines())
     assert lines["command"].strip() == "pioneer3 drive"
-    assert lines["event"].strip() == "11"
     assert lines["robot"].strip() == r"bob\x1b[31m, p3at-sh"
+    assert counts.split() == ["command", "11", "event", "11", "wire/robot/in", "11"]
     assert info(str(path), json=True) == 0
     assert json.loads(output())["end"] == "left as usual"
 
