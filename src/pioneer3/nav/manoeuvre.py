@@ -59,6 +59,10 @@ PEOPLE_GAP = PERSON_RADIUS + 0.15
 """Distance kept from the line on which somebody walks, where it goes aside for them [m]."""
 MOST_STATES = 16_000
 """States after which a search gives up: longer ones would hold up the robot."""
+STATES_AT_ONCE = 1500
+"""States that a tick may look at: 3 ms."""
+UNFINISHED = -2
+"""Answer of a search that is to go on."""
 SPEED = 0.2
 """Speed of a manoeuvre [m/s]."""
 TURN_RATE = 0.6
@@ -82,96 +86,97 @@ def turn_rate(off: float, fastest: float, limits: Limits) -> float:
     return rate if off > 0 else -rate
 
 
-def find_manoeuvre(
-    robot_in_map: Pose2, model: RobotModel, obstacles: Float, cost_to_go: CostToGo
-) -> Float | None:
-    """Return the poses of a drive to where the way goes on, or `None` if there is none.
+class Search:
+    """A search for a manoeuvre: over places and headings, a part of it in each tick.
 
     Args:
-        robot_in_map: Where the robot is [m, rad].
+        here: Where the robot is [m, rad].
         model: Its outline.
         obstacles: Everything nearby, as a follower takes it, shape (N, 5).
-        cost_to_go: To its goal.
+        raster: Cells of `values`.
+        values: Cost to go [m], shape (H, W); `inf` where the robot must not be.
+        ways: Points of the ways of others, which it gets out of [m], shape (K, 2).
+        least: Cost to go that it gets below without such ways [m].
 
-    Returns:
-        x, y [m] and heading [rad] in the map's frame, one after the other, shape (K, 3).
+    Attributes:
+        aside: Whether it looks for a place beside the ways of others.
+        done: Whether it is over.
+        poses: x, y [m] and heading [rad] in the map's frame, one after the other, shape (K, 3);
+            `None` if there are none.
     """
-    here = robot_in_map
-    least = cost_to_go.at(here.x, here.y) - PROGRESS
+
+    def __init__(
+        self,
+        here: Pose2,
+        model: RobotModel,
+        obstacles: Float,
+        raster: Raster,
+        values: Float32,
+        *,
+        ways: Float | None = None,
+        least: float = 0.0,
+    ) -> None:
+        self.aside, self.done = ways is not None, False
+        self.poses: Float | None = None
+        near = _within(SIDE * CELL / 2 + model.corner, here, obstacles)
+        things = near[:, [0, 1, 4]]
+        # a robot that is nearer to something already only comes no nearer to that
+        things[:, 2] -= np.maximum(GAP - gaps_at(here, model, near) + ROUNDING, 0.0)
+        outline = (model.length_front, model.length_rear, model.width / 2, GAP, model.corner + GAP)
+        places, states = SIDE * SIDE, SIDE * SIDE * HEADINGS
+        self._found, self._before = np.empty((states, 3)), np.full(states, -1, dtype=np.int32)
+        self._arguments = (
+            np.array([here.x, here.y, here.theta]),
+            _moves(),
+            np.array([*outline, least, PEOPLE_GAP]),
+            things,
+            np.empty((0, 3)) if ways is None else np.pad(ways, ((0, 0), (0, 1))),
+            values,
+            np.array([raster.x, raster.y, raster.cell, CELL]),
+            np.array([SIDE, HEADINGS, MOST_STATES, STATES_AT_ONCE], dtype=np.int32),
+            self._found,
+            np.full(states, np.inf, dtype=np.float32),
+            np.empty(states, dtype=np.float32),
+            self._before,
+            np.empty(4 * states, dtype=np.int32),
+            np.full(places, np.nan),
+            np.empty(places),
+            np.zeros(2, dtype=np.int32),
+        )
+
+    def go_on(self) -> None:
+        """Look at some more states."""
+        last = fast(manoeuvre, CACHE)(*self._arguments)
+        self.done = last != UNFINISHED
+        if last < 0:
+            return
+        path = [last]
+        while (state := -2 - int(self._before[path[-1]])) != path[-1]:
+            path.append(state)
+        self.poses = self._found[path[::-1]]
+
+
+def search_on(
+    robot_in_map: Pose2, model: RobotModel, obstacles: Float, cost_to_go: CostToGo
+) -> Search | None:
+    """Return the search for a drive to where the way goes on; `None` where the goal is near."""
+    least = cost_to_go.at(robot_in_map.x, robot_in_map.y) - PROGRESS
     if least <= 0.0:
         return None
     raster, values = cost_to_go.raster, cost_to_go.values
-    return _search(here, model, obstacles, raster, values, least=least)
+    return Search(robot_in_map, model, obstacles, raster, values, least=least)
 
 
-def find_way_aside(
-    robot_in_map: Pose2,
-    model: RobotModel,
-    obstacles: Float,
-    ways: Float,
-    costs: CostMap,
-) -> Float | None:
-    """Return the poses of a drive to the nearest place beside the ways of others, if any is near.
+def search_aside(
+    robot_in_map: Pose2, model: RobotModel, obstacles: Float, ways: Float, costs: CostMap
+) -> Search:
+    """Return the search for a drive to the nearest place beside the ways of others (K, 2) [m].
 
-    Args:
-        robot_in_map: Where the robot is [m, rad].
-        model: Its outline.
-        obstacles: Everything nearby, as a follower takes it, shape (N, 5).
-        ways: Points of the ways of others [m], shape (K, 2), K at least 1.
-        costs: Of the map.
-
-    Returns:
-        As :func:`find_manoeuvre`; one pose if the robot is beside them.
+    It finds one pose where the robot is beside them already.
     """
-    here = robot_in_map
-    near = _within(SIDE * CELL / 2 + model.corner + PEOPLE_GAP, here, ways)
-    if not len(near):
-        return np.array([[here.x, here.y, here.theta]])
+    near = _within(SIDE * CELL / 2 + model.corner + PEOPLE_GAP, robot_in_map, ways)
     open_places = np.where(costs.closed, np.inf, 0.0).astype(np.float32)
-    return _search(here, model, obstacles, costs.raster, open_places, ways=near)
-
-
-def _search(
-    here: Pose2,
-    model: RobotModel,
-    obstacles: Float,
-    raster: Raster,
-    values: Float32,
-    *,
-    ways: Float | None = None,
-    least: float = 0.0,
-) -> Float | None:
-    reach = SIDE * CELL / 2 + model.corner
-    near = _within(reach, here, obstacles)
-    count = SIDE * SIDE * HEADINGS
-    poses, before = np.empty((count, 3)), np.full(count, -1, dtype=np.int32)
-    costs, keys = np.full(count, np.inf, dtype=np.float32), np.empty(count, dtype=np.float32)
-    things = near[:, [0, 1, 4]]
-    # a robot that is nearer to something already only comes no nearer to that
-    things[:, 2] -= np.maximum(GAP - gaps_at(here, model, near) + ROUNDING, 0.0)
-    outline = (model.length_front, model.length_rear, model.width / 2, GAP, model.corner + GAP)
-    last = fast(manoeuvre, CACHE)(
-        np.array([here.x, here.y, here.theta]),
-        _moves(),
-        np.array([*outline, least, PEOPLE_GAP]),
-        things,
-        np.empty((0, 3)) if ways is None else np.pad(ways, ((0, 0), (0, 1))),
-        values,
-        np.array([raster.x, raster.y, raster.cell, CELL]),
-        np.array([SIDE, HEADINGS, MOST_STATES], dtype=np.int32),
-        poses,
-        costs,
-        keys,
-        before,
-        np.empty(4 * count, dtype=np.int32),
-    )
-    if last < 0:
-        return None
-    path = [last]
-    while (state := -2 - int(before[path[-1]])) != path[-1]:
-        path.append(state)
-    found: Float = poses[path[::-1]]
-    return found
+    return Search(robot_in_map, model, obstacles, costs.raster, open_places, ways=near)
 
 
 def _within(reach: float, here: Pose2, points: Float) -> Float:

@@ -8,7 +8,7 @@ import numpy as np
 from pioneer3.arrays import Float
 from pioneer3.behaviors.action import Desire, Situation
 from pioneer3.geometry import Pose2
-from pioneer3.nav.manoeuvre import Manoeuvre, find_manoeuvre, find_way_aside
+from pioneer3.nav.manoeuvre import Manoeuvre, Search, search_aside, search_on
 from pioneer3.nav.mover import Mover
 from pioneer3.nav.planner import CostToGo
 from pioneer3.nav.sightings import STANDING_TIME, Sightings
@@ -37,6 +37,7 @@ class Recovery:
 
     sightings: Sightings
     _manoeuvre: Manoeuvre | None = field(default=None, init=False)
+    _search: Search | None = field(default=None, init=False)
     _aside: bool = field(default=False, init=False)
     _met: float = field(default=-inf, init=False)
     _searched: float = field(default=-inf, init=False)
@@ -82,20 +83,40 @@ class Recovery:
         self._aside &= now - self._met < BLOCKED_TIME and still < STANDING_TIME
         if self._aside:
             return Desire(v=0.0, w=0.0, reason="lets somebody pass")
-        late, poses = now - self._searched > HELD_UP_TIME / 2, None
-        if waiting and blocked and still > BLOCKED_TIME:
-            if late and still > STANDING_TIME:
-                model, costs = situation.model, self.sightings.costs
-                poses = find_way_aside(here, model, obstacles, self._ways(waiting, here), costs)
-                self._searched, self._aside = now, poses is not None
-            if poses is None:
-                return Desire(v=0.0, w=0.0, reason="waits for somebody")
-        elif late and min(held_up, still, now - self._met) > HELD_UP_TIME:
-            poses = find_manoeuvre(here, situation.model, obstacles, to_go)
+        waits = bool(waiting) and blocked and still > BLOCKED_TIME
+        if waits:
+            may_search = still > STANDING_TIME
+        else:
+            may_search = min(held_up, still, now - self._met) > HELD_UP_TIME
+        if self._search is not None and self._search.aside != waits:
+            self._search = None
+        if self._search is None and may_search and now - self._searched > HELD_UP_TIME / 2:
+            model, costs = situation.model, self.sightings.costs
+            if waits:
+                ways = self._ways(waiting, here)
+                self._search = search_aside(here, model, obstacles, ways, costs)
+            else:
+                self._search = search_on(here, model, obstacles, to_go)
             self._searched = now
-        if poses is not None:
-            self._manoeuvre, self._anchored = Manoeuvre(poses, situation.limits), now
+        if self._goes_on_searching(situation):
+            why = "waits for somebody" if waits else "looks for a way on"
+            return Desire(v=0.0, w=0.0, reason=why)
+        if waits and self._manoeuvre is None:
+            return Desire(v=0.0, w=0.0, reason="waits for somebody")
         return None
+
+    def _goes_on_searching(self, situation: Situation) -> bool:
+        """Search on, and take the manoeuvre that is found; whether it is to go on."""
+        if self._search is None:
+            return False
+        self._search.go_on()
+        if not self._search.done:
+            return True
+        poses, aside, self._search = self._search.poses, self._search.aside, None
+        if poses is not None:
+            self._manoeuvre = Manoeuvre(poses, situation.limits)
+            self._aside, self._anchored = aside, situation.now
+        return False
 
     def _ways(self, people: list[Mover], here: Pose2) -> Float:
         """Return points on the ways ahead of people, or from them to the robot [m], (K, 2)."""

@@ -11,6 +11,7 @@ from pioneer3.geometry import Pose2, arc, wrap
 from pioneer3.limits import Limits
 from pioneer3.maps import LineMap
 from pioneer3.maps.grid import samples
+from pioneer3.nav import manoeuvre
 from pioneer3.nav.manoeuvre import (
     BACKWARDS_COST,
     GAP,
@@ -18,8 +19,9 @@ from pioneer3.nav.manoeuvre import (
     PEOPLE_GAP,
     PROGRESS,
     Manoeuvre,
-    find_manoeuvre,
-    find_way_aside,
+    Search,
+    search_aside,
+    search_on,
 )
 from pioneer3.nav.moving import PERSON_RADIUS
 from pioneer3.nav.planner import CostToGo
@@ -41,6 +43,14 @@ def to_go(line_map: LineMap, x: float, y: float) -> CostToGo:
 def things(points: Float) -> Float:
     """Return points as obstacles."""
     return np.pad(points, ((0, 0), (0, 3)))
+
+
+def found(search: Search | None) -> Float | None:
+    """Return the poses at the end of a search."""
+    assert search is not None
+    while not search.done:
+        search.go_on()
+    return search.poses
 
 
 def person(x: float, y: float) -> Float:
@@ -65,7 +75,7 @@ def test_a_manoeuvre_keeps_clear_and_leads_on(at: tuple[float, float], theta: fl
     points, there = samples(POCKET.walls, 0.05), to_go(POCKET, 1.0, 3.0)
     here = Pose2(*at, theta)
     least = min(GAP, gap(np.array([*at, theta]), points) - 1e-6)
-    poses = find_manoeuvre(here, AT, things(points), there)
+    poses = found(search_on(here, AT, things(points), there))
     assert poses is not None
     assert poses[0] == pytest.approx([*at, theta])
     for before, after in pairwise(poses):
@@ -85,16 +95,39 @@ def test_a_manoeuvre_keeps_clear_and_leads_on(at: tuple[float, float], theta: fl
 
 def test_there_is_none_out_of_a_place_without_a_way() -> None:
     closed = room(*box(4.5, 2.5, 5.5, 3.5))
-    poses = find_manoeuvre(
-        Pose2(5.0, 3.0), AT, things(samples(closed.walls, 0.05)), to_go(room(), 1.0, 3.0)
+    poses = found(
+        search_on(Pose2(5.0, 3.0), AT, things(samples(closed.walls, 0.05)), to_go(room(), 1.0, 3.0))
     )
     assert poses is None
+
+
+def test_a_search_in_parts_finds_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    points, there = samples(POCKET.walls, 0.05), to_go(POCKET, 1.0, 3.0)
+
+    def search() -> Search:
+        begun = search_on(Pose2(4.98, 3.0, 1.5), AT, things(points), there)
+        assert begun is not None
+        return begun
+
+    monkeypatch.setattr(manoeuvre, "STATES_AT_ONCE", manoeuvre.MOST_STATES)
+    at_once = search()
+    at_once.go_on()
+    assert at_once.done
+    monkeypatch.setattr(manoeuvre, "STATES_AT_ONCE", 40)
+    in_parts = search()
+    in_parts.go_on()
+    assert not in_parts.done
+    assert in_parts.poses is None
+    later = found(in_parts)
+    assert later is not None
+    assert at_once.poses is not None
+    assert np.array_equal(later, at_once.poses)
 
 
 def test_backwards_is_taken_where_it_is_shorter() -> None:
     alley = room([3.0, 2.65, 7.0, 2.65], [3.0, 3.35, 7.0, 3.35], [5.4, 2.65, 5.4, 3.35])
     points, there = samples(alley.walls, 0.05), to_go(alley, 1.0, 3.0)
-    poses = find_manoeuvre(Pose2(4.2, 3.0, 0.0), AT, things(points), there)
+    poses = found(search_on(Pose2(4.2, 3.0, 0.0), AT, things(points), there))
     assert poses is not None
     assert poses[-1, 0] < 3.0
     assert np.allclose(poses[:, 2] % (2 * pi), 0.0, atol=0.3)
@@ -105,7 +138,7 @@ def test_backwards_is_taken_where_it_is_shorter() -> None:
 def test_a_robot_drives_it_without_touching_anything(theta: float) -> None:
     points, there = samples(POCKET.walls, 0.05), to_go(POCKET, 1.0, 3.0)
     at = Pose2(4.98, 3.0, theta)
-    poses = find_manoeuvre(at, AT, things(points), there)
+    poses = found(search_on(at, AT, things(points), there))
     assert poses is not None
     drive, v, w, nearest = Manoeuvre(poses, LIMITS), 0.0, 0.0, 1.0
     for _ in range(1500):
@@ -134,7 +167,7 @@ def test_a_way_aside_ends_beside_the_way_of_who_waits(theta: float) -> None:
     walls = samples(CORRIDOR.walls, 0.05)
     obstacles = np.concatenate([things(walls), person(6.0, 3.1)])
     ways = line(6.0, 3.1, -1.0)
-    poses = find_way_aside(Pose2(5.0, 3.0, theta), AT, obstacles, ways, costs(CORRIDOR))
+    poses = found(search_aside(Pose2(5.0, 3.0, theta), AT, obstacles, ways, costs(CORRIDOR)))
     assert poses is not None
     assert gap(poses[-1], ways) >= PEOPLE_GAP - 1e-9
     assert all(gap(each, walls) >= GAP - 1e-9 for each in poses[1:])
@@ -150,7 +183,7 @@ def test_between_two_people_it_turns_to_the_wall() -> None:
     walls = things(samples(CORRIDOR.walls, 0.05))
     obstacles = np.concatenate([walls, person(before, 3.0), person(behind, 3.0)])
     ways = line(before, 3.0, -1.0)
-    poses = find_way_aside(Pose2(5.0, 3.0, 0.0), AT, obstacles, ways, costs(CORRIDOR))
+    poses = found(search_aside(Pose2(5.0, 3.0, 0.0), AT, obstacles, ways, costs(CORRIDOR)))
     assert poses is not None
     assert gap(poses[-1], ways) >= PEOPLE_GAP - 1e-9
 
@@ -158,7 +191,7 @@ def test_between_two_people_it_turns_to_the_wall() -> None:
 def test_who_is_beside_their_way_stays() -> None:
     here, ways = Pose2(5.0, 2.4, 0.0), line(7.0, 3.2, -1.0)
     walls = things(samples(CORRIDOR.walls, 0.05))
-    poses = find_way_aside(here, AT, walls, ways, costs(CORRIDOR))
+    poses = found(search_aside(here, AT, walls, ways, costs(CORRIDOR)))
     assert poses is not None
     assert len(poses) == 1
     assert Manoeuvre(poses, LIMITS).step(here) == (0.0, 0.0)
@@ -167,5 +200,5 @@ def test_who_is_beside_their_way_stays() -> None:
 def test_in_a_narrow_corridor_there_is_no_place_aside() -> None:
     narrow = room([0.0, 2.6, 10.0, 2.6], [0.0, 3.4, 10.0, 3.4])
     obstacles = np.concatenate([things(samples(narrow.walls, 0.05)), person(5.8, 3.0)])
-    poses = find_way_aside(Pose2(5.0, 3.0), AT, obstacles, line(5.8, 3.0, -1.0), costs(narrow))
+    poses = found(search_aside(Pose2(5.0, 3.0), AT, obstacles, line(5.8, 3.0, -1.0), costs(narrow)))
     assert poses is None

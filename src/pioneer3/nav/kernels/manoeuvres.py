@@ -2,8 +2,6 @@
 
 from math import cos, floor, inf, isnan, pi, sin, sqrt
 
-import numpy as np
-
 from pioneer3.arrays import Float, Float32, Int32
 from pioneer3.jit import inlined, kernel
 from pioneer3.nav.kernels.arcs import gap_to
@@ -113,10 +111,14 @@ def manoeuvre(
     keys: Float32,
     before: Int32,
     heap: Int32,
+    arounds: Float,
+    asides: Float,
+    progress: Int32,
 ) -> int:
     """Search for the cheapest drive to a pose where the robot is out of the ways of others.
 
-    Without such ways: to a pose from which its own way goes on without a manoeuvre.
+    Without such ways: to a pose from which its own way goes on without a manoeuvre. The search
+    ends after some states; called with the same arrays once more, it goes on.
 
     Args:
         start: x, y [m] and heading [rad] in the map's frame, shape (3,).
@@ -128,26 +130,34 @@ def manoeuvre(
         ways: Points of the ways of others, with 0 for a radius [m], shape (K, 3).
         to_go: Cost to go [m], shape (H, W); `inf` where the robot must not be.
         frame: x, y of its lower left corner, side of its cells, side of a state's place [m], (4,).
-        sizes: Places along a side of the window around the start, headings, and the number of
-            states after which the search gives up, shape (3,).
+        sizes: Places along a side of the window around the start, headings, the number of states
+            after which the search gives up, and the number of states in this call, shape (4,).
         poses: Work space: pose of each state, shape (S, 3).
         costs: Filled with `inf`: the cheapest cost of each state, shape (S,).
         keys: Work space: cost and cost to go, shape (S,).
-        before: Work space: the state before each, shape (S,); negative once it is settled:
+        before: Filled with -1: the state before each, shape (S,); once it is settled,
             `-2 - before`.
         heap: Work space, shape (4 S,).
+        arounds: Filled with NaN: distance between each place and the nearest obstacle [m],
+            shape (P,).
+        asides: Work space: the same of the ways of others, shape (P,).
+        progress: Filled with 0: size of the heap, and number of states that are settled,
+            shape (2,).
 
     Returns:
-        The last state of the drive, from which `before` leads back; -1 if there is none.
+        The last state of the drive, from which `before` leads back; -1 if there is none, -2 if the
+        search is to go on.
     """
     cell, side = frame[3], sizes[0]
     inner, slack = min(outline[0], outline[1], outline[2]), sqrt(0.5) * cell
-    arounds, asides = np.full(side * side, np.nan), np.empty(side * side)
     first = _state_of(start[0], start[1], start[2], start, cell, sizes)
-    poses[first] = start
-    costs[first], keys[first], before[first] = 0.0, 0.0, first
-    size, settled = _push(heap, keys, 0, first), 0
-    while size > 0 and settled < sizes[2]:
+    size, settled = progress[0], progress[1]
+    if settled == 0:
+        poses[first] = start
+        costs[first], keys[first], before[first] = 0.0, 0.0, first
+        size = _push(heap, keys, size, first)
+    most = min(settled + sizes[3], sizes[2])
+    while size > 0 and settled < most:
         state = heap[0]
         size = _pop(heap, keys, size)
         if before[state] < -1:
@@ -193,4 +203,5 @@ def manoeuvre(
                 left = max(0.0, outline[6] - asides[place])
             keys[other] = cost + left
             size = _push(heap, keys, size, other)
-    return -1
+    progress[0], progress[1] = size, settled
+    return -2 if size > 0 and settled < sizes[2] else -1
