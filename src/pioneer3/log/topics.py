@@ -37,6 +37,7 @@ class LogTopic(Generic[T]):
         steady: The field that is the same in nearly all messages: it is kept with the channel.
         size: Returns the memory that a message takes [bytes], about.
         make: Makes the message of what was put, in the thread that writes.
+        repeated: Whether its newest message is in each further file of the log, too.
     """
 
     name: str
@@ -44,6 +45,7 @@ class LogTopic(Generic[T]):
     steady: str = ""
     size: Callable[[Any], int] = _usual
     make: Callable[[Any], T] | None = None
+    repeated: bool = False
 
     def encode(self, message: Any) -> bytes:
         """Return a message as bytes, without its steady field."""

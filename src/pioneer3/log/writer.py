@@ -89,6 +89,7 @@ class LogWriter:
         self._why = ""
         self._file: McapFile | None = None
         self._texts: dict[str, dict[str, str]] = {}
+        self._repeated: dict[str, tuple[LogTopic[Any], Any]] = {}
         self._new_texts: deque[tuple[str, dict[str, str]]] = deque()
         self.describe(
             "program",
@@ -186,6 +187,8 @@ class LogWriter:
         self._file = McapFile(self._target.open())
         for name, texts in self._texts.items():
             self._file.add_metadata(name, texts)
+        for topic, message in self._repeated.values():
+            self._file.add(topic, [(self._ns(self.clock()), message)])
 
     def _take(self) -> None:
         """Encode what waits."""
@@ -209,6 +212,8 @@ class LogWriter:
             by_topic.setdefault(topic.name, (topic, []))[1].append((self._ns(now), message))
         for topic, messages in by_topic.values():
             self._file.add(topic, messages)
+            if topic.repeated:
+                self._repeated[topic.name] = topic, messages[-1][1]
 
     def _note(self, now: float, kind: str, text: str) -> None:
         assert self._file is not None

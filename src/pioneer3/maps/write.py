@@ -45,7 +45,12 @@ def write_aria_map(line_map: LineMap, path: Path) -> None:
     Raises:
         ConfigError: The file cannot be written.
     """
-    write_bytes(path, "".join(f"{line}\n" for line in _aria_lines(line_map)).encode())
+    write_bytes(path, aria_text(line_map).encode())
+
+
+def aria_text(line_map: LineMap) -> str:
+    """Return the text that :func:`write_aria_map` writes."""
+    return "".join(f"{line}\n" for line in _aria_lines(line_map))
 
 
 def _aria_lines(line_map: LineMap) -> Iterator[str]:

@@ -18,6 +18,7 @@ recovery        its part for a robot that is held up: manoeuvres, and room for p
 keep_clear      the limiter that is asked last: no outline into walls or echoes
 traffic         robots of one program: frames, who travels where, who waits
 group           formations of them
+recording       the topics of a log about places, goals, ways and maps
 map_builder     maps, while a robot drives or explores
 map_logs        maps, from recordings and logs
 log_files       logs, opened by their content, and names of other files

@@ -81,6 +81,7 @@ class NavigationGoal:
             always drive.
         told: Called after each change.
         text: The reason of its end, or of a wait on the way.
+        by: Who gave it, for the log: the name of a user of the page, `program` or `ROS`.
         progress: Published with each status.
         found: The way, or the reason that it is closed; `None` while it is not known.
         after: Number of the last stop before the request.
@@ -93,9 +94,33 @@ class NavigationGoal:
     told: Callable[["NavigationGoal"], None] = lambda goal: None
     status: GoalStatus = GoalStatus.ACCEPTED
     text: str = ""
+    by: str = "program"
     progress: Feed[GoalStatus] = field(default_factory=Feed)
     found: "Way | NoWay | None" = None
     after: int = 0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class GoalChanged:
+    """A change of a goal: who gave it, where it leads, and its status with the reason.
+
+    Attributes:
+        number: Of the goal, which all its changes have.
+        by: Name of a user of the page, `program` or `ROS`.
+        places: To drive to, in their order; empty to look around, or while nobody can tell.
+        status: `accepted`, `executing`, `succeeded`, `aborted` or `canceled`.
+        reason: Of its end, or of a wait on the way.
+        speed: At most [m/s]; `None` for the robot's highest.
+        rounds: How often it drives to all places.
+    """
+
+    number: int
+    by: str
+    places: tuple[Destination, ...]
+    status: str
+    reason: str
+    speed: float | None
+    rounds: float
 
 
 class Planning(Protocol):
@@ -144,6 +169,7 @@ class GoalServer:
         self._mode: Stack | None = None
         self._news = asyncio.Event()
         self._gone = False
+        self._accepted = 0
 
     async def run(self) -> None:
         """Carry out goals until cancelled; then the last one ends."""
@@ -162,6 +188,7 @@ class GoalServer:
         """Carry out `goal` in place of the one before."""
         self.end(GoalStatus.CANCELED, "another goal came")
         self.current, goal.after = goal, self._robot.arbiter.last_stop.number
+        self._accepted += 1
         self._change(goal, GoalStatus.ACCEPTED, "")
         self._news.set()
         if self._gone:
@@ -209,6 +236,9 @@ class GoalServer:
 
     def _change(self, goal: NavigationGoal, status: GoalStatus, text: str) -> None:
         goal.status, goal.text = status, text
+        if (robot_log := self._robot.arbiter.log) is not None:
+            changed = _changed(self._accepted, goal)
+            robot_log.put(robot_log.topic("goal", GoalChanged), changed)
         goal.progress.publish(status)
         goal.told(goal)
 
@@ -297,3 +327,20 @@ class GoalServer:
         except LinkError as error:
             raise MotionError(str(error)) from error
         log.warning("stands in %s, but the robot does not say that it is charged", dock)
+
+
+def _changed(number: int, goal: NavigationGoal) -> GoalChanged:
+    """Return the message for a log."""
+    there: tuple[Destination, ...] = ()
+    if goal.places is not None:
+        with suppress(PioneerError):  # only a robot that knows where it is can tell
+            there = tuple(goal.places())
+    return GoalChanged(
+        number=number,
+        by=goal.by,
+        places=there,
+        status=goal.status.value,
+        reason=goal.text,
+        speed=goal.speed,
+        rounds=goal.rounds,
+    )

@@ -32,6 +32,7 @@ from pioneer3.navigation.follow_way import FollowWay, follow_way, stand_unsure
 from pioneer3.navigation.keep_clear import LimiterOutline
 from pioneer3.navigation.localization import InThread, Localizable
 from pioneer3.navigation.navigator import Navigator
+from pioneer3.navigation.recording import NavigationLog
 from pioneer3.robot.supervisor import Feed
 from pioneer3.runtime.motions import run_mode
 from pioneer3.state import Snapshot
@@ -157,6 +158,8 @@ class MapBuilder:
             unsure=lambda: robot.laser.lost,
         )
         self._sequence = -1
+        known = robot.arbiter.log
+        self._log = NavigationLog(known, name) if known is not None else None
         self._clock = asyncio.get_running_loop().time
 
     async def run(self) -> None:
@@ -235,20 +238,24 @@ class MapBuilder:
                 self._sightings.take(beams, robot_in_map)
         drawing, trip, survey = self._drawing, self._trip, mapper.survey
         outlook = trip.outlook if trip else None
-        self.state.publish(
-            MapState(
-                line_map=drawing.line_map if drawing else None,
-                robot_in_map=mapper.odom_in_map @ snapshot.odometry.robot_in_odom,
-                odom_in_map=mapper.odom_in_map,
-                driven=survey.frames[-1].way if survey.frames else 0.0,
-                area=drawing.area if drawing else 0.0,
-                loops=sum(edge.loop for edge in survey.edges),
-                exploring=self.exploring,
-                edges=outlook.left if outlook else None,
-                way=outlook.target.way if outlook and outlook.target else None,
-                remarks=mapper.remarks(scan.sensor_in_robot if scan else None),
-            )
+        state = MapState(
+            line_map=drawing.line_map if drawing else None,
+            robot_in_map=mapper.odom_in_map @ snapshot.odometry.robot_in_odom,
+            odom_in_map=mapper.odom_in_map,
+            driven=survey.frames[-1].way if survey.frames else 0.0,
+            area=drawing.area if drawing else 0.0,
+            loops=sum(edge.loop for edge in survey.edges),
+            exploring=self.exploring,
+            edges=outlook.left if outlook else None,
+            way=outlook.target.way if outlook and outlook.target else None,
+            remarks=mapper.remarks(scan.sensor_in_robot if scan else None),
         )
+        self.state.publish(state)
+        if self._log is not None:
+            self._log.on_growing_map(
+                state.robot_in_map, state.odom_in_map, self._robot.laser.lost or None
+            )
+            self._log.way(None, state.way if self.exploring else None)
 
     async def _work(self) -> None:
         """Look for loops, draw the map, and choose where to go, again and again."""

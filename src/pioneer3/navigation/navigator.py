@@ -37,6 +37,7 @@ from pioneer3.navigation.localization import (
     Localization,
     look_around,
 )
+from pioneer3.navigation.recording import NavigationLog, use_map
 from pioneer3.navigation.traffic import Traffic
 from pioneer3.robot.supervisor import Feed
 from pioneer3.state import Snapshot
@@ -97,6 +98,8 @@ class Navigator:
         self._file = last_place_file(robot.info, self.line_map)
         self._last: LastPlace | None = None
         self._unwritten = False
+        known = robot.arbiter.log
+        self._log = NavigationLog(known, self.line_map.name) if known is not None else None
 
     @classmethod
     async def on(
@@ -168,6 +171,8 @@ class Navigator:
     async def run(self) -> None:
         """Keep track of the robot and of its way, until cancelled."""
         drives = self._drives
+        if (robot_log := self._robot.arbiter.log) is not None:
+            use_map(robot_log, self.line_map)
         limiter = LimiterOutline(
             margin=self.costs.settings.contact_margin,
             walls=Walls.of(self.line_map.walls),
@@ -198,15 +203,18 @@ class Navigator:
         elif estimate.stage == "lost":
             self._note(None)
         drive = self._drives.present_in(self._robot.arbiter.mode)
-        self.state.publish(
-            NavigatorState(
-                estimate=estimate,
-                goal=drive.place if drive else None,
-                way=drive.way if drive else None,
-                top_speed=drive.action.top_speed if drive else 0.0,
-                problem=self._drives.problem,
-            )
+        state = NavigatorState(
+            estimate=estimate,
+            goal=drive.place if drive else None,
+            way=drive.way if drive else None,
+            top_speed=drive.action.top_speed if drive else 0.0,
+            problem=self._drives.problem,
         )
+        self.state.publish(state)
+        if self._log is not None:
+            self._log.estimate(estimate)
+            self._log.way(state.goal, state.way)
+            self._log.problem(state.problem)
 
     def _note(self, place: LastPlace | None) -> None:
         """Keep a place that the sensors have confirmed, or that there is none."""

@@ -120,6 +120,7 @@ class Arbiter:
     Attributes:
         mode: The stack that was started last and has not ended, or `None`.
         lasers: That it looks through, while they are on.
+        log: The log of the robot, if there is one.
         ended: The end of the last mode; `None` while one runs and before the first.
         remembers: Whether it keeps what the sensors have seen. Inputs do not need it, and it costs
             half of all: who drives a crowd by hand sets it to false. It is true again from the
@@ -133,7 +134,7 @@ class Arbiter:
         self.lasers: Sequence[LaserSource] = ()
         self.remembers = True
         self._supervisor = supervisor
-        self._log = robot_log
+        self.log = robot_log
         self._parts: list[_Part] = []
         self._stop_before_decision = self.last_stop
         self._memory: RangeMemory | None = None
@@ -200,8 +201,8 @@ class Arbiter:
             self.decision = decision = resolve(self._stacks(), situation)
         except ActionError as error:
             return self._fail(error)
-        if self._log is not None:
-            self._log.decided(self.mode.name if self.mode else "", decision)
+        if self.log is not None:
+            self.log.decided(self.mode.name if self.mode else "", decision)
         if why_it_ends := self._why_mode_ends(decision):
             self._forget_mode(why_it_ends)
             self.decide()
@@ -342,8 +343,8 @@ class Arbiter:
         if info is not None and (self._memory is None or self._memory.model is not info.model):
             self._memory = RangeMemory(info.model)
         scans = [scan for laser in self.lasers if (scan := laser.latest) is not None]
-        if self._log is not None:
-            self._log.snapshot(snapshot, scans)
+        if self.log is not None:
+            self.log.snapshot(snapshot, scans)
         if self._memory is not None and self.remembers:
             self._memory.update(snapshot, scans)
         self.decide()
@@ -382,9 +383,9 @@ class Arbiter:
         seconds: float = 0.0,
     ) -> Refusal | None:
         """Put a command into the log; return its refusal."""
-        if self._log is not None:
+        if self.log is not None:
             why = refused.text if refused else ""
-            self._log.asked(CommandGiven(by, command, twist, seconds, why))
+            self.log.asked(CommandGiven(by, command, twist, seconds, why))
         return refused
 
     def _fail(self, error: ActionError) -> Refusal:

@@ -13,7 +13,7 @@ import msgspec
 from pioneer3.behaviors.engine import Decision
 from pioneer3.behaviors.explanations import explain
 from pioneer3.clock import Clock
-from pioneer3.geometry import STILL, Twist2
+from pioneer3.geometry import STILL, Pose2, Twist2
 from pioneer3.links import Opener
 from pioneer3.links.tap import ROBOT, WireRecording
 from pioneer3.log.command_line import without_secrets
@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 
 RENEWED: Final = 1.0
 """Period at which a command or decision is told that only goes on, as of a held key [s]."""
+TRUTH_PERIOD: Final = 0.095
+"""Shortest time between two true poses [s]: ten a second, at the time of snapshots."""
 READING_SIZE: Final = 40
 """Memory of one reading of a scan [bytes], about."""
 
@@ -55,6 +57,13 @@ class DecisionMade:
     told: tuple[str, ...]
 
 
+@dataclass(frozen=True, slots=True)
+class TruePoseTold:
+    """The true pose of a simulated robot [m, rad]."""
+
+    robot_in_world: Pose2
+
+
 def _told(made: tuple[str, Decision]) -> DecisionMade:
     mode, decision = made
     return DecisionMade(mode, decision, explain(decision))
@@ -70,18 +79,45 @@ class RobotLog:
     def __init__(self, log: LogWriter, robot: str = "") -> None:
         self.log = log
         self._prefix = f"{robot}/" if robot else ""
-        self._snapshots = self._topic("snapshot", Snapshot)
-        self._commands = self._topic("command", CommandGiven)
-        self._decisions = self._topic("decision", DecisionMade, _told)
+        self._snapshots = self.topic("snapshot", Snapshot)
+        self._commands = self.topic("command", CommandGiven)
+        self._decisions = self.topic("decision", DecisionMade, _told)
+        self._truths = self.topic("truth", TruePoseTold)
         self._scans: dict[str, LogTopic[Scan]] = {}
         self._newest: dict[str, Scan] = {}
         self._decided: tuple[str, Decision] = ("", Decision())
         self._decided_at = self._asked_at = -inf
         self._asked: CommandGiven | None = None
+        self._repeated: dict[str, object] = {}
+        self._true: Pose2 | None = None
+        self._true_at = -inf
 
     def of(self, robot: str) -> "RobotLog":
         """Return the part about another robot of the same program."""
         return RobotLog(self.log, robot)
+
+    def topic(
+        self,
+        name: str,
+        kind: type,
+        make: Callable[[Any], Any] | None = None,
+        *,
+        repeated: bool = False,
+    ) -> LogTopic[Any]:
+        """Return a topic of this robot; arguments as of :class:`LogTopic`."""
+        return LogTopic(self._prefix + name, kind, make=make, repeated=repeated)
+
+    def put(self, topic: LogTopic[Any], message: Any) -> None:
+        """Take a message of now; one that is repeated is the same object until it changes."""
+        if topic.repeated:
+            if self._repeated.get(topic.name) is message:
+                return
+            self._repeated[topic.name] = message
+        self.log.put(topic, message)
+
+    def event(self, kind: str, text: str) -> None:
+        """Take an event, in words."""
+        self.log.event(kind, self._prefix + text)
 
     def opener(self, opener: Opener, link: str = ROBOT) -> Opener:
         """Return an opener of the same links, which are recorded."""
@@ -126,11 +162,19 @@ class RobotLog:
         self._asked, self._asked_at = command, now
         self.log.put(self._commands, command)
 
+    def truth(self, robot_in_world: Pose2) -> None:
+        """Take the true pose of a simulated robot; one that stays is taken once a second."""
+        now = self.log.clock()
+        apart = RENEWED if robot_in_world == self._true else TRUTH_PERIOD
+        if now - self._true_at >= apart:
+            self._true, self._true_at = robot_in_world, now
+            self.log.put(self._truths, TruePoseTold(robot_in_world))
+
     async def follow(self, supervisor: Supervisor) -> None:
         """Log changes of the connection, and descriptions of the robot."""
         described = None
         async for status in supervisor.status.values(latest_first=True):
-            self._event(f"robot: {status.connection}: {status.message}")
+            self.event("link", f"robot: {status.connection}: {status.message}")
             if supervisor.info is not None and supervisor.info is not described:
                 described = supervisor.info
                 self._describe(described)
@@ -138,10 +182,7 @@ class RobotLog:
     async def follow_laser(self, laser: "LaserDriver") -> None:
         """Log changes of the connection of a laser."""
         async for status in laser.status.values(latest_first=True):
-            self._event(f"{laser.name}: {status.connection}: {status.message}")
-
-    def _event(self, text: str) -> None:
-        self.log.event("link", self._prefix + text)
+            self.event("link", f"{laser.name}: {status.connection}: {status.message}")
 
     def _describe(self, info: RobotInfo) -> None:
         self.log.describe(
@@ -155,11 +196,6 @@ class RobotLog:
                 "configuration": msgspec.json.encode(info.config).decode(),
             },
         )
-
-    def _topic(
-        self, name: str, kind: type, make: Callable[[Any], Any] | None = None
-    ) -> LogTopic[Any]:
-        return LogTopic(self._prefix + name, kind, make=make)
 
 
 Record = Path | bool | RobotLog | None

@@ -135,7 +135,9 @@ class Client:
         self.show(Told(news))
 
     def show(self, message: Message) -> None:
-        """Send `message` to this client alone."""
+        """Send `message` to this client alone; the log has what it tells people."""
+        if isinstance(message, Told):
+            self._page.clients.note("notice", f"to {self.name}: {message.message}")
         if self._queue is not None:
             self._queue.answer(message)
 

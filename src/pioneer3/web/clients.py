@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from itertools import count
 from typing import Protocol
 
+from pioneer3.log.writer import LogWriter
 from pioneer3.web import messages
 from pioneer3.web.access.sessions import LoginSession, Role
 from pioneer3.web.broadcast import Subscriber
@@ -32,12 +33,14 @@ class PageClient(Operator, Subscriber, Protocol):
 class Clients:
     """The connected clients of a page, by number; a number is never used again.
 
-    The version counts the changes of the clients and of the operators who have control.
+    The version counts the changes of the clients and of the operators who have control. The log is
+    told them, and what clients are told.
     """
 
     def __init__(self, robots: Mapping[int, RobotView]) -> None:
         self.connected: dict[int, PageClient] = {}
         self.version = 0
+        self.log: LogWriter | None = None
         self._robots = robots
         self._count = count(1)
         self._holders: tuple[messages.Holder, ...] = ()
@@ -62,9 +65,39 @@ class Clients:
         )
         if (holders, clients) == (self._holders, self._clients):
             return False
+        self._note_changes(holders, clients)
         self._holders, self._clients = holders, clients
         self.version += 1
         return True
+
+    def note(self, kind: str, text: str) -> None:
+        """Put an event into the log, if there is one."""
+        if self.log is not None:
+            self.log.event(kind, text)
+
+    def _note_changes(
+        self, holders: tuple[messages.Holder, ...], clients: tuple[messages.ClientInfo, ...]
+    ) -> None:
+        """Note who came, took control, lost it and left."""
+        before = {each.id: each.name for each in self._clients}
+        now = {each.id: each.name for each in clients}
+        for each in clients:
+            if each.id not in before:
+                self.note("page", f"{each.name} came, a {each.role}")
+            elif each.name != before[each.id]:
+                self.note("page", f"{before[each.id]} is called {each.name} now")
+        for holder in self._holders:
+            if holder not in holders:
+                self.note("page", f"{holder.name} lost control of {self._called(holder.robot)}")
+        for holder in holders:
+            if holder not in self._holders:
+                self.note("page", f"{holder.name} took control of {self._called(holder.robot)}")
+        for number in before.keys() - now.keys():
+            self.note("page", f"{before[number]} left")
+
+    def _called(self, robot: int) -> str:
+        """Return the name of a robot, which may have gone."""
+        return self._robots[robot].label if robot in self._robots else f"robot {robot}"
 
     @property
     def names(self) -> set[str]:

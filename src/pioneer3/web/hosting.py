@@ -14,6 +14,7 @@ from pioneer3.models import GivenModel
 from pioneer3.names import free_name
 from pioneer3.nav.settings import AS_SHIPPED, NavigationSettings
 from pioneer3.navigation.connect import connect_async
+from pioneer3.navigation.recording import use_map
 from pioneer3.robot.devices.laser import LaserSource
 from pioneer3.robot.lasers.driver import LaserDriver
 from pioneer3.robot.lasers.spec import LaserSpec
@@ -70,6 +71,7 @@ async def hosted(
     """
     single = len(targets) == 1
     with recorded(record, asyncio.get_running_loop().time) as log:
+        page.clients.log = log.log if log else None
         logs = [log.of("" if single else name) if log else None for name in log_names(targets)]
         connections = [
             RobotConnection(page, n, target, tell, log, single=single)
@@ -156,7 +158,8 @@ class RobotConnection:
             self._tell(f"Connected to a {kind(robot.info)}: {_title(robot, view.name)}")
             self.tried.set()
             which = "" if self._single else f"{view.name}: "
-            async with running(*(self._follow_laser(laser, which) for laser in robot.lasers)):
+            lasers = (self._follow_laser(laser, which) for laser in robot.lasers)
+            async with running(self._record(robot, scene), *lasers):
                 async for status in robot.supervisor.status.values():
                     self._tell(f"{which}{status.connection.value}: {status.message}")
                 await asyncio.get_running_loop().create_future()  # the page of a recording stays
@@ -170,6 +173,16 @@ class RobotConnection:
             if status.connection in NEWS and status != told:
                 told = status
                 self._tell(f"{which}{laser.title} {status.connection.value}: {status.message}")
+
+    async def _record(self, robot: Robot, scene: RobotScene) -> None:
+        """Record the map that is used, and where a simulated robot truly is."""
+        if self._log is None:
+            return
+        async for _ in robot.supervisor.snapshots.values(latest_first=True):
+            if (known := scene.map_now) is not None:
+                use_map(self._log, known)
+            if (true := scene.true_pose) is not None:
+                self._log.truth(true)
 
     @asynccontextmanager
     async def _in_scene(self, robot: Robot) -> AsyncIterator[RobotScene]:

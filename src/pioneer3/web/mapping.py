@@ -18,11 +18,11 @@ from pioneer3.geometry import ORIGIN, Pose2
 from pioneer3.maps import LineMap, MapObject
 from pioneer3.navigation.connect import prepare_navigation
 from pioneer3.navigation.map_files import free_path, not_continued, save_map, save_survey
+from pioneer3.navigation.recording import points_of
 from pioneer3.runtime.robot import Robot
 from pioneer3.tasks import running
 from pioneer3.web import messages, navigation, requests
 from pioneer3.web.control import Control, Operator
-from pioneer3.web.navigation import points_of
 from pioneer3.web.scene import RobotScene
 from pioneer3.web.world import map_message
 

@@ -19,6 +19,7 @@ from pioneer3.geometry import Pose2
 from pioneer3.nav.places import Destination, home
 from pioneer3.navigation.connect import prepare_navigation
 from pioneer3.navigation.goals import GONE, GoalServer, GoalStatus, NavigationGoal
+from pioneer3.navigation.recording import points_of
 from pioneer3.runtime.robot import Robot
 from pioneer3.tasks import running
 from pioneer3.web import messages, requests
@@ -47,8 +48,6 @@ TURN_SPREAD = 0.3
 """Standard deviation of a heading that somebody clicked [rad]."""
 ANY_HEADING = 2.0
 """Standard deviation of a heading that nobody told [rad]."""
-SPARSE = 5
-"""Step between drawn points of a way."""
 PATROL_TIME = 3600.0
 """Time limit of a patrol [s]."""
 CRUISE = 0.7
@@ -143,6 +142,7 @@ class RobotNavigation:
             places=(lambda: there) if there else None,
             speed=speed,
             rounds=inf if len(there) > 1 else 1,
+            by=operator.name,
             begin=partial(self._control.start, operator, seconds=seconds, patience=SILENCE),
             told=lambda goal: self._show(
                 operator, messages.GoalProgress(self._number, goal.status.value, goal.text)
@@ -187,7 +187,7 @@ class RobotNavigation:
         """
         self._sender = operator
         begin = partial(self._control.start, operator, seconds=GOTO_TIME, patience=inf)
-        goal = NavigationGoal(places=lambda: (place,), speed=speed, begin=begin)
+        goal = NavigationGoal(places=lambda: (place,), speed=speed, begin=begin, by=operator.name)
         await self.goals.set_out(goal)
         assert goal.found is not None
         return self._shown(place, goal.found, speed)
@@ -404,12 +404,6 @@ def _unsure(navigator: "Navigator") -> str:
 def _rounded(values: Iterable[float]) -> tuple[float, float, float]:
     a, b, c = (round(value, 3) for value in values)
     return a, b, c
-
-
-def points_of(way: "Way") -> tuple[tuple[float, float], ...]:
-    """Return some of the points of a way [m], the last one among them."""
-    points = [*way.points[:-1:SPARSE].tolist(), way.points[-1].tolist()]
-    return tuple((round(x, 2), round(y, 2)) for x, y in points)
 
 
 def _seconds(length: float, speed: float) -> int:

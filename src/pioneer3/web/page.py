@@ -113,9 +113,10 @@ class Page:
     def update(self) -> None:
         """Tell clients the changes of the world and of the clients."""
         self.map_editor.follow()
+        changed = self.clients.update()
         if not self.clients.connected:
             return
-        if self.clients.update():
+        if changed:
             for audience in self.audiences:
                 audience.wake()
         if self.world is not None:

@@ -131,11 +131,15 @@ class RobotScene:
             simulated=(running, robot),
         )
 
+    @property
+    def true_pose(self) -> Pose2 | None:
+        """The robot's true pose in the map [m, rad]; `None` where no simulator tells it."""
+        reported = self.remote.pose if self.remote else None
+        return reported or (self.truth() if self.truth else None)
+
     def robot_in_map(self, robot_in_odom: Pose2) -> Pose2:
         """Return the pose to draw [m, rad]: the true one if it is known, else the one found."""
-        reported = self.remote.pose if self.remote else None
-        true = reported or (self.truth() if self.truth else None)
-        return true or (self.located.odom_in_map() or self.odom_in_map) @ robot_in_odom
+        return self.true_pose or (self.located.odom_in_map() or self.odom_in_map) @ robot_in_odom
 
     def place(self, snapshot: Snapshot) -> SharedPlace | str:
         """Return the place of odometry in a frame that is shared by robots of the same world.

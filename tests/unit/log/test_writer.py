@@ -221,6 +221,9 @@ def test_a_long_log_goes_on_in_more_files_and_the_oldest_go(tmp_path: Path) -> N
     folder, room = tmp_path / "logs", 2_000_000
     log = LogWriter(UserFolder(folder, "drive", room, time.time), time.monotonic)
     log.describe("robot", {"name": "bob"})
+    kept = LogTopic("map", LogEvent, make=lambda text: LogEvent("map", text), repeated=True)
+    log.put(kept, "old")
+    log.put(kept, "new")
     for _ in range(40):
         log.put(BYTES, os.urandom(room // 20))
         log._wake.set()
@@ -230,6 +233,7 @@ def test_a_long_log_goes_on_in_more_files_and_the_oldest_go(tmp_path: Path) -> N
     assert 4 < len(files) <= 16
     assert sum(file.stat().st_size for file in files) <= room
     assert {open_log(file).info().robot for file in files} == {"bob"}
+    assert {[*open_log(file).of(kept)][-1][1].text for file in files} == {"new"}
     ends = sorted(open_log(file).info().end for file in files)
     assert ends == ["done", *["goes on in the next file"] * (len(files) - 1)]
 

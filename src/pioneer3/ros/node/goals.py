@@ -75,7 +75,10 @@ class Goals:
             return
         self._server.accept(
             NavigationGoal(
-                places=lambda: (where(),), speed=self._speed, told=partial(self._take_status, goal)
+                places=lambda: (where(),),
+                speed=self._speed,
+                told=partial(self._take_status, goal),
+                by="ROS",
             )
         )
 
