@@ -14,6 +14,7 @@ from pathlib import Path
 from docs.reference.docstrings import ROLE
 from docs.reference.protocol_tables import table
 from pioneer3 import errors
+from pioneer3.analysis.arrays import SCANS, TABLES, TIME
 from pioneer3.cli.main import Exit, app, exit_code
 from pioneer3.errors import PioneerError
 from pioneer3.web.api.routes import OPERATIONS
@@ -71,6 +72,18 @@ def operations() -> str:
     return table(("request", "", "for whom, and those above"), rows)
 
 
+def arrays() -> str:
+    """Return the columns of the arrays of a log."""
+    rows = []
+    for each in (*TABLES, SCANS):
+        columns = ((f"`{column.name}`", column.about) for column in (TIME, *each.columns))
+        named, name = f"`{each.name}`: {each.about[0].lower()}{each.about[1:]}", ""
+        for column in columns:
+            rows.append((named if not name else "", *column))
+            name = each.name
+    return table(("array", "column", "unit, or meaning"), rows)
+
+
 def first_line(documented: object) -> str:
     """Return the first line of a docstring, without Sphinx's roles."""
     return ROLE.sub("`", (getdoc(documented) or "").partition("\n")[0])
@@ -81,6 +94,7 @@ PARTS: dict[str, Callable[[], str]] = {
     "exit-codes": exit_codes,
     "exceptions": exceptions,
     "operations": operations,
+    "arrays": arrays,
 }
 
 

@@ -3,6 +3,7 @@
 TYPE_CHECKING = False  # the module typing takes a while, in which Ctrl-C is not quiet yet
 
 if TYPE_CHECKING:
+    from pioneer3 import log
     from pioneer3.errors import (
         CommandError,
         ConfigError,
@@ -39,6 +40,8 @@ _HOME = {
     "connect_laser_async": "runtime.connect",
     "load_model": "models",
 }
+_MODULES = ("log",)
+"""Public modules."""
 
 __version__ = "0.2.0"
 __all__ = [
@@ -65,6 +68,7 @@ __all__ = [
     "connect_laser",
     "connect_laser_async",
     "load_model",
+    "log",
 ]
 
 
@@ -74,6 +78,8 @@ def __getattr__(name: str) -> object:
 
     if name not in __all__:
         raise AttributeError(f"module 'pioneer3' has no attribute {name!r}")
+    if name in _MODULES:
+        return import_module(f"pioneer3.{name}")
     return getattr(import_module(f"pioneer3.{_HOME.get(name, 'errors')}"), name)
 
 

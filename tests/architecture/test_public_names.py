@@ -27,13 +27,14 @@ PUBLIC = [
     "connect_laser",
     "connect_laser_async",
     "load_model",
+    "log",
 ]
 HEAVY = ["asyncio", "numpy", "rich", "serialx", "starlette", "uvicorn", "msgspec", "cyclopts"]
 
 
 def test_the_public_names_are_these() -> None:
     assert pioneer3.__all__ == PUBLIC
-    assert all(getattr(pioneer3, name).__name__ == name for name in PUBLIC)
+    assert all(getattr(pioneer3, name).__name__.rpartition(".")[2] == name for name in PUBLIC)
     assert set(PUBLIC) <= set(dir(pioneer3))
 
 
@@ -45,6 +46,10 @@ def loaded_after(statement: str) -> set[str]:
 
 def test_importing_the_package_loads_nothing_heavy() -> None:
     assert loaded_after("import pioneer3").isdisjoint(HEAVY)
+
+
+def test_the_door_to_logs_loads_nothing_heavy_before_it_is_opened() -> None:
+    assert loaded_after("import pioneer3; pioneer3.log").isdisjoint([*HEAVY, "mcap", "zstandard"])
 
 
 def test_a_command_handles_ctrl_c_before_it_imports_any_other_module() -> None:

@@ -1,7 +1,6 @@
 """`pioneer3 log`: what robots did, as their logs have it."""
 
-import re
-from datetime import datetime, timedelta
+from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -10,7 +9,6 @@ from cyclopts import App, Parameter
 from pioneer3.cli.options import Flag
 from pioneer3.cli.process import write_json, write_line, write_warning
 from pioneer3.errors import ConfigError
-from pioneer3.units import DURATION
 
 if TYPE_CHECKING:
     from pioneer3.log.reader import LogInfo
@@ -26,8 +24,6 @@ log_app = App(
     """,
     help_format="plaintext",
 )
-CLOCK = re.compile(r"\d{1,2}:\d\d(:\d\d)?")
-"""A time of day."""
 Moment = Annotated[str | None, Parameter(metavar="TIME", show_default=False)]
 
 
@@ -86,10 +82,11 @@ def info(name: str, *, json: Flag = False) -> int:
         name: Of the log.
         json: Print JSON.
     """
+    from pioneer3.log.folder import named_log_path
     from pioneer3.log.reader import open_log
     from pioneer3.names import printable
 
-    known = open_log(_find(name)).info()
+    known = open_log(named_log_path(name)).info()
     if json:
         write_json(_facts(known))
         return 0
@@ -158,9 +155,10 @@ def cut(
         end: Likewise.
     """
     from pioneer3.log.excerpt import write_excerpt
+    from pioneer3.log.folder import named_log_path
     from pioneer3.log.reader import open_log
 
-    log = open_log(_find(name))
+    log = open_log(named_log_path(name))
     known = log.info()
     first = known.began if begin is None else _moment("begin", begin, known)
     last = known.ended if end is None else _moment("end", end, known)
@@ -169,29 +167,14 @@ def cut(
     return 0
 
 
-def _find(name: str) -> Path:
-    """Return the log of a name: a file that is there, or one of the user's logs."""
-    from pioneer3.log.folder import find_log, logs_folder
-
-    return Path(name) if Path(name).is_file() else find_log(logs_folder(), name)
-
-
 def _moment(option: str, text: str, known: "LogInfo") -> int:
     """Return a time of a log [ns since 1970]."""
-    if not CLOCK.fullmatch(text):
-        try:
-            return known.began + round(DURATION.read(text) * 1e9)
-        except ValueError as error:
-            raise ConfigError(f"--{option} {error}; or as a time of day, 14:02:10") from None
-    began = datetime.fromtimestamp(known.began / 1e9).astimezone()
+    from pioneer3.log.moment import time_of
+
     try:
-        hour, minute, second = (*map(int, text.split(":")), 0)[:3]
-        when = began.replace(hour=hour, minute=minute, second=second, microsecond=0)
-    except ValueError:
-        raise ConfigError(f"--{option} {text}: there is no such time of day") from None
-    if when < began - timedelta(seconds=1):
-        when += timedelta(days=1)  # it began before midnight
-    return round(when.timestamp() * 1e9)
+        return time_of(text, known.began)
+    except ConfigError as error:
+        raise ConfigError(f"--{option} {error}") from None
 
 
 def _facts(known: "LogInfo") -> dict[str, object]:

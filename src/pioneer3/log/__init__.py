@@ -1,5 +1,7 @@
 """Logs of what a robot did: written beside the driver, never in its way, and read again.
 
+Programs read one by :func:`open`.
+
 ============  =================================================================================
 module        contents
 ============  =================================================================================
@@ -11,7 +13,26 @@ folder        the user's logs: their names, which go first, which are pinned or 
 mcap          one MCAP file while it is written: chunks, flushes, its end
 reader        reads a log, with or without its end, and its index
 command_line  the command that was started, without secrets
+moment        times in a log, as people tell them
 excerpt       a part of a log, as a log of its own
 cut           MCAP files without an end
 ============  =================================================================================
 """
+
+TYPE_CHECKING = False  # as in the package above: the module typing takes a while
+
+if TYPE_CHECKING:
+    from pioneer3.analysis.open_log import OpenLog
+    from pioneer3.analysis.open_log import open_log as open  # noqa: A004
+
+_HOME = {"OpenLog": "OpenLog", "open": "open_log"}
+__all__ = ["OpenLog", "open"]
+
+
+def __getattr__(name: str) -> object:
+    """Import public names when they are first used (PEP 562)."""
+    from importlib import import_module
+
+    if name not in _HOME:
+        raise AttributeError(f"module 'pioneer3.log' has no attribute {name!r}")
+    return getattr(import_module("pioneer3.analysis.open_log"), _HOME[name])

@@ -128,6 +128,15 @@ def find_log(folder: Path, name: str) -> Path:
     return found[0]
 
 
+def named_log_path(name: str | Path) -> Path:
+    """Return the log of a name: a file that is there, or one of the user's logs.
+
+    Raises:
+        ConfigError: There is none, or several.
+    """
+    return Path(name) if Path(name).is_file() else find_log(logs_folder(), str(name))
+
+
 def is_pinned(path: Path) -> bool:
     """Whether a log is kept until somebody removes it."""
     return not path.stat().st_mode & stat.S_IWUSR

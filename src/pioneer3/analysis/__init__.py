@@ -1,0 +1,9 @@
+"""Looks at logs: the readings of a run as objects and as arrays.
+
+============  =================================================================================
+module        contents
+============  =================================================================================
+open_log      a log that is open: its robots, its times, its messages
+arrays        messages as arrays with named columns
+============  =================================================================================
+"""
