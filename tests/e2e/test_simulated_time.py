@@ -16,9 +16,10 @@ from pioneer3.links.memory import MemoryLink, null_modem
 from pioneer3.models import load_model
 from pioneer3.sim.body import Body
 from pioneer3.sim.firmware import Firmware
+from pioneer3.sim.realism import Realism
 from pioneer3.sim.server import Simulation
 from pioneer3.sim.server.faults import LinkFaults
-from pioneer3.sim.server.pacer import PATIENCE, Pacer
+from pioneer3.sim.server.pacer import PATIENCE, TICK, Pacer
 from pioneer3.sim.world import World
 from tests.support import frame, hold, until, wall_at
 
@@ -162,6 +163,61 @@ async def test_the_pace_may_change_at_any_time_without_a_trace() -> None:
     changed = await played(pace)
     await meddling
     assert changed == await played(Pacer())
+
+
+TOLD = (
+    (0.333, HELLO),
+    (1.217, frame(commands.Enable(on=True)) + frame(commands.Vel(0.3))),
+    (2.105, frame(commands.Vel(0))),
+    (4.0, PULSE),
+    (6.05, frame(commands.DHead(0.7))),
+)
+"""Bytes of a host that says nothing between, and when it sends them [s]."""
+
+
+async def heard(seconds: float) -> tuple[list[tuple[float, bytes]], int]:
+    """Return what a robot says to that host, and when, and how often the loop woke up."""
+    loop, bodies = asyncio.get_running_loop(), [Body(load_model("p3dx-sh"))]
+    world = World(wall_at(4.0), bodies, seed=3, realism=Realism())
+    simulation, wakes = Simulation(world, [Firmware(world, world.robots[0])]), 0
+    turn = simulation._turn
+
+    async def counted(clock: Callable[[], float]) -> float:
+        nonlocal wakes
+        wakes += 1
+        return await turn(clock)
+
+    simulation._turn = counted  # type: ignore[method-assign]
+    ours, theirs = null_modem()
+    began, got = loop.time(), list[tuple[float, bytes]]()
+
+    async def listen() -> None:
+        while data := await ours.read():
+            got.append((round(loop.time() - began, 6), data))
+
+    others = [asyncio.ensure_future(each) for each in (simulation.ports[0].serve(theirs), listen())]
+    async with running(simulation):
+        for at, data in TOLD:
+            await asyncio.sleep(began + at - loop.time())
+            await ours.write(data)
+        await asyncio.sleep(began + seconds - loop.time())
+    for task in others:
+        task.cancel()
+    await asyncio.gather(*others, return_exceptions=True)
+    return got, wakes
+
+
+async def test_a_still_world_sleeps_between_reports_and_nobody_notices(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    asleep, wakes = await heard(9.0)
+    monkeypatch.setattr(Simulation, "_idle_ticks", lambda simulation: 0)
+    awake, all_wakes = await heard(9.0)
+    assert len(awake) > 50
+    assert [data for _, data in asleep] == [data for _, data in awake]
+    earlier = [one - other for (one, _), (other, _) in zip(awake, asleep, strict=True)]
+    assert all(-1e-6 <= each <= TICK for each in earlier)  # answers need not wait for a tick
+    assert wakes < all_wakes / 2
 
 
 class Lab:

@@ -4,11 +4,13 @@ from collections.abc import Sequence
 from concurrent.futures import Future
 from typing import Protocol
 
+import numpy as np
+
 from pioneer3.arrays import Float
 from pioneer3.maps import LineMap
 from pioneer3.sim.body import Body, Speeds
 from pioneer3.sim.kernels import DriveArrays, Grid, Kernels, RobotArrays
-from pioneer3.sim.kernels.drives import ANGULAR, LINEAR, VELOCITY
+from pioneer3.sim.kernels.drives import ANGULAR, LINEAR, REMAINING, TARGET, VELOCITY
 from pioneer3.sim.obstacles import Obstacle
 from pioneer3.sim.realism import SonarErrors
 from pioneer3.sim.relief import Relief
@@ -26,6 +28,10 @@ class Dynamics(Protocol):
 
     has_slip: bool
     """Whether wheels slip by themselves; the errors of a realism are not added then."""
+
+    @property
+    def is_still(self) -> bool:
+        """Whether nothing moves, or is about to, unless somebody tells it to."""
 
     def new_sensing(self, sonar: SonarErrors) -> Sensing:
         """Return the sensors that belong to these dynamics; `sonar` has the transducers' beam."""
@@ -99,6 +105,12 @@ class PlanarDynamics:
 
     def place(self) -> None:
         pass
+
+    @property
+    def is_still(self) -> bool:
+        axes = self._drives.axes
+        moving = axes[VELOCITY].any() or axes[TARGET].any()
+        return not moving and bool(np.isnan(axes[REMAINING]).all())
 
     def step(self, kernels: Kernels, dt: float, noise: Float | None) -> None:
         self._before[:], self._dt = self._drives.axes[VELOCITY], dt

@@ -109,7 +109,7 @@ class Sensing(Protocol):
     """Measures for the robots of a world, exactly and without random numbers.
 
     A world calls :meth:`change_map` before all others, :meth:`change_bodies` whenever its arrays
-    are laid out anew, and :meth:`forget` whenever anything has moved.
+    are laid out anew, and :meth:`forget` whenever anything may have moved.
     """
 
     def change_map(self, line_map: LineMap, grid: Grid, relief: Relief) -> None:
@@ -149,28 +149,41 @@ class PlanarSensing:
 
     def __init__(self, sonar: SonarErrors) -> None:
         self._errors = sonar
+        self._places: tuple[bytes, bytes] | None = None
+        self._heard: dict[int, tuple[Mounts, Float]] = {}
         self._pressed: dict[int, Bumpers] = {}
         self._met: RobotArrays | None = None
 
     def change_map(self, line_map: LineMap, grid: Grid, relief: Relief) -> None:
         self._walls = SensedWalls.of(line_map.walls, line_map.materials, grid, self._errors)
-        self.forget()
+        self._places = None
 
     def change_bodies(
         self, robots: Sequence[Body], obstacles: Sequence[Obstacle], outlines: RobotArrays
     ) -> None:
         self._robots, self._obstacles, self._outlines = robots, obstacles, outlines
+        self._has_walkers = any(each.walks for each in obstacles)
+        self._places = None
         self.forget()
 
     def forget(self) -> None:
-        self._pressed.clear()
-        self._met = None
+        touched = self._robots[0].drives.flags[TOUCHED].tobytes() if self._robots else b""
+        places = self._outlines.poses.tobytes(), touched
+        if places != self._places or self._has_walkers:  # their legs move
+            self._places, self._met = places, None
+            self._heard.clear()
+            self._pressed.clear()
 
     def sonar(self, kernels: Kernels, mounts: Mounts, owners: Int32 | None) -> Float:
+        if owners is None and id(mounts) in self._heard:
+            return self._heard[id(mounts)][1]
         walls = self._walls
-        return kernels.sonar(
+        heard = kernels.sonar(
             walls.grid, self._outlines, mounts, SONAR_RANGE, echoes=walls.echoes, owners=owners
         )
+        if owners is None:
+            self._heard[id(mounts)] = mounts, heard
+        return heard
 
     def fans(
         self, kernels: Kernels, fan: Fan, limit: float, owners: Int32, people: People = "legs"

@@ -79,6 +79,7 @@ class World:
         self._rng, self._own = default_rng(self._seeds.spawn(1)[0]), dict[Body, Generator]()
         self._noise = np.empty((0, 3, 0))
         self._noise_at = 0
+        self._places = b""
         self._working: Future[None] | None = None
         self._sensing = self.dynamics.new_sensing(self.realism.sonar)
         self._sonars = self._new_sonars(self.realism)
@@ -93,6 +94,11 @@ class World:
         for _ in range(pieces):
             self._step(dt / pieces)
         self.time += dt
+
+    @property
+    def is_still(self) -> bool:
+        """Whether nothing moves, or is about to, unless somebody tells it to."""
+        return self.dynamics.is_still and not any(each.walks for each in self.obstacles)
 
     def start(self, dt: float) -> Future[None] | None:
         """Begin to let `dt` [s] pass on another thread; :meth:`finish` ends that.
@@ -242,6 +248,7 @@ class World:
         self.map, self.relief, self._grid = line_map, relief, grid
         docks = [item.pose for item in line_map.objects if item.kind.startswith("Dock")]
         self._docks = np.array([(dock.x, dock.y, dock.theta) for dock in docks]).reshape(-1, 3)
+        self._places = b""
         for body in self.robots:
             body.set_wheel(SUPPLY, 0.0)
         self._sensing.change_map(line_map, self._grid, relief)
@@ -261,9 +268,14 @@ class World:
         if self.obstacles:
             self._walk(dt)
         self._sensing.forget()
-        if len(self._docks):
+        if len(self._docks) and self._has_moved():
             self._charge()
         self._sonars.advance(dt, self.outlines.poses[:, : len(self.robots)])
+
+    def _has_moved(self) -> bool:
+        """Whether a robot is elsewhere than when this was asked last."""
+        before, self._places = self._places, self.outlines.poses[:, : len(self.robots)].tobytes()
+        return before != self._places
 
     def _walk(self, dt: float) -> None:
         """Let people walk."""
@@ -280,10 +292,10 @@ class World:
     def _charge(self) -> None:
         """Supply who stands in a dock."""
         x, y, theta = self.outlines.poses[:, : len(self.robots), None]
-        off = np.hypot(x - self._docks[:, 0], y - self._docks[:, 1])
-        turned = np.cos(theta - self._docks[:, 2]) < np.cos(DOCKED_ANGLE)
-        docked = ((off < DOCKED) & ~turned).any(axis=1)
-        self.drives.wheels[SUPPLY] = np.where(docked, CHARGE_POWER, 0.0)
+        docked = np.hypot(x - self._docks[:, 0], y - self._docks[:, 1]) < DOCKED
+        if docked.any():
+            docked &= np.cos(theta - self._docks[:, 2]) >= np.cos(DOCKED_ANGLE)
+        self.drives.wheels[SUPPLY] = CHARGE_POWER * docked.any(axis=1)
 
     def _new_sonars(self, realism: Realism) -> Sonars:
         rng = self._rng.spawn(1)[0]

@@ -9,8 +9,11 @@ from pioneer3.geometry import ORIGIN, Pose2
 from pioneer3.maps import LineMap
 from pioneer3.models import load_model
 from pioneer3.sim.body import Body
+from pioneer3.sim.realism import Realism
+from pioneer3.sim.sensing import PlanarSensing
 from pioneer3.sim.sensors import LASER_RANGE, SONAR_MIN, SONAR_RANGE
 from pioneer3.sim.world import World
+from pioneer3.sim.worldfile import Box, Person, load_map
 from tests.support import wall_at
 
 MODEL = load_model("p3at-sh")
@@ -125,3 +128,40 @@ def test_a_long_step_is_as_good_as_many_short_ones() -> None:
     pass_time(World(wall_at(1.0), [short]), 2.0, 0.02)
     World(wall_at(1.0), [long]).step(2.0)
     assert long.robot_in_world.x == pytest.approx(short.robot_in_world.x, abs=1e-9)
+
+
+def test_what_is_kept_of_a_still_world_changes_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    def readings() -> list[object]:
+        model = load_model("p3at-sh")
+        world = World(
+            load_map("office"),
+            [Body(model), Body(model, Pose2(1.6, 0.3))],
+            seed=3,
+            realism=Realism(),
+        )
+        person = world.add_obstacle(Person(path=((1.0, 1.2), (1.0, -1.2)), radius=0.25))
+        box = world.add_obstacle(Box(pose=Pose2(-1.0, 0.0), size=(0.3, 0.3)))
+        told: list[object] = []
+        for number in range(120):
+            if number == 30:
+                world.robots[0].enable_motors(on=True)
+                world.robots[0].drive.linear.go(-0.3)
+            elif number == 70:
+                world.remove_obstacle(person)
+            elif number == 90:
+                world.move_obstacle(box, Pose2(1.0, 1.0))
+            world.step(0.02)
+            told += [world.sonar(body).tolist() for body in world.robots]
+            told += [world.robots[0].front_bumpers, world.robots[0].rear_bumpers]
+            told += [world.robots[0].robot_in_world]
+        return told
+
+    kept = readings()
+    forget = PlanarSensing.forget
+
+    def forget_all(sensing: PlanarSensing) -> None:
+        sensing._places = None
+        forget(sensing)
+
+    monkeypatch.setattr(PlanarSensing, "forget", forget_all)
+    assert kept == readings()

@@ -105,6 +105,7 @@ class MujocoDynamics:
     """
 
     has_slip = True
+    is_still = False
 
     def __init__(self, step: float = PHYSICS_STEP) -> None:
         self._mujoco: Any = _mujoco()

@@ -1,6 +1,8 @@
 """The simulator on the network: each robot has a TCP port, and one loop advances the time.
 
-A tick is: bytes in, answers out, a step of the world, the reports of the robots that are due.
+A tick is: bytes in, answers out, a step of the world, the reports of the robots that are due. While
+nothing moves, the loop sleeps until a report is due or a host sends bytes, and then makes up for
+the ticks that it has slept over, before it takes these bytes.
 Robots know the world's time, never the machine's, and take bytes only between steps, so the same
 bytes at the same ticks give the same simulation to the last bit, with any :class:`Pacer`. Only
 SIMSTAT tells real time.
@@ -77,6 +79,7 @@ class Simulation:
         self._watchdog_factor = 1.0
         self._reported_at = -inf
         self._waiting_since: float | None = None
+        self._sleeps = False
         for firmware in firmwares:
             self.attach(firmware)
 
@@ -184,10 +187,10 @@ class Simulation:
         try:
             while True:
                 rest = await self._turn(clock)
-                if self._waiting_since is None:
-                    await asyncio.sleep(rest)
-                else:
+                if self._waiting_since is not None or self._sleeps:
                     await self._sleep_until_heard(rest)
+                else:
+                    await asyncio.sleep(rest)
         finally:
             self.close()
 
@@ -195,17 +198,41 @@ class Simulation:
         """Take bytes of hosts, and step if a tick is due; return how long to sleep [s, real]."""
         now = clock()
         self._report_pace(now)
+        heard = self._hosts_heard()
+        while self._sleeps and self._hosts_heard() == heard and self.pace.wait(now) == 0:
+            await self._tick()
+            self.pace.passed(now)
         self._receive(self.world.time + self.pace.elapsed(now))
         wait = self.pace.wait(now)
         if wait == 0 and self._all_have_answered(now):
             await self._tick()
             self.pace.passed(now)
             now = clock()
-            return min(LONGEST_TURN, self.pace.wait(now), self._until_bytes_leave(now))
-        if self.pace.paused:
-            self._turns += 1
-            self._waiting_since = None
-        return min(LONGEST_TURN, wait or LONGEST_TURN, self._until_bytes_leave(now))
+            wait = self.pace.wait(now)
+        else:
+            wait = wait or LONGEST_TURN
+            if self.pace.paused:
+                self._turns += 1
+                self._waiting_since = None
+        idle = self._idle_ticks()
+        self._sleeps = idle > 0
+        if self._sleeps:
+            return wait + idle * TICK / self.pace.speed
+        return min(LONGEST_TURN, wait, self._until_bytes_leave(now))
+
+    def _idle_ticks(self) -> int:
+        """Return in how many of the next ticks nothing happens that anybody could notice."""
+        if self.lasers.lasers or self.cameras is not None or not self.pace.steady:
+            return 0
+        if self._hosts_heard() or not self.world.is_still:
+            return 0
+        due = min((port.due for port in self.ports), default=inf)
+        ticks = (due - self.world.time - SLACK) / TICK
+        return max(0, ceil(min(ticks, TICKS_PER_CYCLE)) - 1)
+
+    def _hosts_heard(self) -> int:
+        """Return of how many hosts bytes wait for their robots."""
+        return sum(port.pending for port in self.ports)
 
     def _until_bytes_leave(self, now: float) -> float:
         """Return how long after `now` another piece leaves a serial line [s, real]."""
