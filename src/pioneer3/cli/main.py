@@ -30,6 +30,7 @@ from pioneer3.cli.monitor import monitor
 from pioneer3.cli.motion import MODE_COMMANDS, move, turn
 from pioneer3.cli.options import UNITS, shown_default
 from pioneer3.cli.process import LogFormatter, write_error, write_warning
+from pioneer3.cli.replay import replay
 from pioneer3.cli.robot import robot_app
 from pioneer3.cli.ros1 import ros1_app
 from pioneer3.cli.ros2 import gather_ros_arguments, ros2_app
@@ -81,7 +82,7 @@ GROUPS: dict[str, tuple[Callable[..., object], ...]] = {
     "Start": (run, sim, docs),
     "Drive with your hands": (drive, demo),
     "Let the robot drive": (*MODE_COMMANDS, goto, move, patrol, turn),
-    "Look at the robot": (info, monitor, sonar, laser_app, log_app),
+    "Look at the robot": (info, monitor, sonar, laser_app, log_app, replay),
     "When something is wrong": (doctor, find_port, setup_app),
     "Many robots": (fleet_app, bridge, class_),
     "Maps, models, ROS, and who may use the page": (
@@ -100,6 +101,7 @@ WITHOUT_UNITS = (
     info,
     find_port,
     log_app,
+    replay,
     setup_app,
     map_app,
     model_app,

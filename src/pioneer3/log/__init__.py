@@ -12,6 +12,7 @@ target        opens the files of a log: one that is named, or the next ones of t
 folder        the user's logs: their names, which go first, which are pinned or being written
 mcap          one MCAP file while it is written: chunks, flushes, its end
 reader        reads a log, with or without its end, and its index
+index         finds the messages of a log at any time
 command_line  the command that was started, without secrets
 moment        times in a log, as people tell them
 excerpt       a part of a log, as a log of its own

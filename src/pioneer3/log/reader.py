@@ -193,16 +193,16 @@ class RunLog:
 
         A chunk is sorted: its topics lie one behind the other.
         """
-        with self._damage_told():
+        with self.damage_told():
             for chunk in self._chunks(wanted):
                 yield from sorted(
-                    (message for record in chunk for message in _messages(record)),
+                    (message for record in chunk for message in messages_of(record)),
                     key=attrgetter("time"),
                 )
 
     def records(self, begin: int, end: int) -> Iterator["LogRecord"]:
         """Yield the messages from `begin` to `end` [ns since 1970] as they lie in the file."""
-        with self._damage_told():
+        with self.damage_told():
             for chunk in self._chunks():
                 yield from (record for record in chunk if begin <= record.time <= end)
 
@@ -217,12 +217,12 @@ class RunLog:
         with self._opened() as file:
             for kind, content in _contents(file, {CHUNK, CHANNEL, SCHEMA, MESSAGE}):
                 inside: list[LogRecord] = []
-                for inner, data in _unpacked(content) if kind == CHUNK else ((kind, content),):
+                for inner, data in unpacked(content) if kind == CHUNK else ((kind, content),):
                     if inner == SCHEMA:
-                        schema = Schema.read(_stream(data))
+                        schema = Schema.read(stream(data))
                         schemas[schema.id] = schema
                     elif inner == CHANNEL:
-                        channel = Channel.read(_stream(data))
+                        channel = Channel.read(stream(data))
                         channels[channel.id] = channel
                     elif inner == MESSAGE:
                         number, _, time = struct.unpack_from("<HIQ", data)
@@ -235,7 +235,7 @@ class RunLog:
     def of(self, topic: LogTopic[T]) -> Iterator[tuple[int, T]]:
         """Yield the messages of a topic, each with its time [ns since 1970]."""
         for message in self.messages(lambda name: name == topic.name):
-            with self._damage_told():
+            with self.damage_told():
                 decoded = message.decode(topic.kind)
             yield message.time, decoded
 
@@ -245,11 +245,12 @@ class RunLog:
 
     @contextmanager
     def _opened(self) -> Iterator[BinaryIO]:
-        with self._damage_told(), self.path.open("rb") as file:
+        with self.damage_told(), self.path.open("rb") as file:
             yield file
 
     @contextmanager
-    def _damage_told(self) -> Iterator[None]:
+    def damage_told(self) -> Iterator[None]:
+        """Tell what readers find wrong during the block as errors about this file."""
         from mcap.exceptions import McapError
         from zstandard import ZstdError
 
@@ -291,39 +292,44 @@ def _read_index(file: BinaryIO, size: int) -> _Index | None:
     """
     from mcap.records import Channel, MetadataIndex, Statistics
 
+    index = _Index()
+    groups = list(summary_groups(file, size, {CHANNEL, STATISTICS, METADATA_INDEX}))
+    for kind, data in (record for _, group in groups for record in split(group)):
+        if kind == CHANNEL:
+            channel = Channel.read(stream(data))
+            index.channels[channel.id] = channel.topic
+        elif kind == STATISTICS:
+            told = Statistics.read(stream(data))
+            index.counts = told.channel_message_counts
+            index.began, index.ended = told.message_start_time, told.message_end_time
+        elif kind == METADATA_INDEX:
+            place = MetadataIndex.read(stream(data))
+            if place.offset + place.length > size or place.length > MOST_RECORD:
+                raise ValueError("its index is wrong")
+            file.seek(place.offset)
+            for _, text in split(file.read(place.length)):
+                _take_texts(index, text)
+    if not groups:
+        return None
+    return index
+
+
+def summary_groups(file: BinaryIO, size: int, kinds: set[int]) -> Iterator[tuple[int, bytes]]:
+    """Yield the groups of some kinds in the index at the end of a file; none if it has none."""
     at = size - FOOTER.size
     if at < len(MAGIC):
-        return None
+        return
     file.seek(at)
     *_, summary, offsets, _, magic = FOOTER.unpack(file.read(FOOTER.size))
     if magic != MAGIC or not 0 < summary < offsets < at:
-        return None
-    index = _Index()
+        return
     file.seek(offsets)
     for group, begin, length in _groups(file.read(min(at - offsets, 100 * GROUP.size))):
-        if group not in {CHANNEL, STATISTICS, METADATA_INDEX}:
-            continue
-        if not summary <= begin <= begin + length <= offsets or length > MOST_RECORD:
-            raise ValueError("its index is wrong")
-        file.seek(begin)
-        for kind, data in _split(file.read(length)):
-            if kind == CHANNEL:
-                channel = Channel.read(_stream(data))
-                index.channels[channel.id] = channel.topic
-            elif kind == STATISTICS:
-                told = Statistics.read(_stream(data))
-                index.counts = told.channel_message_counts
-                index.began, index.ended = told.message_start_time, told.message_end_time
-            elif kind == METADATA_INDEX:
-                place = MetadataIndex.read(_stream(data))
-                if place.offset + place.length > summary or place.length > MOST_RECORD:
-                    raise ValueError("its index is wrong")
-                back = file.tell()
-                file.seek(place.offset)
-                for _, text in _split(file.read(place.length)):
-                    _take_texts(index, text)
-                file.seek(back)
-    return index
+        if group in kinds:
+            if not summary <= begin <= begin + length <= offsets or length > MOST_RECORD:
+                raise ValueError("its index is wrong")
+            file.seek(begin)
+            yield group, file.read(length)
 
 
 def _index_of_all(file: BinaryIO) -> _Index:
@@ -341,7 +347,7 @@ def _index_of_all(file: BinaryIO) -> _Index:
     return index
 
 
-def _messages(record: LogRecord) -> Iterator[LogMessage]:
+def messages_of(record: LogRecord) -> Iterator[LogMessage]:
     """Yield a message, or the pieces of bytes in it."""
     data, topic = record.data[OF_MESSAGE:], record.channel.topic
     steady = _steady(record.channel.metadata)
@@ -363,7 +369,7 @@ def _steady(metadata: Mapping[str, str]) -> tuple[str, bytes] | None:
 def _take_texts(index: _Index, data: bytes) -> None:
     from mcap.records import Metadata
 
-    texts = Metadata.read(_stream(data))
+    texts = Metadata.read(stream(data))
     index.texts[texts.name] = texts.metadata
 
 
@@ -377,7 +383,7 @@ def _contents(file: BinaryIO, kinds: set[int]) -> Iterator[tuple[int, bytes]]:
             yield kind, file.read(length)
 
 
-def _split(data: bytes) -> Iterator[tuple[int, bytes]]:
+def split(data: bytes) -> Iterator[tuple[int, bytes]]:
     """Yield the records in some bytes."""
     at = 0
     while at + HEADER <= len(data):
@@ -396,27 +402,27 @@ def _groups(data: bytes) -> Iterator[tuple[int, ...]]:
         yield GROUP.unpack_from(data, at)[2:]
 
 
-def _unpacked(content: bytes) -> Iterator[tuple[int, bytes]]:
+def unpacked(content: bytes) -> Iterator[tuple[int, bytes]]:
     """Yield the records in a chunk."""
     import zstandard
     from mcap.records import Chunk
 
-    chunk = Chunk.read(_stream(content))
+    chunk = Chunk.read(stream(content))
     if chunk.uncompressed_size > MOST_UNPACKED:
         raise ValueError(f"a chunk of {chunk.uncompressed_size} bytes")
     data = chunk.data
     if chunk.compression == "zstd":
         unpacker = zstandard.ZstdDecompressor(max_window_size=MOST_UNPACKED)
-        with unpacker.stream_reader(chunk.data) as stream:
-            data = stream.read(chunk.uncompressed_size)
+        with unpacker.stream_reader(chunk.data) as packed:
+            data = packed.read(chunk.uncompressed_size)
     elif chunk.compression:
         raise ValueError(f"packed by {chunk.compression!r}: `mcap recompress` packs it by zstd")
     if len(data) != chunk.uncompressed_size:
         raise ValueError("a chunk is shorter than it says")
-    yield from _split(data)
+    yield from split(data)
 
 
-def _stream(data: bytes) -> "ReadDataStream":
+def stream(data: bytes) -> "ReadDataStream":
     from mcap.data_stream import ReadDataStream
 
     return ReadDataStream(BytesIO(data))

@@ -331,6 +331,11 @@ class Arbiter:
         self._supervisor.emergency_stop()
         self._note("", "emergency stop")
 
+    def reset_emergency_stop(self) -> None:
+        """Release the latch; the motors stay off."""
+        self._supervisor.reset_emergency_stop()
+        self._note("", "reset the emergency stop")
+
     def set_motors(self, *, on: bool, by: Hold | None = None) -> Refusal | None:
         """Stop as :meth:`stop` does, then switch the motors."""
         self.stop(by)

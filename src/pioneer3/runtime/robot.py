@@ -97,7 +97,7 @@ class Robot(Driven):
 
     def reset_emergency_stop(self) -> None:
         """Release the latch of the emergency stop. The motors stay off."""
-        self.supervisor.reset_emergency_stop()
+        self.arbiter.reset_emergency_stop()
 
     async def motors(self, on: bool) -> None:
         """Switch the motors' power; return when the robot confirms it.

@@ -109,7 +109,6 @@ class KeyboardDriver:
 
     def _obey(self, key: Key) -> None:
         """Carry out a key that is about more than velocity; pass the others on."""
-        supervisor = self._robot.supervisor
         match key:
             case Key.STOP:
                 self._robot.arbiter.stop(by=self._hold)
@@ -121,5 +120,5 @@ class KeyboardDriver:
                 self._robot.emergency_stop()
                 key = Key.STOP  # else a latched key would drive on once it is released
             case Key.RESET:
-                supervisor.reset_emergency_stop()
+                self._robot.arbiter.reset_emergency_stop()
         self.keyboard.press(key, self._clock())

@@ -134,6 +134,11 @@ class ScanChannel(FrameChannel):
         to_set.set()
         to_clear.clear()
 
+    @property
+    def is_wanted(self) -> bool:
+        """Whether any client subscribes."""
+        return bool(self._subscribers)
+
     def has(self, client: int) -> bool:
         """Whether a client subscribes."""
         return client in self._subscribers

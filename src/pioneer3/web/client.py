@@ -226,7 +226,9 @@ class Client:
     def _check_permission(self, request: requests.AnyRequest) -> Message | None:
         """Return the refusal of a request that this role may not make, or `None`."""
         refused = None
-        if self.role is Role.STUDENT:
+        if self._page.replay is not None and not isinstance(request, requests.FOR_REPLAYS):
+            refused = Refusal(requests.REPLAYED)
+        elif self.role is Role.STUDENT:
             refused = requests.refusal_for_student(request, self.session.robot)
         elif self.role is not Role.DRIVER and not isinstance(request, requests.FOR_ALL):
             refused = Refusal(requests.ONLY_DRIVERS)
@@ -246,6 +248,8 @@ class Client:
         if isinstance(request, requests.ViewRequest):
             self._look(request)
             return None
+        if isinstance(request, requests.PlayRequest):
+            return page.play(request)
         if isinstance(request, requests.Edit | requests.MapEdit):
             return await page.edit(self, request)
         if isinstance(request, requests.ModeRequest):
@@ -336,15 +340,15 @@ class Client:
             case requests.WatchLasers(on):
                 self._audience.scans.subscribe(self._number, on=on)
             case requests.WatchDetails(on):
-                view = self._page.robot(request.robot)
-                for each in self._page.robots.values():
-                    each.details.unsubscribe(self)
+                details = self._page.details(request.robot)
+                for each in self._page.all_details():
+                    each.unsubscribe(self)
                 if self._queue is not None:
-                    self._queue.details = view.details.channel if on else None
+                    self._queue.details = details.channel if on else None
                 if on:
-                    view.details.subscribe(self)
+                    details.subscribe(self)
             case requests.AskConfig():
-                self._page.robot(request.robot).details.request_config()
+                self._page.details(request.robot).request_config()
             case requests.PlanWay():
                 self._page.robot(request.robot).navigation.ask(self, request)
 

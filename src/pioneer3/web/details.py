@@ -17,7 +17,7 @@ from pioneer3.robot.devices.lines import LinesReading, read_io
 from pioneer3.robot.devices.sensor import Sensor
 from pioneer3.robot.lasers.driver import LaserDriver
 from pioneer3.runtime.robot import Robot
-from pioneer3.state import Inputs
+from pioneer3.state import Snapshot
 from pioneer3.web import messages
 from pioneer3.web.broadcast import RetainedChannel, Subscriber
 from pioneer3.web.scene import RobotScene
@@ -110,20 +110,12 @@ class RobotDetails:
         info, snapshot = self._robot.supervisor.info, self._robot.snapshot
         if info is None or snapshot is None:
             return messages.NoDetails(self._number)
-        odometry, motors, status = snapshot.odometry, snapshot.motors, detailed_status(snapshot)
-        return messages.Details(
-            robot=self._number,
+        return details_of(
+            self._number,
+            snapshot,
             findings=(*self._findings(now), *laser_findings(self._robot.lasers)),
-            robot_in_encoder=odometry.robot_in_encoder,
-            wheels=messages.Sides(odometry.left_speed, odometry.right_speed),
-            stalls=messages.Stalls(motors.left_stalled, motors.right_stalled),
-            temperature=snapshot.inputs.temperature,
-            compass=snapshot.inputs.compass,
-            flags=status.flags,
-            faults=status.faults,
-            charger_power=status.charger_power,
             baud=info.speed,
-            lines=self._describe_lines(snapshot.inputs, now),
+            read=self._fresh_lines(now),
             sensors=tuple(map(_sensor, self._robot.devices.sensors)),
         )
 
@@ -136,16 +128,9 @@ class RobotDetails:
                 return [Finding(check="reports", level=Level.OK, found=found)]
         return list(self._line.findings(now))
 
-    def _describe_lines(self, inputs: Inputs, now: float) -> messages.LineValues:
+    def _fresh_lines(self, now: float) -> LinesReading | None:
         read = self._lines
-        if read is not None and now - read.stamp > LINES_AGE:
-            read = None
-        return messages.LineValues(
-            read.digital_in if read else _bits(inputs.digital_in),
-            read.digital_out if read else _bits(inputs.digital_out),
-            read.analog if read else None,
-            messages.AnalogPort(inputs.analog_port, inputs.analog),
-        )
+        return None if read is None or now - read.stamp > LINES_AGE else read
 
     def _ask_for_lines(self, now: float) -> None:
         if self._robot.snapshot is not None and now - self._lines_asked_at >= LINES_PERIOD:
@@ -156,6 +141,40 @@ class RobotDetails:
     def _take(self, report: Report, stamp: float) -> None:
         if isinstance(report, Io):
             self._lines = read_io(report, stamp)
+
+
+def details_of(
+    number: int,
+    snapshot: Snapshot,
+    *,
+    findings: tuple[Finding, ...] = (),
+    baud: int | None = None,
+    read: LinesReading | None = None,
+    sensors: tuple[messages.SensorDetails, ...] = (),
+) -> messages.Details:
+    """Return the message about a robot; its lines as they were `read`, else as snapshots say."""
+    odometry, motors, status = snapshot.odometry, snapshot.motors, detailed_status(snapshot)
+    inputs = snapshot.inputs
+    return messages.Details(
+        robot=number,
+        findings=findings,
+        robot_in_encoder=odometry.robot_in_encoder,
+        wheels=messages.Sides(odometry.left_speed, odometry.right_speed),
+        stalls=messages.Stalls(motors.left_stalled, motors.right_stalled),
+        temperature=inputs.temperature,
+        compass=inputs.compass,
+        flags=status.flags,
+        faults=status.faults,
+        charger_power=status.charger_power,
+        baud=baud,
+        lines=messages.LineValues(
+            read.digital_in if read else _bits(inputs.digital_in),
+            read.digital_out if read else _bits(inputs.digital_out),
+            read.analog if read else None,
+            messages.AnalogPort(inputs.analog_port, inputs.analog),
+        ),
+        sensors=sensors,
+    )
 
 
 def laser_findings(lasers: Iterable[LaserSource]) -> Iterator[Finding]:

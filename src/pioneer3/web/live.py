@@ -105,7 +105,7 @@ async def live(options: RunOptions, tell: Callable[[str], None]) -> int:
         await stack.enter_async_context(hosted(page, told, tell, options.record))
         it = "it" if len(targets) == 1 else "them"
         tell(f"Drive {it} at {served.http}   (Ctrl-C ends)")
-        for line in _pairing_lines(page, options):
+        for line in pairing_lines(page, options.host, show_tokens=options.show_tokens):
             tell(line)
         if options.announced is not None and not is_loopback(options.host):
             await stack.enter_async_context(options.announced(served))
@@ -213,9 +213,9 @@ def _with_options(
     ]
 
 
-def _pairing_lines(page: Page, options: RunOptions) -> Iterator[str]:
+def pairing_lines(page: Page, host: str, *, show_tokens: bool) -> Iterator[str]:
     """Yield instructions for other devices, or the reason why they cannot connect."""
-    if is_loopback(options.host):
+    if is_loopback(host):
         return
     if not page.access.urls:
         yield (
@@ -226,6 +226,6 @@ def _pairing_lines(page: Page, options: RunOptions) -> Iterator[str]:
     yield f"For other devices, after pairing: {'  '.join(page.access.urls)}"
     if page.access.authority is not None:
         yield f"The https certificate's authority: SHA-256 {digest(page.access.authority)}"
-    if options.show_tokens:
+    if show_tokens:
         yield from invitation_lines(page.access.urls[0], page.access.invitations)
     yield "To list devices, invite more and revoke them: pioneer3 access --help"

@@ -66,7 +66,7 @@ class SpeedLimits(Part, frozen=True):
 
 
 class ListedRobot(Part, frozen=True):
-    """A robot. `shape` and `limits` are null until it has been connected to.
+    """A robot; one of a `REPLAY` cannot be driven. `shape` and `limits` are null at first.
 
     It `plans` ways where it has a map, a laser or sonars, and what navigation needs; `forbids` says
     why nothing drives to places of a map without. Pictures of its `camera` are got over the HTTP
@@ -75,7 +75,7 @@ class ListedRobot(Part, frozen=True):
 
     id: int
     name: str
-    kind: Literal["ROBOT", "SIMULATOR"]
+    kind: Literal["ROBOT", "SIMULATOR", "REPLAY"]
     url: str
     shape: Shape | None
     limits: SpeedLimits | None
@@ -528,6 +528,42 @@ class Pong(Message, tag="pong", frozen=True):
     t: float
 
 
+# -- a replay of logs
+
+MarkKind = Literal["emergency", "stall", "link", "mode", "goal", "note"]
+
+
+class ReplayState(Message, tag="replay", frozen=True):
+    """The time `at` which logs are shown, of all between `began` and `ended` [s since 1970].
+
+    `jumps` counts how often somebody went elsewhere; `looked` is the share of the logs that was
+    looked through for marks, 0 to 1.
+    """
+
+    began: float
+    ended: float
+    at: float
+    speed: float
+    playing: bool
+    jumps: int
+    looked: float
+
+
+class ReplayMark(Part, frozen=True):
+    """An event of a log at a time [s since 1970], of a `robot` or, null, of all."""
+
+    at: float
+    robot: int | None
+    kind: MarkKind
+    text: str
+
+
+class ReplayMarks(Message, tag="replay_marks", frozen=True):
+    """The events that have been found so far."""
+
+    marks: tuple[ReplayMark, ...]
+
+
 # -- details of one robot, for clients that subscribed to them
 
 
@@ -698,6 +734,6 @@ class ClassRobots(Message, tag="class_robots", frozen=True):
 EVERY = (
     *(Hello, Status, Robots, Scans, Map, MapDraft, WorldChanges, People, Class, ClassRobots),
     *(PlannedWay, Navigation, GoalProgress, Mapping, Told, Refused, EditRefused, Added, Pong),
-    *(Details, NoDetails, ConfigMessage),
+    *(Details, NoDetails, ConfigMessage, ReplayState, ReplayMarks),
 )
 """All messages."""

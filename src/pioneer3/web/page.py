@@ -1,7 +1,7 @@
 """The state that all clients share: the robots, the world around them, and the clients."""
 
 import asyncio
-from collections.abc import AsyncIterator, Iterable
+from collections.abc import AsyncIterator, Iterable, Sequence
 from contextlib import asynccontextmanager
 from functools import partial
 from itertools import count
@@ -20,11 +20,14 @@ from pioneer3.web.audience import Audience, Audiences
 from pioneer3.web.classroom.classroom import Classroom
 from pioneer3.web.clients import Clients, PageClient
 from pioneer3.web.control import Control, Operator
+from pioneer3.web.details import RobotDetails
 from pioneer3.web.editor import Editor
 from pioneer3.web.map_editor import MapEditor
 from pioneer3.web.mapping import RobotMapping
 from pioneer3.web.navigation import RobotNavigation
 from pioneer3.web.page_map import PageMap
+from pioneer3.web.replay.replay import LogPlayer
+from pioneer3.web.replay.view import RecordedDetails
 from pioneer3.web.robot_view import RobotView, called
 from pioneer3.web.scene import RobotScene
 from pioneer3.web.world import WorldView
@@ -51,6 +54,7 @@ class Page:
         self.world: WorldView | None = None
         self.traffic = Traffic()
         self.classroom: Classroom | None = None
+        self.replay: LogPlayer | None = None
         self.closed = asyncio.Event()
         self._count = count(1)
         self._labels: dict[int, str] = {}
@@ -136,6 +140,32 @@ class Page:
             raise CommandError("there is no robot" if number is None else f"no robot {number}")
         return found
 
+    def details(self, number: int | None) -> RobotDetails | RecordedDetails:
+        """Return the details of a robot, as :meth:`robot` finds it."""
+        return self.replay.details(number) if self.replay else self.robot(number).details
+
+    def all_details(self) -> Sequence[RobotDetails | RecordedDetails]:
+        """Return the details of all robots."""
+        if self.replay is not None:
+            return self.replay.all_details()
+        return [view.details for view in self.robots.values()]
+
+    @asynccontextmanager
+    async def replaying(self, replay: LogPlayer) -> AsyncIterator[None]:
+        """Show a replay to all clients, and no robot, while the block lasts."""
+        self.replay = replay
+        for audience in self.audiences:
+            audience.put("hello", messages.encode(replay.hello()))
+        async with running(replay.run()):
+            yield
+
+    def play(self, request: requests.PlayRequest) -> messages.Refused | None:
+        """Play the replay as a client asks; return the refusal where there is none."""
+        if self.replay is None:
+            return messages.Refused(requests.NOT_REPLAYED)
+        self.replay.ask(request)
+        return None
+
     def known(self, numbers: Iterable[int]) -> list[RobotView]:
         """Return the robots of these numbers; those that are gone are left out."""
         return [self.robots[number] for number in numbers if number in self.robots]
@@ -164,8 +194,8 @@ class Page:
         self.clients.release_control(client)
         audience.clients.discard(client)
         audience.scans.subscribe(number, on=False)
-        for view in self.robots.values():
-            view.details.unsubscribe(client)
+        for details in self.all_details():
+            details.unsubscribe(client)
 
     async def edit(
         self, client: PageClient, edit: requests.Edit | requests.MapEdit

@@ -185,6 +185,14 @@ class WatchLasers(Request, tag="watch_lasers"):
     on: bool
 
 
+class PlayRequest(Request, tag="play"):
+    """Play or pause a replay, change its speed, or go to a time [s since 1970]; null leaves it."""
+
+    playing: bool | None = None
+    speed: Annotated[float, Meta(ge=0.1, le=32.0)] | None = None
+    at: Annotated[float, Meta(ge=0.0, le=1e11)] | None = None
+
+
 class PingRequest(Request, tag="ping"):
     """Ask for a pong with the same `t`."""
 
@@ -417,8 +425,17 @@ ClassRequest = PauseRobots | PutBack | FreeSeat | LockJoining | ShareAddresses |
 """Concerns a class."""
 RobotAction = DriveRequest | ControlRequest | ModeRequest | MapRequest
 AnyRequest = (
-    RobotAction | StartGroupMode | ViewRequest | PingRequest | Edit | MapEdit | ClassRequest
+    RobotAction
+    | StartGroupMode
+    | ViewRequest
+    | PingRequest
+    | Edit
+    | MapEdit
+    | ClassRequest
+    | PlayRequest
 )
+FOR_REPLAYS = (PlayRequest, PingRequest, WatchDetails, AskConfig, WatchLasers)
+"""Requests about a replay."""
 FOR_STUDENTS = (
     *(VelocityRequest, StopRequest, EmergencyStop, ResetEmergencyStop, SwitchMotors),
     *(TakeControl, TakeOver, ReleaseControl),
@@ -427,6 +444,8 @@ FOR_STUDENTS = (
 )
 """Requests that the students of a class may make, about their own robots."""
 ONLY_DRIVERS = "you are a viewer: you may look, and stop the robot"
+REPLAYED = "this is a replay: nothing in it can be driven or changed"
+NOT_REPLAYED = "this is no replay: nothing can be played here"
 ONLY_TEACHERS = "only your teacher may do this"
 NOT_YOURS = "this is not your robot"
 TOO_DEEP = "nested too deeply"

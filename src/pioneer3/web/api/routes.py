@@ -30,7 +30,7 @@ from pioneer3.web.api.operation import (
 )
 from pioneer3.web.api.robot_operations import ROBOTS
 from pioneer3.web.page import Page
-from pioneer3.web.requests import NOT_YOURS, ONLY_DRIVERS, ONLY_TEACHERS
+from pioneer3.web.requests import NOT_YOURS, ONLY_DRIVERS, ONLY_TEACHERS, REPLAYED
 
 OPERATIONS = (*ROBOTS, *CAMERA, *BODIES, *NAVIGATION, *CLASS, *ACCESS)
 LONGEST_BODY = 16_384
@@ -66,6 +66,12 @@ async def _serve(page: Page, operation: Operation, request: Request) -> Response
     if operation in CLASS and page.classroom is None:
         return respond(NO_CLASS)
     number = request.path_params.get("robot", "")  # as it is written in the list of robots
+    if (
+        page.replay is not None
+        and operation not in ACCESS
+        and (number or operation.method != "GET")
+    ):
+        return respond(ErrorResponse(409, REPLAYED))
     call = ApiRequest(
         page=page,
         session=session,

@@ -26,6 +26,7 @@ import { MapNews } from "./panels/map_making.js";
 import { Panels } from "./panels/panels.js";
 import { People } from "./panels/people.js";
 import { Picker, addsRobot } from "./panels/picker.js";
+import { Replay } from "./replay/replay.js";
 import {
   showConnection, showLink, showOverlay, showPause, showRobot, showSnapshot, showUsable, showWhy, toast,
 } from "./panels/status.js";
@@ -49,6 +50,13 @@ const drive = new Drive({
   send: sendDrive,
   limits: () => limits.values,
   onChange: () => (hasDriven ||= drive.holding, inputs.show(drive)),
+});
+
+const replay = new Replay({
+  send: (message) => connection.send(message),
+  notify: toast,
+  nameOf: (number) => (model.several ? model.robots.get(number)?.name : ""),
+  jumped: () => (model.forget(), panels.forget(), scene.invalidate()),
 });
 
 const people = new People({
@@ -103,6 +111,7 @@ const panels = new Panels({
   lead: select,
   notify: toast,
   tell,
+  now: () => (replay.on ? replay.now : Date.now() / 1000),
   opened: (view) => {
     if (view && PHONE.matches) editMode.set(false);
     picker.setListed(view === "robots");
@@ -136,6 +145,8 @@ function receive(message) {
   else if (message.type === "way") goto.takeWay(message);
   else if (message.type === "goal") showGoal(message);
   else if (message.type === "told") showNews(message);
+  else if (message.type === "replay") replay.takeState(message);
+  else if (message.type === "replay_marks") replay.takeMarks(message);
   else if (message.type === "pong") stops.acknowledge(message.t);
   else panels.receive(message);
   refresh();
@@ -151,7 +162,7 @@ function looking() {
 function takeMap(map) {
   mapInUse = map;
   mapEditor.adopt(map);
-  editMode.offer("map", Boolean(map?.walls.length || map?.cells.length));
+  editMode.offer("map", !model.replayed && Boolean(map?.walls.length || map?.cells.length));
   legend.offer("changes", Boolean(map?.changes.length));
   showMap();
 }
@@ -167,6 +178,8 @@ function showMap() {
 }
 
 function showHello(hello) {
+  document.body.classList.toggle("replaying", model.replayed);
+  byId("driver").disabled = model.replayed;
   ownRobot.takeHello(hello);
   inputs.adopt(hello);
   editMode.offer("world", Boolean(hello.models));
@@ -258,7 +271,8 @@ function sendToRobot(message) {
 
 function takePeople(message) {
   people.receive(message);
-  model.viewer = people.viewer;
+  model.viewer = people.viewer || model.replayed;
+  document.body.classList.toggle("viewer", model.viewer);
   model.client = message.id;
   model.leases = message.control;
   ownRobot.takeOver(model);
@@ -279,6 +293,7 @@ function show() {
 
 /** Returns the hint for a robot that stands and has nothing to do. */
 function hint() {
+  if (model.replayed) return "";
   if (model.viewer) return WATCHING;
   if (model.denial) return ""; // the class's banner says why
   const holder = people.holder;
@@ -361,8 +376,8 @@ function refresh() {
   showStops(snapshot?.emergency_stop ?? false, live);
   showLatched(latched, model);
   showTrouble(stops.trouble);
-  if (snapshot) panels.show(snapshot, { usable: live && !model.viewer, startedBy: people.holder, going: goto.going, roundTrip: connection.roundTrip });
-  showLink(connection.roundTrip, snapshot?.link.rate ?? 0, live);
+  if (snapshot) panels.show(snapshot, { usable: live && !model.viewer, startedBy: people.holder, going: goto.going, roundTrip: model.replayed ? null : connection.roundTrip });
+  showLink(model.replayed ? null : connection.roundTrip, snapshot?.link.rate ?? 0, live);
   showUsable(live && !model.viewer);
   showMode(looking().mode);
   if (model.world.paused) showPause();
@@ -443,6 +458,7 @@ function expose() {
           proposal: goto.proposal && Object.freeze({ ...goto.proposal }),
           scans: [...model.robots.values()].map(({ points, scanning }) => (scanning ? points.length / 2 : 0)),
           frames: scene.frames,
+          replay: replay.on ? replay.now : null,
           solid: scene.solid && Object.freeze(scene.solid.state),
           toScreen,
         });

@@ -10,11 +10,11 @@ export interface Hello {
   class: ClassMember | null;
 }
 
-/** A robot. `shape` and `limits` are null until it has been connected to. It `plans` ways where it has a map, a laser or sonars, and what navigation needs; `forbids` says why nothing drives to places of a map without. Pictures of its `camera` are got over the HTTP API. */
+/** A robot; one of a `REPLAY` cannot be driven. `shape` and `limits` are null at first. It `plans` ways where it has a map, a laser or sonars, and what navigation needs; `forbids` says why nothing drives to places of a map without. Pictures of its `camera` are got over the HTTP API. */
 export interface ListedRobot {
   id: number;
   name: string;
-  kind: "ROBOT" | "SIMULATOR";
+  kind: "REPLAY" | "ROBOT" | "SIMULATOR";
   url: string;
   shape: Shape | null;
   limits: SpeedLimits | null;
@@ -629,6 +629,32 @@ export interface ConfigRow {
   meaning: string;
 }
 
+/** The time `at` which logs are shown, of all between `began` and `ended` [s since 1970]. `jumps` counts how often somebody went elsewhere; `looked` is the share of the logs that was looked through for marks, 0 to 1. */
+export interface ReplayState {
+  type: "replay";
+  began: number;
+  ended: number;
+  at: number;
+  speed: number;
+  playing: boolean;
+  jumps: number;
+  looked: number;
+}
+
+/** The events that have been found so far. */
+export interface ReplayMarks {
+  type: "replay_marks";
+  marks: ReplayMark[];
+}
+
+/** An event of a log at a time [s since 1970], of a `robot` or, null, of all. */
+export interface ReplayMark {
+  at: number;
+  robot: number | null;
+  kind: "emergency" | "goal" | "link" | "mode" | "note" | "stall";
+  text: string;
+}
+
 /** Hold this velocity [m/s, rad/s] with `input` until it expires; 0, 0 lets go. The robots `also` hold the same. */
 export interface VelocityRequest {
   type: "drive";
@@ -1042,6 +1068,14 @@ export interface RecordRun {
   robot?: number | null;
 }
 
-export type ToPage = Hello | Status | Robots | Scans | Map | MapDraft | WorldChanges | People | Class | ClassRobots | PlannedWay | Navigation | GoalProgress | Mapping | Told | Refused | EditRefused | Added | Pong | Details | NoDetails | ConfigMessage;
+/** Play or pause a replay, change its speed, or go to a time [s since 1970]; null leaves it. */
+export interface PlayRequest {
+  type: "play";
+  playing?: boolean | null;
+  speed?: number | null;
+  at?: number | null;
+}
 
-export type ToServer = VelocityRequest | StopRequest | EmergencyStop | ResetEmergencyStop | SwitchMotors | TakeControl | TakeOver | HandOver | ReleaseControl | StartMode | GotoPlace | MakeMap | EndMode | Patrol | LookAround | PlaceRobot | StartGroupMode | WatchDetails | AskConfig | WatchLasers | PlanWay | PingRequest | AddBox | AddPerson | AddRobot | MoveRequest | Remove | PressStopButton | PlugCable | SetCharge | PauseRequest | StepRequest | SetSpeed | EraseWalls | DrawWall | Forbid | NamePlace | RenameObject | RemoveObject | UndoMapEdit | DiscardMapEdits | SaveMap | PauseRobots | PutBack | FreeSeat | LockJoining | ShareAddresses | RecordRun;
+export type ToPage = Hello | Status | Robots | Scans | Map | MapDraft | WorldChanges | People | Class | ClassRobots | PlannedWay | Navigation | GoalProgress | Mapping | Told | Refused | EditRefused | Added | Pong | Details | NoDetails | ConfigMessage | ReplayState | ReplayMarks;
+
+export type ToServer = VelocityRequest | StopRequest | EmergencyStop | ResetEmergencyStop | SwitchMotors | TakeControl | TakeOver | HandOver | ReleaseControl | StartMode | GotoPlace | MakeMap | EndMode | Patrol | LookAround | PlaceRobot | StartGroupMode | WatchDetails | AskConfig | WatchLasers | PlanWay | PingRequest | AddBox | AddPerson | AddRobot | MoveRequest | Remove | PressStopButton | PlugCable | SetCharge | PauseRequest | StepRequest | SetSpeed | EraseWalls | DrawWall | Forbid | NamePlace | RenameObject | RemoveObject | UndoMapEdit | DiscardMapEdits | SaveMap | PauseRobots | PutBack | FreeSeat | LockJoining | ShareAddresses | RecordRun | PlayRequest;

@@ -65,6 +65,7 @@ export class Teleop {
   resetAll = () => this.#reset([...this.#model.robots.values()].filter((robot) => robot.snapshot?.emergency_stop));
 
   #stop(...messages) {
+    if (this.#model.replayed) return this.#notify(this.#model.refusal);
     this.#drive.forget();
     for (const message of messages) this.#stops.add(message);
     this.#connection.retryNow();

@@ -144,9 +144,20 @@ export class Model {
     return robot.reporting || (this.world.paused && robot.snapshot !== null);
   }
 
+  /** Whether the page shows a replay of logs. */
+  get replayed() {
+    return this.hello?.robots.some(({ kind }) => kind === "REPLAY") ?? false;
+  }
+
+  /** Forgets what belongs to another time of a replay. */
+  forget() {
+    for (const robot of this.robots.values()) robot.forget();
+  }
+
   /** The reason why a press does not drive, or null when it may. */
   get refusal() {
     if (!this.socketOpen) return "Not connected to the driver.";
+    if (this.replayed) return "This is a replay: nothing in it can be driven.";
     if (this.selected && !this.selected.connected) return "The robot is not connected.";
     if (!this.live) return "No news from the robot: driving blind is not possible.";
     if (this.viewer) return "You are a viewer: you may look, and stop the robot.";

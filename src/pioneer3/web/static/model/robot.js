@@ -83,6 +83,14 @@ export class Robot {
     this.#snapshotAt = -Infinity;
   }
 
+  /** Forgets what belongs to another time of a replay. */
+  forget() {
+    this.clearTrail();
+    this.navigation = null;
+    this.#scans.clear();
+    this.#scannedAt = -Infinity;
+  }
+
   clearTrail() {
     this.trail.length = 0;
   }

@@ -23,6 +23,7 @@ export class Panels {
   #modes;
   #card;
   #camera = null;
+  #now;
 
   /**
    * @param send   function(message): returns whether it was sent to the selected robot
@@ -31,15 +32,17 @@ export class Panels {
    * @param notify function(text)
    * @param tell   function(text): like `notify`, for news that may follow from a message of the server
    * @param opened function(view or null), after the sheet has changed
+   * @param now    function(): the time of what is shown [s since 1970]
    */
-  constructor({ model, send, sendToAll, lead, notify, tell, opened }) {
+  constructor({ model, send, sendToAll, lead, notify, tell, opened, now }) {
+    this.#now = now;
     this.#send = send;
     this.#model = model;
     // a mode that somebody else started is ended by a stop, which everybody may send
     const end = () => send({ type: this.#startedBy === "you" ? "end_mode" : "stop" }) || notify("Not connected: press the stop button on the robot.");
     const motors = (on) => send({ type: "motors", on });
     this.#view = new RobotView(byId("view-robot"), { requestConfig: () => send({ type: "ask_config" }) });
-    this.#plots = new Plots(byId("view-plots"));
+    this.#plots = new Plots(byId("view-plots"), now);
     this.#group = new GroupView({ send: sendToAll, notify, seconds: () => this.#modes.seconds, lead });
     this.#modes = new ModesView(byId("view-modes"), { send, notify, end, motors, group: this.#group.element });
     this.#card = new ModeCard({ end, tell });
@@ -75,7 +78,13 @@ export class Panels {
 
   /** Records a snapshot of any Robot. */
   record(snapshot, robot) {
-    if (robot) this.#history(robot.id).add(snapshot, robot.shape ?? undefined, Date.now() / 1000);
+    if (robot) this.#history(robot.id).add(snapshot, robot.shape ?? undefined, this.#now());
+  }
+
+  /** Forgets what was recorded. */
+  forget() {
+    this.#histories.clear();
+    this.#plots.adopt(this.#history(this.#selected?.id), this.#selected?.name ?? "");
   }
 
   /** Shows the newest snapshot of the robot that is selected. */

@@ -52,7 +52,6 @@ export class People {
   /** Takes the server's message about people. */
   receive(people) {
     this.#people = people;
-    document.body.classList.toggle("viewer", this.viewer);
     this.#draw();
   }
 

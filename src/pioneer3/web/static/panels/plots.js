@@ -40,6 +40,7 @@ export class Plots {
   #row = null;
   #describedAt = -Infinity;
   #timer = 0;
+  #clock;
   #axis = new TimeAxis(() => this.#draw());
   #box;
   #pause;
@@ -48,7 +49,9 @@ export class Plots {
   #all;
   #lookWords = make("b", {}, "of now");
 
-  constructor(container) {
+  /** @param now function(): the time of what is shown [s since 1970] */
+  constructor(container, now) {
+    this.#clock = now;
     this.#pause = make("button", { type: "button", class: "choice", id: "plots-pause", "aria-pressed": "false" }, "Pause");
     const save = make("button", { type: "button", class: "choice", id: "plots-save" }, "Download CSV");
     this.#look = make("input", { type: "range", id: "plots-look", min: -1, max: 0, step: 1, value: 0 });
@@ -109,7 +112,7 @@ export class Plots {
   }
 
   get #now() {
-    return this.#pausedAt ?? Date.now() / 1000;
+    return this.#pausedAt ?? this.#clock();
   }
 
   #draw() {
@@ -150,7 +153,7 @@ export class Plots {
   }
 
   #freeze(paused) {
-    this.#pausedAt = paused ? Date.now() / 1000 : null;
+    this.#pausedAt = paused ? this.#clock() : null;
     set(this.#pause, "aria-pressed", String(paused));
     put(this.#pause, paused ? "Go on" : "Pause");
     this.#draw();

@@ -40,13 +40,14 @@ export function showConnection(model, retryAt, holder) {
   else if (!model.live) showChip("connection", "No news", "warn");
   else showChip("connection", "Connected", "good");
   if (!model.live) showChip("driver", "Driver unknown", "idle");
-  else if (model.viewer && !model.driver && !holder) showChip("driver", "You watch", "idle");
+  else if (model.viewer && !model.replayed && !model.driver && !holder) showChip("driver", "You watch", "idle");
   else showChip("driver", ...driver(model, holder));
 }
 
-function driver({ driver: who, snapshot, program }, holder) {
+function driver({ driver: who, snapshot, program, replayed }, holder) {
   if (program) return ["A program drives", "you"];
   if (who === "you") return ["You drive", "you"];
+  if (replayed) return [who ? `${snapshot.driver.name} drives` : "Nobody drives", "idle"];
   if (who === "other") return [`${snapshot.driver.name} drives`, "warn"];
   if (holder === "you") return ["You have control", "idle"];
   return [holder ? `${holder} has control` : "Nobody drives", "idle"];

@@ -156,7 +156,7 @@ export class Sparkline {
 
   constructor() {
     this.#path = makeSvg("path");
-    this.element = makeSvg("svg", { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, class: "sparkline", preserveAspectRatio: "none", role: "img" }, this.#path);
+    this.element = makeSvg("svg", { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, class: "sparkline", preserveAspectRatio: "none", role: "img", "aria-label": "Nothing yet" }, this.#path);
   }
 
   /** @param points pairs of time [s] and value, in order */

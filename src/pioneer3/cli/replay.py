@@ -1,0 +1,42 @@
+"""`pioneer3 replay`."""
+
+import sys
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from pioneer3.cli.options import Flag, TcpPort
+from pioneer3.cli.process import run_until_told_to_leave, write_line
+
+
+def replay(
+    name: Annotated[str, Parameter(metavar="LOG")],
+    /,
+    *names: Annotated[str, Parameter(metavar="LOG")],
+    web_port: TcpPort = 8080,
+    lan: Flag = False,
+) -> int:
+    """Show a log on the page as if it were live; nothing in it can be driven.
+
+    Robots of several logs stand beside each other, by the clock of their computers.
+
+    Example: pioneer3 replay drive
+    Example: pioneer3 replay alice.mcap bob.mcap
+
+    Args:
+        name: A part of the log's name that no other has, or a file; pioneer3 log list shows them.
+        names: More of them.
+        web_port: TCP port of the page; 0: any free.
+        lan: Let other devices in, who must pair first: shows a QR code to scan.
+    """
+    from pioneer3.log.folder import named_log_path
+    from pioneer3.web.replay.live import replay as serve
+
+    serving = serve(
+        [named_log_path(each) for each in (name, *names)],
+        write_line,
+        port=web_port,
+        host="0.0.0.0" if lan else "127.0.0.1",
+        show_tokens=sys.stdout.isatty(),
+    )
+    return run_until_told_to_leave(serving)

@@ -1,0 +1,254 @@
+"""Finds the messages of a log at any time, by the index of its chunks.
+
+The index lies at the end of a file; one without its end is read through once, the heads of its
+records only. Chunks that were read last are kept.
+"""
+
+import struct
+from bisect import bisect_right
+from collections import OrderedDict
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from operator import attrgetter
+from pathlib import Path
+from threading import Lock
+from typing import TYPE_CHECKING, BinaryIO, Final
+
+from pioneer3.errors import ConfigError
+from pioneer3.log.cut import HEADER, data_records
+from pioneer3.log.reader import (
+    CHANNEL,
+    CHUNK,
+    MESSAGE,
+    MOST_RECORD,
+    TIMES,
+    LogInfo,
+    LogMessage,
+    LogRecord,
+    RunLog,
+    messages_of,
+    split,
+    stream,
+    summary_groups,
+    unpacked,
+)
+
+if TYPE_CHECKING:
+    from mcap.records import Channel
+
+MESSAGE_INDEX: Final = 0x07
+"""Kind of a record: the places of the messages of one channel, behind their chunk."""
+CHUNK_INDEX: Final = 0x08
+"""Kind of a record of the summary."""
+PLACE: Final = struct.Struct("<QQQQI")
+"""Begin of a chunk's index: times of its first and last message, place and length of the chunk's
+record, and length of the list of its channels."""
+OF_CHANNEL: Final = struct.Struct("<HQ")
+"""Entry of that list: the channel, and the place of the record about its messages."""
+MOST_KEPT: Final = 64
+"""Chunks that are kept after they were read: ours have a second of one robot, at most 1 MiB."""
+FARTHEST: Final = 2000
+"""Messages of one topic that are looked at for one that is wanted."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Chunk:
+    """A chunk: the times of its first and last message [ns], its place, and its channels."""
+
+    begin: int
+    end: int
+    offset: int
+    length: int
+    channels: tuple[int, ...]
+
+
+class LogIndex:
+    """A log whose messages are found by their times. Several threads may use it.
+
+    Raises:
+        PortNotFoundError: There is no such file.
+        ConfigError: It is no log, is damaged, or has no messages; so do all methods.
+
+    Attributes:
+        topics: That have messages, but those of bytes.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._log = RunLog(path)
+        self._channels: dict[int, Channel] = {}
+        self._kept: OrderedDict[int, list[LogMessage]] = OrderedDict()
+        self._lock = Lock()
+        with self._log.damage_told(), path.open("rb") as file:
+            chunks = self._indexed(file) or self._scanned(file)
+        self._chunks = sorted(chunks, key=attrgetter("begin"))
+        if not self._chunks:
+            raise ConfigError(f"{path}: no messages were logged")
+        self._begins = [chunk.begin for chunk in self._chunks]
+        self._latest_ends: list[int] = []
+        self._places: dict[str, list[int]] = {}
+        latest = 0
+        for number, chunk in enumerate(self._chunks):
+            latest = max(latest, chunk.end)
+            self._latest_ends.append(latest)
+            for topic in {self._channels[channel].topic for channel in chunk.channels}:
+                self._places.setdefault(topic, []).append(number)
+        self.topics = {topic for topic in self._places if not topic.startswith("wire/")}
+
+    @property
+    def path(self) -> Path:
+        """The file."""
+        return self._log.path
+
+    @property
+    def began(self) -> int:
+        """Time of the first message [ns since 1970]."""
+        return self._begins[0]
+
+    @property
+    def ended(self) -> int:
+        """Time of the last message [ns since 1970]."""
+        return self._latest_ends[-1]
+
+    def info(self) -> LogInfo:
+        """Return the facts of the log."""
+        return self._log.info()
+
+    def first(self, topic: str) -> int:
+        """Return when the first message of a topic was taken [ns since 1970]."""
+        return min(message.time for message in self._messages(self._places[topic][0], topic))
+
+    def newest(
+        self, topic: str, time: int, wanted: Callable[[bytes], bool] = lambda data: True
+    ) -> LogMessage | None:
+        """Return the newest message of a topic at a time [ns since 1970], `None` before the first.
+
+        Not all messages may be wanted, by their bytes; of those that are farther back than a bound
+        none is found.
+        """
+        places, found, seen = self._places.get(topic, []), None, 0
+        for at in range(bisect_right(places, self._last_begun(time)) - 1, -1, -1):
+            chunk = self._chunks[places[at]]
+            if found is not None and self._latest_ends[places[at]] <= found.time:
+                break
+            for message in reversed(self._messages(places[at], topic)):
+                if message.time > time or (found is not None and message.time <= found.time):
+                    continue
+                seen += 1
+                if wanted(message.data):
+                    found = message
+                    break
+            if seen > FARTHEST and chunk.begin < time:
+                break
+        return found
+
+    def between(self, begin: int, end: int, topics: set[str]) -> list[LogMessage]:
+        """Return the messages of topics after `begin` until `end` [ns since 1970], by time."""
+        first = bisect_right(self._latest_ends, begin)
+        found = [
+            message
+            for number in range(first, self._last_begun(end) + 1)
+            for message in self._messages(number)
+            if begin < message.time <= end and message.topic in topics
+        ]
+        found.sort(key=attrgetter("time"))
+        return found
+
+    def chunks(self, topics: set[str]) -> Iterator[tuple[float, list[LogMessage]]]:
+        """Yield the messages of topics chunk by chunk, with the share of all that was read, 0 to 1.
+
+        Nothing is kept of them.
+        """
+        for number in range(len(self._chunks)):
+            messages = [each for each in self._read(number) if each.topic in topics]
+            yield (number + 1) / len(self._chunks), messages
+
+    def _last_begun(self, time: int) -> int:
+        """Return the number of the last chunk that begins until a time; -1 for none."""
+        return bisect_right(self._begins, time) - 1
+
+    def _messages(self, number: int, topic: str | None = None) -> list[LogMessage]:
+        with self._lock:
+            messages = self._kept.pop(number, None)
+        if messages is None:
+            messages = self._read(number)
+        with self._lock:
+            self._kept[number] = messages
+            if len(self._kept) > MOST_KEPT:
+                self._kept.popitem(last=False)
+        return messages if topic is None else [each for each in messages if each.topic == topic]
+
+    def _read(self, number: int) -> list[LogMessage]:
+        """Read the messages of a chunk, by their times, but those of bytes."""
+        chunk, found = self._chunks[number], list[LogMessage]()
+        with self._log.damage_told(), self.path.open("rb") as file:
+            for kind, data in unpacked(_content(file, chunk)):
+                if kind == MESSAGE:
+                    channel, _, time = struct.unpack_from("<HIQ", data)
+                    known = self._channels[channel]
+                    if not known.topic.startswith("wire/"):
+                        found += messages_of(LogRecord(time, known, None, data))
+        found.sort(key=attrgetter("time"))
+        return found
+
+    def _indexed(self, file: BinaryIO) -> list[_Chunk]:
+        """Return the chunks by the index at the end of a file; none if it has none."""
+        from mcap.records import Channel
+
+        found = []
+        size = file.seek(0, 2)
+        for group, data in summary_groups(file, size, {CHANNEL, CHUNK_INDEX}):
+            for kind, content in split(data):
+                if kind == CHANNEL:
+                    channel = Channel.read(stream(content))
+                    self._channels[channel.id] = channel
+                elif kind == group == CHUNK_INDEX:
+                    found.append(self._chunk(content, size))
+        for chunk in found:
+            if not chunk.channels or any(each not in self._channels for each in chunk.channels):
+                raise ValueError("its index is wrong")
+        return found
+
+    def _chunk(self, content: bytes, size: int) -> _Chunk:
+        begin, end, offset, length, told = PLACE.unpack_from(content)
+        listed = content[PLACE.size : PLACE.size + told]
+        if len(listed) != told or offset + length > size or begin > end:
+            raise ValueError("its index is wrong")
+        channels = tuple(channel for channel, _ in OF_CHANNEL.iter_unpack(listed))
+        return _Chunk(begin, end, offset + HEADER, length - HEADER, channels)
+
+    def _scanned(self, file: BinaryIO) -> list[_Chunk]:
+        """Return the chunks by the heads of all records."""
+        from mcap.records import Channel
+
+        places: list[tuple[int, int]] = []
+        channels: list[set[int]] = []
+        for kind, at, length in data_records(file):
+            if kind == CHUNK and length >= TIMES.size:
+                places.append((at, length))
+                channels.append(set())
+            elif kind == MESSAGE_INDEX and channels:
+                file.seek(at)
+                channels[-1].add(int.from_bytes(file.read(2), "little"))
+        found = []
+        for (at, length), inside in zip(places, channels, strict=True):
+            file.seek(at)
+            begin, end = TIMES.unpack(file.read(TIMES.size))
+            chunk = _Chunk(begin, end, at, length, tuple(inside))
+            if not inside or not inside <= self._channels.keys():
+                for kind, data in unpacked(_content(file, chunk)):
+                    if kind == CHANNEL:
+                        channel = Channel.read(stream(data))
+                        self._channels[channel.id] = channel
+                    elif kind == MESSAGE:
+                        inside.add(int.from_bytes(data[:2], "little"))
+                chunk = _Chunk(begin, end, at, length, tuple(inside))
+            if inside:
+                found.append(chunk)
+        return found
+
+
+def _content(file: BinaryIO, chunk: _Chunk) -> bytes:
+    if not 0 <= chunk.length <= MOST_RECORD:
+        raise ValueError(f"a record has {chunk.length} bytes")
+    file.seek(chunk.offset)
+    return file.read(chunk.length)
