@@ -93,10 +93,10 @@ class MeasuredLog(LogWriter):
         self.times: list[tuple[float, float]] = []
         super().__init__(target, clock)
 
-    def put(self, topic: LogTopic[Any], message: Any) -> None:
+    def put(self, topic: LogTopic[Any], message: Any, now: float | None = None) -> None:
         """Put it, and take the time."""
         began = time.thread_time()
-        super().put(topic, message)
+        super().put(topic, message, now)
         self.putting += time.thread_time() - began
 
     def _flush(self) -> None:

@@ -30,13 +30,13 @@ from pioneer3.navigation.connect import connect_async
 from pioneer3.navigation.log_files import chosen_log, is_recording
 from pioneer3.navigation.map_builder import MapBuilder, whereabouts
 from pioneer3.navigation.map_files import files_of, load_survey, save_map, save_survey
-from pioneer3.navigation.map_logs import FastTimeLoop, map_log, map_recording
+from pioneer3.navigation.map_logs import map_log, map_recording
 from pioneer3.robot.devices.laser import Laser
 from pioneer3.runtime.robot import Robot
 from pioneer3.sim.raycast import ranges_reference
 from pioneer3.sim.realism import Realism
 from pioneer3.sim.worldfile import load_map
-from pioneer3.tasks import running
+from pioneer3.tasks import FastTimeLoop, running
 from tests.e2e.processes import free_port, p3
 from tests.e2e.processes import running as started
 from tests.support import SimulatedRobot, is_at

@@ -35,6 +35,7 @@ robot             `pioneer3 robot`: the own file of a robot
 laser             `pioneer3 laser`: a laser range finder alone, without a robot
 log               `pioneer3 log`: the logs of what robots did
 replay            `pioneer3 replay`: logs on the page
+log_verify        `pioneer3 log verify`: today's driver over the bytes of a log
 goto              `pioneer3 goto` and `patrol`: to places of the map by their names, or to points
 places            places of a map on the command line: a name, or numbers
 drive             `pioneer3 drive`

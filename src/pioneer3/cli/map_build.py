@@ -363,7 +363,8 @@ def _play(
     from pioneer3.navigation.connect import prepare_navigation, require_navigation
 
     require_navigation()
-    from pioneer3.navigation.map_logs import FastTimeLoop, map_recording
+    from pioneer3.navigation.map_logs import map_recording
+    from pioneer3.tasks import FastTimeLoop
 
     async def play() -> None:
         await prepare_navigation()

@@ -1,7 +1,7 @@
 """The interface of a byte pipe between a host and a robot."""
 
 from collections.abc import Awaitable, Callable
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 HUNG_UP = "a robot takes one program at a time: is another one connected to it?"
 """A hint for messages when the far end closes the link."""
@@ -37,6 +37,13 @@ class Link(Protocol):
 
     async def close(self) -> None:
         """Send the buffered bytes, then close; safe to call twice."""
+
+
+@runtime_checkable
+class TimedLink(Link, Protocol):
+    """A link that tells when its last bytes were read, as a log has it [s, of the event loop]."""
+
+    read_at: float
 
 
 Opener = Callable[[], Awaitable[Link]]

@@ -14,6 +14,7 @@ import asyncio
 from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from math import inf
 from pathlib import Path
 from typing import Final
 
@@ -21,7 +22,7 @@ from pioneer3.errors import ConfigError, RecordingOverError
 from pioneer3.links.base import Link, Opener
 from pioneer3.log.command_line import without_secrets
 from pioneer3.log.reader import is_mcap, open_log
-from pioneer3.log.topics import LogTopic
+from pioneer3.log.topics import MICRO, LogTopic
 from pioneer3.log.writer import LogWriter
 
 FROM_HOST, FROM_ROBOT = "C>S", "S>C"
@@ -52,14 +53,22 @@ class WireRecording:
     def __init__(self, log: LogWriter, name: str = ROBOT) -> None:
         self.name = name
         self._log = log
+        # the driver of a robot tells the time of its bytes: log/verify needs it exactly
+        tick = 1 if name.rpartition("/")[2] == ROBOT else MICRO
         self._topics = {
-            way: LogTopic(f"wire/{name}/{end}", bytes, size=_size) for way, end in WAYS.items()
+            way: LogTopic(f"wire/{name}/{end}", bytes, size=_size, tick=tick)
+            for way, end in WAYS.items()
         }
 
-    def note(self, way: str, data: bytes) -> None:
-        """Put bytes that pass now, in the direction :data:`FROM_HOST` or :data:`FROM_ROBOT`."""
+    def note(self, way: str, data: bytes) -> float:
+        """Put bytes that pass now, in the direction :data:`FROM_HOST` or :data:`FROM_ROBOT`.
+
+        Return the time that the log has [s].
+        """
+        now = self._log.clock()
         if data:
-            self._log.put(self._topics[way], data)
+            self._log.put(self._topics[way], data, now)
+        return now
 
     def remark(self, words: str) -> None:
         """Put an event of the link, in words."""
@@ -81,6 +90,7 @@ class TapLink:
         self.url = link.url
         self.speeds = link.speeds
         self.round_trip = link.round_trip
+        self.read_at = -inf
         self._link = link
         self._recording = recording
         self._recording.remark(f"open: {without_secrets(link.url)}")
@@ -88,7 +98,7 @@ class TapLink:
     async def read(self) -> bytes:
         """Read from the link inside."""
         data = await self._link.read()
-        self._recording.note(FROM_ROBOT, data)
+        self.read_at = self._recording.note(FROM_ROBOT, data)
         return data
 
     async def write(self, data: bytes) -> None:

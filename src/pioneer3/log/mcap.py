@@ -14,7 +14,10 @@ PROFILE: Final = "pioneer3"
 """Profile of our files; readers know them by it."""
 STEADY: Final = "steady"
 """Key in a channel's metadata: the name of the field that is kept there, beside the field."""
-PIECES: Final = {"pieces": "times after one another [us], sizes, bytes"}
+PIECES: Final = {
+    "pieces": "times after one another [ticks], sizes, bytes; step: 0, or each byte is told by its"
+    " difference to the one so many before; tick [ns], else 1000"
+}
 """Metadata of a channel whose messages are bytes in pieces."""
 MOST_CHANNELS: Final = 4096
 """Channels of one file, of which each value of a steady field has one; MCAP counts to 65535."""
@@ -74,7 +77,7 @@ class McapFile:
     def add(self, topic: LogTopic[Any], messages: Sequence[tuple[int, Any]]) -> None:
         """Take messages of a topic, each of a time [ns since 1970]; the next flush writes them."""
         if topic.kind is bytes:
-            self._add(topic, messages[0][0], b"", pack_pieces(messages))
+            self._add(topic, messages[0][0], b"", pack_pieces(messages, topic.tick))
             return
         for time, message in messages:
             self._add(topic, time, message, topic.encode(message))

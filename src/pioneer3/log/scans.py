@@ -1,7 +1,8 @@
 """Scans as bytes and back, exactly, in a small part of the room that JSON takes.
 
 They are msgpack with the fields of :class:`Scan`, but the angles. Ranges are whole numbers of a
-unit, as lasers send them: a chunk has the laser's own bytes beside them, and grows little.
+unit, as lasers send them, and bytes by differences: a chunk has the laser's own beside them, and
+grows little.
 """
 
 from dataclasses import fields
@@ -11,6 +12,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from pioneer3.log.differences import differences, sums
 from pioneer3.state import Scan
 from pioneer3.units import MM
 
@@ -29,7 +31,10 @@ def pack_scan(scan: Scan) -> bytes:
     """Return a scan as bytes, without its angles."""
     unit, kind, data = _packed(np.array(scan.ranges, dtype=np.float64))
     others = {name: getattr(scan, name) for name in OTHERS}
-    return msgspec.msgpack.encode(others | {"unit": unit, "type": kind, "ranges": data})
+    step = 0 if kind == EXACT else np.dtype(kind).itemsize
+    ranges = differences(data, step) if step else data
+    told = {"unit": unit, "type": kind, "step": step, "ranges": ranges}
+    return msgspec.msgpack.encode(others | told)
 
 
 def unpack_scan(data: bytes, angles: Any) -> Scan:
@@ -40,6 +45,8 @@ def unpack_scan(data: bytes, angles: Any) -> Scan:
     """
     told = msgspec.msgpack.decode(data)
     unit, kind, ranges = told.pop("unit"), told.pop("type"), told.pop("ranges")
+    if step := told.pop("step", 0):  # older logs have none
+        ranges = sums(ranges, step)
     told |= {"angles": angles, "ranges": _unpacked(unit, kind, ranges)}
     return msgspec.convert(told, Scan)
 

@@ -19,7 +19,9 @@ T = TypeVar("T")
 NO_NUMBERS: Final = ("inf", "-inf", "nan")
 """Texts in place of numbers that JSON lacks."""
 MICRO: Final = 1000
-"""Microsecond [ns], in which the times of pieces are told."""
+"""Microsecond [ns], in which the times of pieces are told where nobody needs them exactly."""
+LASER_BYTES: Final = 2048
+"""Bytes of a link in one message that are worth a look how they take less room: a laser's."""
 USUAL_SIZE: Final = 4000
 """Memory that a message takes [bytes], about, where its topic does not tell it."""
 
@@ -37,6 +39,7 @@ class LogTopic(Generic[T]):
         steady: The field that is the same in nearly all messages: it is kept with the channel.
         size: Returns the memory that a message takes [bytes], about.
         make: Makes the message of what was put, in the thread that writes.
+        tick: Unit of the times of pieces [ns].
         repeated: Whether its newest message is in each further file of the log, too.
     """
 
@@ -46,6 +49,7 @@ class LogTopic(Generic[T]):
     size: Callable[[Any], int] = _usual
     make: Callable[[Any], T] | None = None
     repeated: bool = False
+    tick: int = MICRO
 
     def encode(self, message: Any) -> bytes:
         """Return a message as bytes, without its steady field."""
@@ -92,15 +96,37 @@ def decode(data: bytes, kind: type[T], steady: str = "", part: bytes = b"") -> T
     return msgspec.json.decode(data, type=kind, strict=False)
 
 
-def pack_pieces(pieces: Sequence[tuple[int, bytes]]) -> bytes:
+class Pieces(msgspec.Struct, array_like=True, omit_defaults=True):
+    """Bytes that came in pieces: the times between them [ticks], their sizes, and all joined.
+
+    With a `step` the bytes are :func:`~pioneer3.log.differences.differences`; a tick is of `tick`
+    [ns]. Older logs have neither.
+    """
+
+    times: list[int]
+    sizes: list[int]
+    joined: bytes
+    step: int = 0
+    tick: int = MICRO
+
+
+def pack_pieces(pieces: Sequence[tuple[int, bytes]], tick: int = MICRO) -> bytes:
     """Return bytes that came in pieces, each at a time [ns], as one message of the first time.
 
     Links are read in small pieces: a message for each would take more room than they do.
     """
-    times = [time // MICRO for time, _ in pieces]
-    steps = [after - before for before, after in pairwise([times[0], *times])]
-    sizes = [len(data) for _, data in pieces]
-    return msgspec.msgpack.encode((steps, sizes, b"".join(data for _, data in pieces)))
+    begin = pieces[0][0]
+    times = [(time - begin) // tick for time, _ in pieces]
+    steps = [after - before for before, after in pairwise([0, *times])]
+    joined, step = b"".join(data for _, data in pieces), 0
+    if len(joined) >= LASER_BYTES:
+        from pioneer3.log.differences import best_step, differences  # numpy loads slowly
+
+        step = best_step(joined)
+        joined = differences(joined, step) if step else joined
+    return msgspec.msgpack.encode(
+        Pieces(steps, [len(data) for _, data in pieces], joined, step, tick)
+    )
 
 
 def unpack_pieces(time: int, data: bytes) -> Iterator[tuple[int, bytes]]:
@@ -109,12 +135,17 @@ def unpack_pieces(time: int, data: bytes) -> Iterator[tuple[int, bytes]]:
     Raises:
         msgspec.MsgspecError, ValueError: It is no such message.
     """
-    steps, sizes, joined = msgspec.msgpack.decode(data, type=tuple[list[int], list[int], bytes])
-    if len(steps) != len(sizes) or sum(sizes) != len(joined) or min(sizes, default=0) < 0:
+    told = msgspec.msgpack.decode(data, type=Pieces)
+    sizes, joined = told.sizes, told.joined
+    if len(told.times) != len(sizes) or sum(sizes) != len(joined) or min(sizes, default=0) < 0:
         raise ValueError("the sizes of pieces do not fit")
+    if told.step:
+        from pioneer3.log.differences import sums
+
+        joined = sums(joined, told.step)
     at = 0
-    for step, size in zip(steps, sizes, strict=True):
-        time += step * MICRO
+    for step, size in zip(told.times, sizes, strict=True):
+        time += step * told.tick
         yield time, joined[at : at + size]
         at += size
 

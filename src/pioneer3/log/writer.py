@@ -97,6 +97,7 @@ class LogWriter:
                 "version": __version__,
                 "command": started(sys.argv)[1],
                 "began": datetime.fromtimestamp(self._began_ns / 1e9, UTC).isoformat(),
+                "began_ns": str(self._began_ns),
                 "clock": f"{self._began!r}",
                 "python": sys.version.split()[0],
                 "system": sys.platform,
@@ -113,12 +114,12 @@ class LogWriter:
         """The file that is being written."""
         return str(self._target.path)
 
-    def put(self, topic: LogTopic[Any], message: Any) -> None:
-        """Take a message of now, which must not change any more."""
+    def put(self, topic: LogTopic[Any], message: Any, now: float | None = None) -> None:
+        """Take a message of `now` [s, of the clock], which must not change any more."""
         if self._ended:
             return
         self._put += topic.size(message)
-        self._queue.append((self.clock(), topic, message))
+        self._queue.append((self.clock() if now is None else now, topic, message))
         if self._put - self._taken - self._lost > MOST_WAITING // 4:
             self._wake.set()
             if self._put - self._taken - self._lost > MOST_WAITING:

@@ -1,7 +1,6 @@
 """Makes maps of logs and recordings."""
 
 import asyncio
-import selectors
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import hypot
@@ -152,10 +151,10 @@ async def map_recording(
     *,
     repair: bool = False,
 ) -> LogMap:
-    """Return the map of a recording of the robot's bytes; for a :class:`.FastTimeLoop`.
+    """Return the map of a recording of the robot's bytes.
 
-    Those of its laser lie beside it, unless they are in the same file, or in other recordings: the
-    `lasers`, as `replay:FILE`.
+    It is for a :class:`~pioneer3.tasks.FastTimeLoop`. Those of its laser lie beside it, unless they
+    are in the same file, or in other recordings: the `lasers`, as `replay:FILE`.
 
     Raises:
         ConfigError: The file is no recording.
@@ -191,28 +190,3 @@ async def map_recording(
     mapper.improve()
     notes = tuple(_contradictions(mapper, settings, repair=repair))
     return LogMap(mapper=mapper, places=(), source="a recording", notes=notes)
-
-
-class _Jumping(selectors.DefaultSelector):
-    """Jumps to the next timer where nothing can be read."""
-
-    now = 0.0
-
-    def select(self, timeout: float | None = None) -> list[Any]:
-        """Return the files that are ready now; wait only where no timer is set."""
-        ready = super().select(None if timeout is None else 0)
-        if not ready and timeout is not None and timeout > 0:
-            self.now += timeout
-        return ready
-
-
-class FastTimeLoop(asyncio.SelectorEventLoop):
-    """An event loop whose clock jumps from timer to timer, to play recordings without waiting."""
-
-    def __init__(self) -> None:
-        self._jumping = _Jumping()
-        super().__init__(self._jumping)
-
-    def time(self) -> float:
-        """Return the time [s]."""
-        return self._jumping.now

@@ -25,7 +25,7 @@ from pioneer3.arcos.reports import Config, Report, Sip
 from pioneer3.errors import CommandError, LinkError, NoRobotError, Refusal, TurnedAwayError
 from pioneer3.limits import Accelerations, Limits
 from pioneer3.links import Link
-from pioneer3.links.base import HUNG_UP
+from pioneer3.links.base import HUNG_UP, TimedLink
 from pioneer3.models import (
     Fallback,
     GivenModel,
@@ -104,6 +104,7 @@ class Session:
         self._restrict = restrict
         self._loop = asyncio.get_running_loop()
         self._clock = self._loop.time
+        self._timed = link if isinstance(link, TimedLink) else None
         self._due = self._clock()
         self._host = Host(self._due, link.speeds, timing, round_trip=link.round_trip)
         self._wake = asyncio.Event()
@@ -162,7 +163,7 @@ class Session:
 
     async def _read(self) -> None:
         while data := await self.link.read():
-            now = self._now()
+            now = self._now(self._timed.read_at if self._timed else None)
             for event in self._host.receive(data, now):
                 await self._handle(event, now)
             self.wake()
@@ -191,9 +192,9 @@ class Session:
             finally:
                 timer.cancel()
 
-    def _now(self) -> float:
+    def _now(self, read_at: float | None = None) -> float:
         """Return the time; tell the host of a delay, after which reports wait to be read."""
-        now = self._clock()
+        now = self._clock() if read_at is None else read_at
         if now - self._due > LATE:
             self._host.held_up(now - self._due)
         self._due = now

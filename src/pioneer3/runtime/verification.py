@@ -1,0 +1,253 @@
+"""Today's driver over the bytes of a log: does it see what was seen then, bit for bit?
+
+Each piece of bytes is read at the very time that the log tells, in virtual time, and each snapshot
+is compared with the recorded one. What a robot sends depends on what it was told, which the log
+does not decide anew: commands and decisions are not compared.
+"""
+
+import asyncio
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import partial
+from math import inf
+from typing import Any, Final
+
+import msgspec
+
+from pioneer3.arcos.host_events import Timing
+from pioneer3.errors import ConfigError, LinkError, NoRobotError, RecordingOverError
+from pioneer3.links import Link
+from pioneer3.links.tap import ROBOT
+from pioneer3.log.reader import RunLog
+from pioneer3.log.topics import EVENT, LogEvent, LogTopic
+from pioneer3.models import GivenModel
+from pioneer3.robot.supervisor import Supervisor
+from pioneer3.state import Snapshot
+from pioneer3.tasks import FastTimeLoop
+
+PATIENT: Final = Timing(silence=inf)
+"""The log tells when a link was lost."""
+SNAPSHOT: Final = "snapshot"
+"""Name of the topic that is compared."""
+NONE: Final = "none"
+"""In place of a value that is not there."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Difference:
+    """The first difference: when [ns since 1970], in which field, and both values."""
+
+    time: int
+    field: str
+    recorded: str
+    now: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Verification:
+    """The result for one robot of a log: snapshots that are equal, and the first that is not.
+
+    `robot` is its name in the log, empty for the only one.
+    """
+
+    robot: str
+    compared: int
+    difference: Difference | None
+
+
+def verify(log: RunLog, model: GivenModel = None) -> list[Verification]:
+    """Run the driver over the bytes of each robot of a log, and compare what it sees.
+
+    `model` is given if somebody named one at the recording.
+
+    Raises:
+        ConfigError: The log is damaged, or has nothing to compare; or there is no such model.
+    """
+    topics = log.topics()
+    prefixes = sorted(
+        topic.removesuffix(SNAPSHOT)
+        for topic in topics
+        if topic.rpartition("/")[2] == SNAPSHOT
+        and f"wire/{topic.removesuffix(SNAPSHOT)}{ROBOT}/in" in topics
+    )
+    if not prefixes:
+        raise ConfigError(f"{log.path}: it has no robot's snapshots and bytes to compare")
+    return [_verify(log, prefix, model) for prefix in prefixes]
+
+
+def _verify(log: RunLog, prefix: str, model: GivenModel) -> Verification:
+    wire = _Wire(log, prefix + ROBOT)
+    with asyncio.Runner(loop_factory=partial(FastTimeLoop, wire.begin)) as runner:
+        comparison = _Comparison(log, prefix + SNAPSHOT)
+        runner.run(_play(wire, comparison, model))
+    return Verification(
+        robot=prefix.rstrip("/"),
+        compared=comparison.compared,
+        difference=comparison.difference or comparison.missing(),
+    )
+
+
+async def _play(wire: "_Wire", comparison: "_Comparison", model: GivenModel) -> None:
+    supervisor = Supervisor(wire.open, model=model, auto_enable=False, timing=PATIENT)
+    driving = asyncio.ensure_future(supervisor.run())
+    supervisor.snapshot_taken = comparison.take
+    differs = asyncio.ensure_future(comparison.differs.wait())
+    await asyncio.wait({driving, differs}, return_when=asyncio.FIRST_COMPLETED)
+    for task in (driving, differs):
+        task.cancel()
+    for ended in await asyncio.gather(driving, differs, return_exceptions=True):
+        if isinstance(ended, Exception) and not isinstance(ended, LinkError | NoRobotError):
+            raise ended
+
+
+class _Comparison:
+    """Compares snapshots with the recorded ones, up to the first difference."""
+
+    def __init__(self, log: RunLog, topic: str) -> None:
+        self.compared = 0
+        self.difference: Difference | None = None
+        self.differs = asyncio.Event()
+        self._recorded = log.of(LogTopic(topic, Snapshot))
+        self._next = next(self._recorded, None)
+
+    def take(self, snapshot: Snapshot) -> None:
+        """Take the next snapshot of today's driver."""
+        if self._next is None or self.difference is not None:
+            return  # read while the connection was closed: nobody was told
+        time, recorded = self._next
+        if snapshot.link.sessions < recorded.link.sessions:
+            return  # likewise
+        was, now = _told(recorded), _told(snapshot)
+        if was == now:
+            self.compared += 1
+            self._next = next(self._recorded, None)
+            return
+        field = next(each for each in {**was, **now} if was.get(each) != now.get(each))
+        self.difference = Difference(
+            time=time, field=field, recorded=was.get(field, NONE), now=now.get(field, NONE)
+        )
+        self.differs.set()
+
+    def missing(self) -> Difference | None:
+        """Return the difference of a snapshot that today's driver did not come to, if any."""
+        if self._next is None:
+            return None
+        time, recorded = self._next
+        number = str(recorded.sequence)
+        return Difference(time=time, field="sequence", recorded=number, now=NONE)
+
+
+def _told(snapshot: Snapshot) -> dict[str, str]:
+    """Return the fields of a snapshot, each as a text that tells it exactly."""
+    return dict(_fields("", msgspec.to_builtins(snapshot)))
+
+
+def _fields(name: str, value: Any) -> Iterator[tuple[str, str]]:
+    if isinstance(value, dict):
+        for key, each in value.items():
+            yield from _fields(f"{name}.{key}" if name else key, each)
+    elif isinstance(value, list | tuple):
+        yield f"{name}.length", str(len(value))
+        for number, each in enumerate(value):
+            yield from _fields(f"{name}[{number}]", each)
+    else:
+        yield name, repr(value)
+
+
+@dataclass(frozen=True, slots=True)
+class _Step:
+    """A step of a link in a log, at a time [s]: it opens or closes, or bytes are read."""
+
+    at: float
+    opens: bool = False
+    closes: bool = False
+    data: bytes = b""
+
+
+class _Wire:
+    """Opens the recorded connections of a link one after the other, each at its time."""
+
+    def __init__(self, log: RunLog, link: str) -> None:
+        self.url = f"replay:{log.path}#{link}"
+        facts = log.info().texts.get("program", {})
+        try:
+            self.begin, self._began_ns = float(facts["clock"]), int(facts["began_ns"])
+        except (KeyError, ValueError):
+            raise ConfigError(
+                f"{log.path}: it lacks the exact times of bytes: recorded by an older version?"
+            ) from None
+        self._steps = self._of(log, link)
+        self.next = next(self._steps, None)
+        if self.next is None or not self.next.opens:
+            raise ConfigError(
+                f"{log.path}: its connection began before: verify the log that this is a part of"
+            )
+
+    def _of(self, log: RunLog, link: str) -> Iterator[_Step]:
+        read = f"wire/{link}/in"
+        for message in log.messages(lambda topic: topic in {read, EVENT.name}):
+            at = self._seconds(message.time)
+            if message.topic == read:
+                yield _Step(at, data=message.data)
+                continue
+            event = message.decode(LogEvent)
+            if event.kind == "link" and event.text.startswith(f"{link}: open: "):
+                yield _Step(at, opens=True)
+            elif event.kind == "link" and event.text == f"{link}: closed":
+                yield _Step(at, closes=True)
+
+    def _seconds(self, time: int) -> float:
+        """Return a time [ns since 1970] of the clock of the recording, as it was read then.
+
+        The operating system counts nanoseconds, of which Python makes seconds.
+        """
+        return (round(self.begin * 1e9) + time - self._began_ns) / 1e9
+
+    def take(self) -> None:
+        """Go on to the next step."""
+        self.next = next(self._steps, None)
+
+    async def until_next(self) -> None:
+        """Wait for the time of the next step."""
+        if self.next is None:
+            raise RecordingOverError(f"{self.url}: the recording is over")
+        await asyncio.sleep(self.next.at - asyncio.get_running_loop().time())
+
+    async def open(self) -> Link:
+        """Return the next connection."""
+        while self.next is not None and not self.next.opens:
+            self.take()
+        await self.until_next()
+        self.take()
+        return _PlayedLink(self)
+
+
+class _PlayedLink:
+    """One connection; `read_at` is when the last bytes were read, as the log has it [s]."""
+
+    speeds: tuple[int, ...] = ()
+    round_trip = 0.0
+
+    def __init__(self, wire: _Wire) -> None:
+        self.url, self.read_at = wire.url, wire.begin
+        self._wire = wire
+
+    async def read(self) -> bytes:
+        """Return the next bytes at their time, none once the connection was closed."""
+        await self._wire.until_next()
+        step = self._wire.next
+        assert step is not None
+        if step.opens or step.closes:
+            return b""
+        self._wire.take()
+        self.read_at = step.at
+        return step.data
+
+    async def write(self, data: bytes) -> None:
+        """Do nothing: the log has the answers."""
+
+    async def set_speed(self, baud: int) -> None:
+        """Do nothing."""
+
+    async def close(self) -> None:
+        """Do nothing."""

@@ -1,0 +1,113 @@
+"""Today's driver sees in the bytes of a log what was seen then, or says where it does not."""
+
+import asyncio
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from pioneer3.arcos.reports import Config, Sip
+from pioneer3.cli.log_verify import verify as verify_command
+from pioneer3.errors import ConfigError
+from pioneer3.log.excerpt import write_excerpt
+from pioneer3.log.reader import open_log
+from pioneer3.navigation.connect import connect_async
+from pioneer3.robot import assemble
+from pioneer3.runtime.recording import recorded
+from pioneer3.runtime.verification import verify
+from pioneer3.state import Battery
+from tests.support import SimulatedRobot, until
+
+pytestmark = pytest.mark.realtime
+NOISE = 40
+"""Each so many pieces of bytes from the robot one is damaged."""
+
+
+async def record(path: Path) -> None:
+    """Record robots whose cables damage bytes, and the first of which is lost for a while."""
+
+    async def drive(name: str, sim: SimulatedRobot, *, away: bool) -> None:
+        async with connect_async(sim.open, record=log and log.of(name)) as robot:
+            await robot.move(0.3)
+            if away:
+                await sim.unplug()
+                await until(lambda: robot.snapshot is None)
+                sim.plugged = True
+                await until(lambda: robot.snapshot is not None)
+                await robot.turn(0.5)
+
+    count = 0
+
+    def noisy(data: bytes) -> tuple[bytes, ...]:
+        nonlocal count
+        count += 1
+        return (data[:-1] + bytes([data[-1] ^ 1]) if count % NOISE == NOISE - 1 else data,)
+
+    with recorded(path, asyncio.get_running_loop().time) as log:
+        async with SimulatedRobot(to_host=noisy) as first, SimulatedRobot() as second:
+            await asyncio.gather(drive("amy", first, away=True), drive("bob", second, away=False))
+
+
+@pytest.fixture(scope="module")
+def two(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the log of two robots."""
+    path = tmp_path_factory.mktemp("log") / "two.mcap"
+    asyncio.run(record(path))
+    return path
+
+
+def test_all_readings_are_as_recorded_over_losses_and_noise(two: Path) -> None:
+    log = open_log(two)
+    counts = log.info().counts
+    assert counts is not None
+    found = verify(log)
+    assert [(each.robot, each.difference) for each in found] == [("amy", None), ("bob", None)]
+    assert [each.compared for each in found] == [counts["amy/snapshot"], counts["bob/snapshot"]]
+    *_, last = log.snapshots("amy/snapshot")
+    assert last.link.sessions == 2
+    assert any(each.link.bad_checksums for each in log.snapshots("amy/snapshot"))
+
+
+def test_the_first_difference_is_told_with_time_field_and_both_values(
+    two: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert verify_command(str(two)) == 0
+    assert capsys.readouterr().out.count("all as recorded") == 2
+    before = assemble._battery
+    count = 0
+
+    def wrong_at_tenth(sip: Sip, config: Config | None) -> Battery:
+        nonlocal count
+        count += 1
+        battery = before(sip, config)
+        return replace(battery, voltage=11.5) if count == 10 else battery
+
+    monkeypatch.setattr(assemble, "_battery", wrong_at_tenth)
+    assert verify_command(str(two)) == 1
+    text = capsys.readouterr().out
+    assert "amy: 9 readings as recorded, then a difference at 20" in text
+    assert "battery.voltage: recorded 12.9" in text
+    assert "now      11.5" in text
+    count = 0
+    assert verify_command(str(two), json=True) == 1
+    first, second = json.loads(capsys.readouterr().out)
+    assert (first["compared"], first["difference"]["field"]) == (9, "battery.voltage")
+    assert second["difference"] is None
+
+
+def test_readings_that_do_not_come_any_more_are_a_difference(
+    two: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("pioneer3.robot.session.Session._handle_report", lambda *_: None)
+    difference = verify(open_log(two))[0].difference
+    assert difference is not None
+    assert (difference.field, difference.recorded, difference.now) == ("sequence", "1", "none")
+
+
+def test_a_part_of_a_log_is_refused(two: Path, tmp_path: Path) -> None:
+    log, part = open_log(two), tmp_path / "part.mcap"
+    known = log.info()
+    write_excerpt(log, part, known.began + 2 * 10**9, known.ended)
+    with pytest.raises(ConfigError, match="its connection began before"):
+        verify(open_log(part))
