@@ -340,6 +340,7 @@ PARTS: Mapping[str, Part] = {
         packages=("ros",),
     ),
     "tests/ros1/test_tcpros.py": Part("ROS 1's own protocols; cheap", packages=("ros",)),
+    "tests/ros1/test_bags.py": Part("bags in ROS 1's own library; cheap", packages=("ros", "log")),
     "tests/ros1/test_navigation.py": Part(
         "a node navigates",
         {"test_actionlibs_clients_go_to_places": "goals"},
@@ -373,6 +374,11 @@ PARTS: Mapping[str, Part] = {
             }.items()
         },
         packages=("ros",),
+    ),
+    "tests/ros2/test_bags.py": Part(
+        "a bag in a real ROS 2",
+        {"test_rclpy_reads_the_numbers_of_the_log[jazzy]": "the joint"},
+        packages=("ros", "log"),
     ),
     "tests/ros2/test_bridge.py": Part(
         "the bridge, in this process; cheap",

@@ -40,12 +40,17 @@ def _command(extra: str) -> str:
     if SETUP.is_file() and os.name == "posix":
         return str(SETUP)
     # the packages and not the extra: the wheel may be here no more
-    packages = " ".join(f'"{line}"' for line in added_by(extra))
+    return how_to_add(*(f'"{line}"' for line in added_by(extra)))
+
+
+def how_to_add(*packages: str) -> str:
+    """Return the command that installs packages beside this one, as it was installed itself."""
+    wanted = " ".join(packages)
     if (Path(sys.prefix) / PIPX_MARK).is_file():
-        return f"pipx inject {NAME} {packages}"
+        return f"pipx inject {NAME} {wanted}"
     if find_spec("pip") is not None:
-        return f'"{sys.executable}" -m pip install {packages}'
-    return f'uv pip install --python "{sys.executable}" {packages}'
+        return f'"{sys.executable}" -m pip install {wanted}'
+    return f'uv pip install --python "{sys.executable}" {wanted}'
 
 
 def added_by(extra: str) -> list[str]:

@@ -34,6 +34,7 @@ model             `pioneer3 model`
 robot             `pioneer3 robot`: the own file of a robot
 laser             `pioneer3 laser`: a laser range finder alone, without a robot
 log               `pioneer3 log`: the logs of what robots did
+log_convert       `pioneer3 log convert`: logs for other programs
 replay            `pioneer3 replay`: logs on the page
 log_verify        `pioneer3 log verify`: today's driver over the bytes of a log
 goto              `pioneer3 goto` and `patrol`: to places of the map by their names, or to points

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import App, Parameter
 
+from pioneer3.cli.log_convert import convert
 from pioneer3.cli.log_verify import verify
 from pioneer3.cli.options import Flag
 from pioneer3.cli.process import write_json, write_line, write_warning
@@ -25,6 +26,7 @@ log_app = App(
     """,
     help_format="plaintext",
 )
+log_app.command(convert)
 log_app.command(verify)
 Moment = Annotated[str | None, Parameter(metavar="TIME", show_default=False)]
 

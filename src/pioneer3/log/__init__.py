@@ -14,6 +14,12 @@ folder        the user's logs: their names, which go first, which are pinned or 
 mcap          one MCAP file while it is written: chunks, flushes, its end
 reader        reads a log, with or without its end, and its index
 index         finds the messages of a log at any time
+progress      the progress of reading a log
+output        outputs that are whole or not there
+columns       columns of a table of messages
+tables        tables of a log, one a topic
+csv_file      a table as comma-separated values
+parquet_file  a table as Parquet
 command_line  the command that was started, without secrets
 moment        times in a log, as people tell them
 excerpt       a part of a log, as a log of its own

@@ -57,6 +57,7 @@ DAMAGED: Final = (
     EOFError,
     MemoryError,
     OverflowError,
+    RecursionError,
     struct.error,
     msgspec.MsgspecError,
 )
@@ -235,9 +236,12 @@ class RunLog:
     def of(self, topic: LogTopic[T]) -> Iterator[tuple[int, T]]:
         """Yield the messages of a topic, each with its time [ns since 1970]."""
         for message in self.messages(lambda name: name == topic.name):
-            with self.damage_told():
-                decoded = message.decode(topic.kind)
-            yield message.time, decoded
+            yield message.time, self.decoded(message, topic)
+
+    def decoded(self, message: LogMessage, topic: LogTopic[T]) -> T:
+        """Return the content of a message of a topic."""
+        with self.damage_told():
+            return message.decode(topic.kind)
 
     def snapshots(self, name: str = "snapshot") -> Iterator[Snapshot]:
         """Yield the snapshots of a robot, by the name of their topic."""

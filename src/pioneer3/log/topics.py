@@ -59,13 +59,13 @@ class LogTopic(Generic[T]):
             return pack_scan(message)
         fields = msgspec.to_builtins(self.make(message) if self.make else message)
         fields.pop(self.steady, None)
-        return msgspec.json.encode(_with_texts(fields))
+        return msgspec.json.encode(with_texts(fields))
 
     def steady_part(self, message: Any) -> bytes:
         """Return the steady field as bytes; empty where there is none."""
         if not self.steady:
             return b""
-        return msgspec.json.encode(_with_texts(msgspec.to_builtins(getattr(message, self.steady))))
+        return msgspec.json.encode(with_texts(msgspec.to_builtins(getattr(message, self.steady))))
 
     @property
     def encoding(self) -> str:
@@ -150,14 +150,14 @@ def unpack_pieces(time: int, data: bytes) -> Iterator[tuple[int, bytes]]:
         at += size
 
 
-def _with_texts(value: Any) -> Any:
+def with_texts(value: Any) -> Any:
     """Return a value with texts in place of numbers that JSON lacks."""
     if isinstance(value, dict):
-        return {key: _with_texts(each) for key, each in value.items()}
+        return {key: with_texts(each) for key, each in value.items()}
     if isinstance(value, list | tuple):
         if value and type(value[0]) is float and isfinite(sum(value)):
             return value
-        return [_with_texts(each) for each in value]
+        return [with_texts(each) for each in value]
     return str(value) if isinstance(value, float) and not isfinite(value) else value
 
 

@@ -24,7 +24,7 @@ from pioneer3.robot.devices.laser import LaserSource
 from pioneer3.robot.explain import Reason
 from pioneer3.robot.pilot import STOPPED, Pilot, VelocityCommand
 from pioneer3.robot.supervisor import ConnectionStatus, Feed, RobotInfo
-from pioneer3.runtime.recording import CommandGiven, RobotLog
+from pioneer3.runtime.recording import EMERGENCY_STOP, CommandGiven, RobotLog
 from pioneer3.state import Snapshot
 from pioneer3.stops import Freshness, Stop
 
@@ -329,7 +329,7 @@ class Arbiter:
         """End every command and stop hard, latched."""
         self._end_commands()
         self._supervisor.emergency_stop()
-        self._note("", "emergency stop")
+        self._note("", EMERGENCY_STOP)
 
     def reset_emergency_stop(self) -> None:
         """Release the latch; the motors stay off."""

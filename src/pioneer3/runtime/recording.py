@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 
 RENEWED: Final = 1.0
 """Period at which a command or decision is told that only goes on, as of a held key [s]."""
+EMERGENCY_STOP: Final = "emergency stop"
+"""The command of an emergency stop."""
 TRUTH_PERIOD: Final = 0.095
 """Shortest time between two true poses [s]: ten a second, at the time of snapshots."""
 READING_SIZE: Final = 40

@@ -15,6 +15,7 @@ from pioneer3.robot.supervisor import RobotInfo
 from pioneer3.ros.client.graph import STAMPED, RobotTopics
 from pioneer3.ros.client.robot import TopicRobot, TopicSupervisor
 from pioneer3.ros.client.snapshots import SnapshotSubscriber
+from pioneer3.ros.messages.motion import fill_twist
 from pioneer3.ros.node.middleware import Publisher, Topics
 from pioneer3.state import Identity
 from pioneer3.tasks import in_own_thread, running
@@ -70,8 +71,7 @@ async def joined(
     def publish(wanted: Twist2) -> None:
         message: Any = middleware.make(topics.command_type)
         # a stamp of 0 is now, whether the robot's time is a simulator's or not
-        twist = message.twist if topics.command_type == STAMPED else message
-        twist.linear.x, twist.angular.z = wanted.v, wanted.w
+        fill_twist(message.twist if topics.command_type == STAMPED else message, wanted)
         publisher.publish(message)
 
     tells = latch is not None and topics.emergency_stop is not None

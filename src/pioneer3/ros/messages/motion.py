@@ -51,6 +51,11 @@ def wanted_twist(message: Any) -> Twist2:
     return checked(message.linear.x, message.angular.z)
 
 
+def fill_twist(message: Any, wanted: Twist2) -> None:
+    """Fill a geometry_msgs/Twist, which is empty."""
+    message.linear.x, message.angular.z = wanted.v, wanted.w
+
+
 def moving_transforms(message: Any, update: StateUpdate) -> None:
     """Fill a tf2_msgs/TFMessage: the robot in the odom frame, that in the map, turning wheels."""
     options, frames = update.options, update.frames

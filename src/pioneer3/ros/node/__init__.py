@@ -13,6 +13,7 @@ goals               passes goals from topics on to the goal server, and tells of
 goal_list           the goals of one action server, by the rules of actionlib's protocol
 navigation_topics   the table of topics of a node that has a map
 laser_node          a laser range finder as a ROS node
+updates             makes what topics are published from
 publishing          publishes the topics of the table: each one when it is due, and has subscribers
 topics              the table of topics
 p2os_topics         topics that only p2os has

@@ -58,19 +58,23 @@ class Publisher(Protocol):
         """
 
 
-class Topics(Protocol):
-    """Publishing and subscribing."""
+class Advertising(Protocol):
+    """Publishing."""
 
     def make(self, type_name: str) -> Any:
         """Return an empty message of a type such as `nav_msgs/Odometry`."""
-
-    def resolve(self, name: str) -> str:
-        """Return the full name of a topic after remapping."""
 
     def advertise(
         self, name: str, type_name: str, *, latched: bool = False, queue: int = QUEUE
     ) -> Publisher:
         """Return a publisher; of `queue` messages that wait for a subscriber the newest stay."""
+
+
+class Topics(Advertising, Protocol):
+    """Publishing and subscribing."""
+
+    def resolve(self, name: str) -> str:
+        """Return the full name of a topic after remapping."""
 
     def subscribe(
         self, name: str, type_name: str, receive: Receive, *, queue: int, left: Lose | None = None
@@ -78,19 +82,26 @@ class Topics(Protocol):
         """Call `receive` with each message; of `queue` that wait the newest stay."""
 
 
-class Middleware(Topics, Protocol):
-    """All that a node needs."""
+class Outlet(Advertising, Protocol):
+    """The part of a middleware that publishes for a node."""
 
     @property
     def name(self) -> str:
         """Full name of the node."""
 
+    def stamp(self, age: float) -> Any:
+        """Return the ROS time of the moment `age` seconds ago."""
+
+    def warn(self, sentence: str) -> None:
+        """Log a warning."""
+
+
+class Middleware(Outlet, Topics, Protocol):
+    """All that a node needs."""
+
     @property
     def serves(self) -> bool:
         """Whether others can call services of this node."""
-
-    def stamp(self, age: float) -> Any:
-        """Return the ROS time of the moment `age` seconds ago."""
 
     def age(self, stamp: Any) -> float | None:
         """Return the time since a stamp [s]; `None` for a stamp of 0, which says nothing."""
@@ -112,9 +123,6 @@ class Middleware(Topics, Protocol):
 
     def on_shutdown(self, call: Callable[[], None]) -> None:
         """Call `call`, in any thread, when somebody shuts the node down."""
-
-    def warn(self, sentence: str) -> None:
-        """Log a warning."""
 
     def mismatches(self) -> Sequence[str]:
         """Return a sentence for each endpoint of others that cannot talk to one of ours."""

@@ -10,11 +10,8 @@ from typing import TYPE_CHECKING, Final
 
 from pioneer3.arcos.commands import Command
 from pioneer3.errors import CommandError, DeviceError
-from pioneer3.models import RobotModel
-from pioneer3.models.description.tree import FrameTree, tree_of
-from pioneer3.models.description.urdf import describe
+from pioneer3.geometry import Pose2
 from pioneer3.robot.devices.pictures import Image, decode
-from pioneer3.robot.devices.sensor import Stamped
 from pioneer3.robot.lasers.driver import LaserDriver
 from pioneer3.robot.supervisor import Connection
 from pioneer3.ros.messages.diagnostics import (
@@ -24,14 +21,7 @@ from pioneer3.ros.messages.diagnostics import (
     hardware_id,
     laser_status,
 )
-from pioneer3.ros.messages.motion import WheelAngles
-from pioneer3.ros.messages.update import (
-    DescriptionUpdate,
-    PictureUpdate,
-    ScanUpdate,
-    SensorUpdate,
-    StateUpdate,
-)
+from pioneer3.ros.messages.update import PictureUpdate, ScanUpdate, SensorUpdate, StateUpdate
 from pioneer3.ros.node.commands import Commands
 from pioneer3.ros.node.driving_parameters import DrivingParameters, Values, changed, to_send
 from pioneer3.ros.node.middleware import Middleware
@@ -41,8 +31,9 @@ from pioneer3.ros.node.publishing import Publishing
 from pioneer3.ros.node.services import Services
 from pioneer3.ros.node.topic import Topic
 from pioneer3.ros.node.topics import SLOWLY, aria_laser, command_topics, published
+from pioneer3.ros.node.updates import Updates
 from pioneer3.runtime.robot import Robot
-from pioneer3.state import Bumpers, Scan, Snapshot
+from pioneer3.state import Bumpers, Snapshot
 from pioneer3.tasks import hand_over, running
 
 if TYPE_CHECKING:
@@ -50,8 +41,6 @@ if TYPE_CHECKING:
 
 REPEAT: Final = 0.1
 """Between two messages that say that the robot is lost [s]: as snapshots would come."""
-LONGEST_PERIOD: Final = 1.0
-"""Scans that are farther apart [s] have no period."""
 
 
 class RobotNode:
@@ -68,19 +57,22 @@ class RobotNode:
         self._options = options = replace(
             parameters.options, map_tf=parameters.tf_broadcast and robot.navigator is not None
         )
-        self._model = robot.info.model
-        self._frames = options.frames.with_prefix(options.prefix)
-        self._tree = self._tree_of(self._model)
-        self._wheels = WheelAngles()
+        self._updates = Updates(
+            model := robot.info.model,
+            options,
+            lasers=self._mounted,
+            camera=lambda: bool(robot.devices.camera.presence.there),
+            stamp=self._stamp,
+            make=middleware.make,
+        )
         self._sensors = {each.kind.name: each for each in robot.devices.sensors}
         self._sent: list[Command] = []
-        self._scanned_at = -inf
         self._commands = Commands(
             robot, parameters.timeout, resumes=parameters.resume_cmd_vel, warn=middleware.warn
         )
         names = [laser.name for laser in robot.lasers]
         aria = self._aria_lasers() if parameters.publish_aria_lasers else {}
-        topics = published(self._model, options, parameters.profile, names, aria)
+        topics = published(model, options, parameters.profile, names, aria)
         self._publishing = Publishing(topics, parameters.profile, middleware)
         self._navigation = self._navigation_of(robot)
         self._services = Services(
@@ -88,7 +80,7 @@ class RobotNode:
             navigation=self._navigation,
             sonar=parameters.use_sonar,
             diagnose=self._diagnose,
-            moved=self._wheels.jumped,
+            moved=self._updates.jumped,
             warn=middleware.warn,
         )
         self._unheard: tuple[str, ...] = ()
@@ -114,13 +106,13 @@ class RobotNode:
                 *([self._navigation.run()] if self._navigation else []),
                 *(
                     self._publishing.publish_device(
-                        ScanUpdate, laser.values, partial(self._scan_update, number), laser.name
+                        ScanUpdate, laser.values, partial(self._updates.scan, number), laser.name
                     )
                     for number, laser in enumerate(self._robot.lasers)
                 ),
                 *(
                     self._publishing.publish_device(
-                        SensorUpdate, sensor.values, self._sensor_update, sensor.kind.name
+                        SensorUpdate, sensor.values, self._updates.reading, sensor.kind.name
                     )
                     for sensor in self._sensors.values()
                 ),
@@ -137,20 +129,13 @@ class RobotNode:
 
     def describe_robot(self) -> None:
         """Publish its description, in a thread: with bumpers and laser if the robot has them."""
-        options = self._options
-        if not options.description:
+        if not self._options.description:
             return
         latest = self._robot.supervisor.snapshots.latest
         touch = latest.bumpers if latest else Bumpers()
-        urdf = describe(
-            self._model,
-            self._tree,
-            options.frames,
-            bumpers=(len(touch.front), len(touch.rear)),
-            laser=bool(self._robot.laser.presence.there),
-        )
-        self._middleware.describe(urdf)
-        self._publishing.publish(DescriptionUpdate(urdf=urdf))
+        update = self._updates.description(touch, laser=bool(self._robot.laser.presence.there))
+        self._middleware.describe(update.urdf)
+        self._publishing.publish(update)
 
     def _advertise(self) -> None:
         """Tell the others, in a thread: that may take its time, and the robot must not wait."""
@@ -181,7 +166,8 @@ class RobotNode:
                 f"~publish_aria_lasers: no laser: {self._robot.laser.presence}; give its port with"
                 " --laser or ~laser/serial_port"
             )
-        kind = self._model.laser.kind if self._model.laser else ""
+        mount = self._robot.info.model.laser
+        kind = mount.kind if mount else ""
         return {
             laser.name: aria_laser(
                 number,
@@ -209,31 +195,11 @@ class RobotNode:
                 self._navigation.publish(snapshot)
 
     def _state_update(self, snapshot: Snapshot) -> StateUpdate:
-        model = self._robot.info.model
-        if model is not self._model:
-            self._model, self._tree = model, self._tree_of(model)
-        return StateUpdate(
-            snapshot=snapshot,
-            model=model,
-            tree=self._tree,
-            frames=self._frames,
-            options=self._options,
-            turned=self._wheels.update(snapshot.odometry, model),
+        return self._updates.state(
+            snapshot,
+            self._robot.info.model,
             emergency=self._robot.supervisor.pilot.emergency,
             odom_in_map=self._navigation.odom_in_map(snapshot) if self._navigation else None,
-            stamp=self._stamp(snapshot.stamp),
-            make=self._middleware.make,
-        )
-
-    def _scan_update(self, number: int, scan: Scan) -> ScanUpdate:
-        pause, self._scanned_at = scan.stamp - self._scanned_at, scan.stamp
-        return ScanUpdate(
-            scan=scan,
-            frame=self._frames.laser_frame(number),
-            odom=self._frames.odom,
-            stamp=self._stamp(scan.stamp),
-            period=scan.period or (pause if pause < LONGEST_PERIOD else 0.0),
-            make=self._middleware.make,
         )
 
     async def _images(self) -> AsyncGenerator[Image, None]:
@@ -255,12 +221,9 @@ class RobotNode:
         return PictureUpdate(
             image=image,
             view=image.view or self._parameters.camera_view,
-            frame=self._frames.camera_optical,
+            frame=self._updates.frames.camera_optical,
             stamp=self._stamp(image.stamp),
         )
-
-    def _sensor_update(self, reading: Stamped) -> SensorUpdate:
-        return SensorUpdate(reading=reading, frames=self._frames, stamp=self._stamp(reading.stamp))
 
     async def _watch_others(self) -> None:
         """Log endpoints of other nodes that cannot talk to this one, once each."""
@@ -349,14 +312,7 @@ class RobotNode:
             middleware=self._middleware,
         )
 
-    def _tree_of(self, model: RobotModel) -> FrameTree:
-        options = self._options
+    def _mounted(self) -> list[Pose2] | None:
+        """Return where lasers that somebody named sit; `None` leaves the model's."""
         asked = self._robot.laser is not self._robot.devices.laser
-        return tree_of(
-            model,
-            options.frames,
-            options.wheel_joints,
-            options.sonar_height,
-            [laser.sensor_in_robot for laser in self._robot.lasers] if asked else None,
-            camera=bool(self._robot.devices.camera.presence.there),
-        )
+        return [laser.sensor_in_robot for laser in self._robot.lasers] if asked else None

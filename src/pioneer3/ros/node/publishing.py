@@ -12,7 +12,7 @@ from pioneer3.errors import DeviceError, MissingTypeError
 from pioneer3.ros.messages.diagnostics import DiagnosticStatus, DiagnosticsUpdate
 from pioneer3.ros.messages.navigation import NavigationUpdate
 from pioneer3.ros.messages.update import StateUpdate
-from pioneer3.ros.node.middleware import Middleware, Publisher
+from pioneer3.ros.node.middleware import Outlet, Publisher
 from pioneer3.ros.node.names import Profile
 from pioneer3.ros.node.topic import Topic, Update
 from pioneer3.ros.node.topics import SLOWLY
@@ -72,7 +72,7 @@ class _Row:
 class Publishing:
     """The publishers of `topics`, by their names in `profile`."""
 
-    def __init__(self, topics: Sequence[Topic], profile: Profile, middleware: Middleware) -> None:
+    def __init__(self, topics: Sequence[Topic], profile: Profile, middleware: Outlet) -> None:
         self._rows = [_Row(topic) for topic in topics]
         self._rows_of: dict[tuple[type[Update], str], list[_Row]] = defaultdict(list)
         for row in self._rows:

@@ -10,7 +10,6 @@ rosout       logs of this node on `/rosout`, without waiting for the master
 environment  checks the variables that tell programs of ROS 1 where the master and this computer
 package      a ROS 1 package that `rosrun` and `roslaunch` find, without catkin and without a build
 middleware   the middleware of ROS 1
-definitions  messages of packages that nobody need install
 reconfigure  dynamic_reconfigure in ROS 1: a server without a generated configuration
 ===========  ======================================================================================
 """

@@ -13,10 +13,10 @@ from typing import Any, Final
 
 from pioneer3.errors import ConfigError
 from pioneer3.models.description.xml import MAKER
+from pioneer3.ros.definitions import DEFINITIONS
 from pioneer3.ros.node.driving_parameters import DrivingParameters
 from pioneer3.ros.node.middleware import QUEUE, Lose, Receive, Sender, Unsubscribe
 from pioneer3.ros.node.parameters import NodeParameters
-from pioneer3.ros.ros1.definitions import DEFINITIONS
 from pioneer3.ros.ros1.reconfigure import Reconfigure
 
 LOOK_AROUND: Final = 0.1

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Final
 
 from pioneer3 import __version__
+from pioneer3.ros.definitions import DEFINITIONS, file_of, module_of
 from pioneer3.ros.installation import (
     DEMOS,
     NAME,
@@ -15,7 +16,6 @@ from pioneer3.ros.installation import (
     urdf_files,
     write_files,
 )
-from pioneer3.ros.ros1.definitions import DEFINITIONS, file_of, module_of
 
 OWN: Final[Mapping[str, tuple[str, ...]]] = {
     "RosAria": ("ros1",),

@@ -75,6 +75,11 @@ class MessageTypes(MessageStore):
             raise ConfigError(f"ROS 2 {self.distro.name} has no message type {full}")
         return MessageType(full, self._hash(full))
 
+    def text(self, name: str) -> str:
+        """Return the definition of a message type, with the types in it, as bags hold it."""
+        text, _ = self._store.generate_msgdef(full_name(name), ros_version=2)
+        return str(text)
+
     def service_type(self, name: str) -> ServiceType:
         """Return a type of services such as `std_srvs/SetBool`; ConfigError if there is none."""
         full = full_name(name, "srv")

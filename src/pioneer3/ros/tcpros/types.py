@@ -6,13 +6,11 @@ from typing import Any, Final
 
 from pioneer3.distribution import how_to_get
 from pioneer3.errors import ConfigError
+from pioneer3.ros.definitions import DEFINITIONS, file_of
 from pioneer3.ros.typestore import MessageStore, full_name
 
-FURTHER: Final = {
-    "tf2_msgs/msg/TFMessage": "geometry_msgs/TransformStamped[] transforms",
-    "rosaria/msg/BumperState": "Header header\nbool[] front_bumpers\nbool[] rear_bumpers",
-}
-"""Definitions that rosbags lacks."""
+TRANSFORMS: Final = ("tf2_msgs/TFMessage", "geometry_msgs/TransformStamped[] transforms")
+"""A type of ROS 1 itself that rosbags lacks, and its definition."""
 SERVICES: Final = {
     "std_srvs/Empty": ("", ""),
     "std_srvs/Trigger": ("", "bool success\nstring message"),
@@ -43,8 +41,8 @@ class Ros1Types(MessageStore):
             advice = how_to_get("zenoh")
             raise ConfigError(f"ROS 1 without ROS needs rosbags: {advice}") from error
         super().__init__(get_typestore(Stores.ROS1_NOETIC))
-        for name, text in FURTHER.items():
-            self._store.register(get_types_from_msg(text, name))
+        for name, text in (TRANSFORMS, *((name, file_of(name)) for name in DEFINITIONS)):
+            self._store.register(get_types_from_msg(text, full_name(name)))
 
     def definition(self, name: str) -> Definition:
         """Return the definition of a type such as `nav_msgs/Odometry`; ConfigError for none."""

@@ -1,0 +1,126 @@
+"""Writes the robots of a log to a bag."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from datetime import datetime
+from enum import StrEnum
+from functools import partial
+from pathlib import Path
+from typing import Any, Final
+
+from pioneer3.log.output import new_output
+from pioneer3.log.progress import Tell, followed
+from pioneer3.log.reader import DAMAGED, LogInfo, RunLog
+from pioneer3.log.topics import LogTopic
+from pioneer3.models import GivenModel
+from pioneer3.navigation.recording import kind_of
+from pioneer3.ros.bag.bags import ros1_bag, ros2_bag
+from pioneer3.ros.bag.player import Player
+from pioneer3.ros.bag.robots import SNAPSHOT, LoggedRobot, robots_of
+from pioneer3.ros.messages.update import NANO
+from pioneer3.ros.node.names import Profile
+from pioneer3.text import one_line, wrong
+
+WRONG: Final = (*DAMAGED, LookupError, ArithmeticError)
+"""Errors of conversions about numbers that no robot sends."""
+
+
+class BagKind(StrEnum):
+    """Kinds of bags."""
+
+    ROS1 = "rosbag1"
+    ROS2 = "rosbag2"
+
+
+OPEN: Final = {BagKind.ROS1: ros1_bag, BagKind.ROS2: ros2_bag}
+"""Opens a new bag."""
+
+
+@dataclass(frozen=True, slots=True)
+class BagWritten:
+    """A bag that was written: its messages by topic, and sentences about what is not as it was."""
+
+    counts: Mapping[str, int]
+    warnings: Sequence[str] = ()
+
+
+Take = Callable[[int, Any], None]
+"""Takes a message of a time [ns since 1970]."""
+
+
+def write_bag(
+    log: RunLog,
+    path: Path,
+    kind: BagKind,
+    profile: Profile,
+    *,
+    model: GivenModel = None,
+    tell: Tell = lambda share: None,
+) -> BagWritten:
+    """Write what the nodes of the robots of a log would have published to a new bag.
+
+    Raises:
+        ConfigError: The log is damaged or has no robot, rosbags is missing, or the bag cannot be
+            written.
+    """
+    known, robots = log.info(), robots_of(log, model)
+    if not robots:
+        raise wrong(log.path, " has no robot in it that sent readings: there is nothing to convert")
+    with new_output(path) as made, OPEN[kind](made) as bag:
+        takers: dict[str, tuple[LogTopic[Any], Take]] = {}
+        for robot in robots:
+            takers |= _takers(robot, Player(robot, bag, profile, _wall_clock(known)))
+        for message in followed(log.messages(takers.__contains__), known, tell):
+            topic, take = takers[message.topic]
+            decoded = log.decoded(message, topic)
+            try:
+                take(message.time, decoded)
+            except WRONG as error:
+                problem = f" has a message of {message.topic} that is none: {one_line(error)}"
+                raise wrong(log.path, problem) from error
+        counts = dict(bag.counts)
+    return BagWritten(counts, [_guess(robot) for robot in robots if robot.is_guessed])
+
+
+def _guess(robot: LoggedRobot) -> str:
+    return (
+        f"{robot.prefix}robot is of the type {robot.model.name!r}, which nobody knows here: its"
+        " sizes are guessed; --model gives them"
+    )
+
+
+def _takers(robot: LoggedRobot, player: Player) -> dict[str, tuple[LogTopic[Any], Take]]:
+    """Return what takes the messages of a robot, by their topics."""
+    before = robot.prefix
+    takers: dict[str, tuple[LogTopic[Any], Take]] = {}
+
+    def add(topic: str, take: Take) -> None:
+        kind = kind_of(topic)
+        assert kind is not None
+        takers[topic] = LogTopic(topic, kind), take
+
+    add(f"{before}{SNAPSHOT}", player.snapshot)
+    add(f"{before}command", player.command)
+    add(f"{before}estimate", player.navigation.estimate)
+    add(f"{before}way", player.navigation.way)
+    add(f"{before}map", player.navigation.use_map)
+    for laser in robot.lasers:
+        add(f"{before}scan/{laser}", partial(player.scan, laser))
+    return takers
+
+
+def _wall_clock(known: LogInfo) -> Callable[[float], int]:
+    """Return the function that makes times since 1970 [ns] of moments of the program [s].
+
+    Raises:
+        ConfigError: The log does not tell when its program began.
+    """
+    texts = known.texts.get("program", {})
+    try:
+        began = datetime.fromisoformat(texts["began"]).timestamp()
+        clock = float(texts["clock"])
+    except (KeyError, ValueError, OverflowError):
+        problem = " does not tell when its program began: it is none of pioneer3's"
+        raise wrong(known.path, problem) from None
+    began_ns = round(began * NANO)
+    return lambda moment: began_ns + round((moment - clock) * NANO)

@@ -1,0 +1,114 @@
+"""The robots of a log: their names, models and lasers."""
+
+import re
+from collections.abc import Iterable, Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import Final
+
+import msgspec
+
+from pioneer3.arcos.reports import Config
+from pioneer3.geometry import Pose2
+from pioneer3.log.reader import RunLog
+from pioneer3.log.topics import LogTopic
+from pioneer3.models import GivenModel, RobotModel, loaded_model
+from pioneer3.models.model import UnknownModel
+from pioneer3.names import free_name
+from pioneer3.robot.session import model_of
+from pioneer3.state import Identity, Scan
+
+SNAPSHOT: Final = "snapshot"
+"""Last part of the topic of snapshots; the name of one of several robots comes before it."""
+LASER: Final = re.compile(r"laser(\d?\d?)", re.ASCII)
+"""Name of a laser; the first one has no number."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LoggedRobot:
+    """A robot of a log.
+
+    Attributes:
+        prefix: Before the names of its topics: `bob/` of one of several robots, else empty.
+        namespace: Of its node in ROS, `/bob`; empty of the only robot.
+        lasers: Where they sit on the robot [m, rad], by the names of their topics' last part.
+    """
+
+    prefix: str
+    namespace: str
+    model: RobotModel
+    lasers: Mapping[str, Pose2]
+
+    @property
+    def is_guessed(self) -> bool:
+        """Whether nobody knows a model of this type."""
+        return isinstance(self.model, UnknownModel)
+
+
+def robots_of(log: RunLog, given: GivenModel = None) -> list[LoggedRobot]:
+    """Return the robots of a log that have snapshots, by their names; all of a model if `given`.
+
+    Raises:
+        ConfigError: The log is damaged, or there is no such model.
+    """
+    topics = sorted(log.topics())
+    texts, mounted = log.info().texts, _mounted(log, topics)
+    given, robots, taken = loaded_model(given), [], set[str]()
+    for topic in topics:
+        before, _, last = topic.rpartition("/")
+        if last != SNAPSHOT:
+            continue
+        prefix = f"{before}/" if before else ""
+        name = free_name(ros_name(before), taken, "_") if before else ""
+        taken.add(name)
+        robots.append(
+            LoggedRobot(
+                prefix=prefix,
+                namespace=f"/{name}" if name else "",
+                model=_model(texts.get(f"{prefix}robot", {}), given),
+                lasers={
+                    scans.rpartition("/")[2]: pose
+                    for scans, pose in mounted.items()
+                    if scans.rpartition("scan/")[0] == prefix
+                },
+            )
+        )
+    return robots
+
+
+def laser_number(name: str) -> int | None:
+    """Return the number of a laser, from 0, by its name; `None` if that is none of a laser."""
+    match = LASER.fullmatch(name)
+    return max(0, int(match[1] or 1) - 1) if match else None
+
+
+def ros_name(text: str) -> str:
+    """Return a text as a name in ROS: letters, digits and underscores, a letter first."""
+    name = re.sub(r"\W+", "_", text, flags=re.ASCII).strip("_")
+    return name if name[:1].isalpha() else f"robot_{name}".rstrip("_")
+
+
+def _model(texts: Mapping[str, str], given: GivenModel) -> RobotModel:
+    config = None
+    with suppress(msgspec.MsgspecError):
+        config = msgspec.json.decode(texts.get("configuration", "null"), type=Config | None)
+    identity = Identity(name=texts.get("name", ""), family="", model=texts.get("model", ""))
+    return model_of(identity, config, given)
+
+
+def _mounted(log: RunLog, topics: Iterable[str]) -> dict[str, Pose2]:
+    """Return where lasers sit, by the topics of their scans; reads to the last one's first scan."""
+    scans = {
+        topic: LogTopic(topic, Scan)
+        for topic in topics
+        if topic.rpartition("/")[0].rpartition("/")[2] == "scan"
+        and laser_number(topic.rpartition("/")[2]) is not None
+    }
+    mounted: dict[str, Pose2] = {}
+    if scans:
+        for message in log.messages(lambda topic: topic in scans.keys() - mounted.keys()):
+            if message.topic not in mounted:
+                mounted[message.topic] = log.decoded(message, scans[message.topic]).sensor_in_robot
+            if len(mounted) == len(scans):
+                break
+    return mounted
