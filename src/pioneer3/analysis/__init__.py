@@ -3,6 +3,7 @@
 ============  =================================================================================
 module        contents
 ============  =================================================================================
+why           the reason that a robot stood or moved at a time
 open_log      a log that is open: its robots, its times, its messages
 arrays        messages as arrays with named columns
 ============  =================================================================================

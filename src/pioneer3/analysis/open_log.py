@@ -1,6 +1,6 @@
 """A log that is open: its robots, its times, and its messages as objects and arrays."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from datetime import datetime
@@ -10,9 +10,10 @@ from typing import Any, Final
 
 from pioneer3.errors import ConfigError
 from pioneer3.log.folder import named_log_path
+from pioneer3.log.index import LogIndex
 from pioneer3.log.moment import Moment, time_of
-from pioneer3.log.reader import LogInfo, RunLog
-from pioneer3.log.topics import LogEvent, LogTopic
+from pioneer3.log.reader import LogInfo, LogMessage, RunLog
+from pioneer3.log.topics import LogEvent
 from pioneer3.names import printable
 from pioneer3.navigation.recording import KINDS
 from pioneer3.runtime.recording import CommandGiven, DecisionMade
@@ -22,6 +23,8 @@ EVENTS: Final = "event"
 """Topic that all robots of a log share."""
 NANOSECONDS: Final = 1e9
 """Nanoseconds in a second."""
+FARTHEST: Final = 50_000
+"""Messages that are looked at for the last one of another kind: more than an hour of decisions."""
 CLOCKS_APART: Final = 60.0
 """Farther from the time of its message, the time that a reading tells is damaged [s]."""
 
@@ -98,12 +101,32 @@ class OpenLog:
         Raises:
             ConfigError: There is no such topic.
         """
-        kind = _kind(topic)
-        if kind is None:
-            known = ", ".join(self.topics()) or "none"
-            raise self._wrong(f"has no messages {topic!r}; there are: {known}")
-        name = topic if topic == EVENTS else f"{self._prefix}{topic}"
-        return self._messages(LogTopic(name, kind))
+        name, kind = self._known(topic)
+        messages = self._index.walk(name, self._first, self._last)
+        return (self._decoded(message, kind) for message in messages)
+
+    def newest(self, topic: str) -> tuple[float, Any] | None:
+        """Return the last message of a topic with its time [s]; `None` if there is none.
+
+        Raises:
+            ConfigError: There is no such topic.
+        """
+        name, kind = self._known(topic)
+        message = self._index.newest(name, self._last)
+        return self._decoded(message, kind) if message and message.time >= self._first else None
+
+    def since(self, topic: str, alike: Callable[[bytes], bool]) -> float | None:
+        """Return when the last messages of a topic began to be alike [s], by their bytes.
+
+        `None` where there are none, or that is too long ago to look for.
+        """
+        name, _ = self._known(topic)
+        other = self._index.newest(name, self._last, lambda data: not alike(data), FARTHEST)
+        if other is None and (self._info.counts or {}).get(name, 0) > FARTHEST:
+            return None
+        begin = other.time + 1 if other else self._first
+        first = next(self._index.walk(name, begin, self._last), None)
+        return self._seconds(first.time) if first else None
 
     def snapshots(self) -> Iterator[Snapshot]:
         """Yield the snapshots of the robot."""
@@ -160,10 +183,9 @@ class OpenLog:
     def _info(self) -> LogInfo:
         return RunLog(self.path).info()
 
-    @cached_property
+    @property
     def _topics(self) -> set[str]:
-        counts = self._info.counts
-        return {*counts} if counts is not None else RunLog(self.path).topics()
+        return self._index.topics
 
     @cached_property
     def _prefixes(self) -> dict[str, str]:
@@ -200,12 +222,32 @@ class OpenLog:
             return float(told["clock"]) + self._info.began / NANOSECONDS - began
         return None
 
-    def _messages(self, topic: LogTopic[Any]) -> Iterator[tuple[float, Any]]:
-        began = self._info.began
-        begin = began if self._begin is None else self._begin
-        for time, message in RunLog(self.path).of(topic):
-            if begin <= time and (self._end is None or time <= self._end):
-                yield (time - began) / NANOSECONDS, message
+    @cached_property
+    def _index(self) -> LogIndex:
+        return LogIndex(self.path)
+
+    @property
+    def _first(self) -> int:
+        return self._info.began if self._begin is None else self._begin
+
+    @property
+    def _last(self) -> int:
+        return self._index.ended if self._end is None else self._end
+
+    def _known(self, topic: str) -> tuple[str, type]:
+        """Return the name of a topic in the file, and the class of its messages."""
+        kind = _kind(topic)
+        if kind is None:
+            known = ", ".join(self.topics()) or "none"
+            raise self._wrong(f"has no messages {topic!r}; there are: {known}")
+        return (topic if topic == EVENTS else f"{self._prefix}{topic}"), kind
+
+    def _decoded(self, message: LogMessage, kind: type) -> tuple[float, Any]:
+        with RunLog(self.path).damage_told():
+            return self._seconds(message.time), message.decode(kind)
+
+    def _seconds(self, time: int) -> float:
+        return (time - self._info.began) / NANOSECONDS
 
     def _measured(self, stamp: float, told: float) -> float:
         """Return the time of a reading [s] by its stamp; `told` is that of its message."""

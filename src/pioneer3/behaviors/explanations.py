@@ -1,12 +1,47 @@
 """Decisions explained to people: the actions, their parts and their reasons."""
 
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from math import degrees
+from typing import Final
 
 from pioneer3.behaviors.action import Contribution
 from pioneer3.behaviors.engine import Decision
 
 HARDLY = 1e-3
 """Smaller differences are not visible [m/s, rad/s]."""
+NO_TURN: Final = "no turn"
+"""Words for a turn of zero."""
+WANTED: Final[Mapping[str, Callable[[float], str]]] = {
+    "v": lambda value: f"{value:z.2f} m/s",
+    "turn": lambda value: f"{_to_side(value)} by {abs(degrees(value)):.0f}°" if value else NO_TURN,
+    "w": lambda value: f"{_to_side(value)} at {abs(degrees(value)):.0f}°/s" if value else NO_TURN,
+    "v_max": lambda value: f"at most {value:.2f} m/s ahead",
+    "back_max": lambda value: f"at most {value:.2f} m/s back",
+    "left_max": lambda value: f"at most {degrees(value):.0f}°/s to the left",
+    "right_max": lambda value: f"at most {degrees(value):.0f}°/s to the right",
+    "acceleration": lambda value: f"accelerates by {value:.2f} m/s² at most",
+    "turn_acceleration": lambda value: f"by {degrees(value):.0f}°/s² at most",
+    "deceleration": lambda value: f"brakes by {value:.2f} m/s² at least",
+    "turn_deceleration": lambda value: f"by {degrees(value):.0f}°/s² at least",
+}
+"""Words for what an action wants, by channel."""
+
+
+@dataclass(frozen=True, slots=True)
+class PartTold:
+    """The part of one action in a decision, in words.
+
+    Attributes:
+        wanted: Such as `0.30 m/s`, or a limit.
+        reason: As the action gives it; empty if it gives none.
+        took: What its limit took of the motion that others wanted; empty if it took nothing.
+    """
+
+    action: str
+    wanted: str
+    reason: str
+    took: str
 
 
 def explain(decision: Decision) -> tuple[str, ...]:
@@ -25,6 +60,41 @@ def explain_standstill(decision: Decision) -> str | None:
     return _names(_strictest(parts) if wanted else parts[:1]) or None
 
 
+def explain_parts(decision: Decision) -> tuple[PartTold, ...]:
+    """Return what each action wants, the highest priority first, and what limits take away."""
+    taken = dict(_taken(decision, "v", "v_max", "back_max"))
+    taken |= dict(_taken(decision, "w", "left_max", "right_max"))
+    return tuple(
+        PartTold(
+            part.action,
+            WANTED[part.channel](part.value)
+            + (f", {100 * part.strength:.0f} %" if part.strength < 1 else ""),
+            part.reason,
+            taken.get(number, ""),
+        )
+        for number, part in enumerate(decision.contributions)
+        if part.channel in WANTED
+    )
+
+
+def _taken(decision: Decision, channel: str, above: str, below: str) -> list[tuple[int, str]]:
+    """Return the place of the part whose limit holds a motion, with what it takes away."""
+    wanted = _mean(decision, channel)
+    side = above if wanted > 0 else below
+    limits = [each for each in enumerate(decision.contributions) if each[1].channel == side]
+    if not limits:
+        return []
+    place, strictest = min(limits, key=lambda each: each[1].value)
+    lost = abs(wanted) - strictest.value
+    if lost <= HARDLY:
+        return []
+    return [(place, f"{lost:.2f} m/s" if channel == "v" else f"{degrees(lost):.0f}°/s")]
+
+
+def _to_side(turn: float) -> str:
+    return "left" if turn > 0 else "right"
+
+
 def _about_speed(decision: Decision) -> str | None:
     parts = [part for part in decision.contributions if part.channel == "v"]
     return f"{decision.twist.v:z.2f} m/s: {_names(parts)}" if parts else None
@@ -35,8 +105,8 @@ def _about_turn(decision: Decision) -> str | None:
     parts = turns or [part for part in decision.contributions if part.channel == "w"]
     if not parts or abs(decision.twist.w) < HARDLY:
         return None
-    side = "left" if decision.twist.w > 0 else "right"
-    return f"turns {side} at {abs(degrees(decision.twist.w)):.0f}°/s: {_names(parts)}"
+    turn = f"turns {_to_side(decision.twist.w)} at {abs(degrees(decision.twist.w)):.0f}°/s"
+    return f"{turn}: {_names(parts)}"
 
 
 def _about_limits(decision: Decision) -> list[str]:

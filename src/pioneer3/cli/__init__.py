@@ -37,6 +37,7 @@ log               `pioneer3 log`: the logs of what robots did
 log_convert       `pioneer3 log convert`: logs for other programs
 replay            `pioneer3 replay`: logs on the page
 log_verify        `pioneer3 log verify`: today's driver over the bytes of a log
+log_why           `pioneer3 log why`
 goto              `pioneer3 goto` and `patrol`: to places of the map by their names, or to points
 places            places of a map on the command line: a name, or numbers
 drive             `pioneer3 drive`

@@ -8,6 +8,7 @@ from cyclopts import App, Parameter
 
 from pioneer3.cli.log_convert import convert
 from pioneer3.cli.log_verify import verify
+from pioneer3.cli.log_why import why
 from pioneer3.cli.options import Flag
 from pioneer3.cli.process import write_json, write_line, write_warning
 from pioneer3.errors import ConfigError
@@ -28,6 +29,7 @@ log_app = App(
 )
 log_app.command(convert)
 log_app.command(verify)
+log_app.command(why)
 Moment = Annotated[str | None, Parameter(metavar="TIME", show_default=False)]
 
 

@@ -118,7 +118,11 @@ class LogIndex:
         return min(message.time for message in self._messages(self._places[topic][0], topic))
 
     def newest(
-        self, topic: str, time: int, wanted: Callable[[bytes], bool] = lambda data: True
+        self,
+        topic: str,
+        time: int,
+        wanted: Callable[[bytes], bool] = lambda data: True,
+        farthest: int = FARTHEST,
     ) -> LogMessage | None:
         """Return the newest message of a topic at a time [ns since 1970], `None` before the first.
 
@@ -137,7 +141,7 @@ class LogIndex:
                 if wanted(message.data):
                     found = message
                     break
-            if seen > FARTHEST and chunk.begin < time:
+            if seen > farthest and chunk.begin < time:
                 break
         return found
 
@@ -152,6 +156,12 @@ class LogIndex:
         ]
         found.sort(key=attrgetter("time"))
         return found
+
+    def walk(self, topic: str, begin: int, end: int) -> Iterator[LogMessage]:
+        """Yield the messages of a topic from `begin` to `end` [ns since 1970]; keep nothing."""
+        for number in self._places.get(topic, ()):
+            if self._chunks[number].end >= begin and self._chunks[number].begin <= end:
+                yield from (m for m in self._read(number, topic) if begin <= m.time <= end)
 
     def chunks(self, topics: set[str]) -> Iterator[tuple[float, list[LogMessage]]]:
         """Yield the messages of topics chunk by chunk, with the share of all that was read, 0 to 1.
@@ -177,15 +187,15 @@ class LogIndex:
                 self._kept.popitem(last=False)
         return messages if topic is None else [each for each in messages if each.topic == topic]
 
-    def _read(self, number: int) -> list[LogMessage]:
-        """Read the messages of a chunk, by their times, but those of bytes."""
+    def _read(self, number: int, topic: str | None = None) -> list[LogMessage]:
+        """Read the messages of a chunk, or those of a topic, by their times, but those of bytes."""
         chunk, found = self._chunks[number], list[LogMessage]()
         with self._log.damage_told(), self.path.open("rb") as file:
             for kind, data in unpacked(_content(file, chunk)):
                 if kind == MESSAGE:
                     channel, _, time = struct.unpack_from("<HIQ", data)
                     known = self._channels[channel]
-                    if not known.topic.startswith("wire/"):
+                    if topic in {None, known.topic} and not known.topic.startswith("wire/"):
                         found += messages_of(LogRecord(time, known, None, data))
         found.sort(key=attrgetter("time"))
         return found

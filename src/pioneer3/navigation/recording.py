@@ -21,6 +21,7 @@ from pioneer3.runtime.recording import (
     CommandGiven,
     DecisionMade,
     RobotLog,
+    StandsBecause,
     TruePoseTold,
 )
 from pioneer3.state import Scan, Snapshot
@@ -109,6 +110,7 @@ KINDS: Final[Mapping[str, type]] = {
     "scan": Scan,
     "command": CommandGiven,
     "decision": DecisionMade,
+    "standing": StandsBecause,
     "estimate": EstimateMade,
     "goal": GoalChanged,
     "way": WayPlanned,

@@ -360,6 +360,8 @@ class Arbiter:
             self.end_mode(failed)
         self._check_knowledge()
         self._check_progress(snapshot)
+        if self.log is not None:
+            self.log.stands(self.why_not_moving())
 
     def _check_progress(self, snapshot: Snapshot) -> None:
         """End a mode that goes somewhere and does not get there."""
@@ -391,6 +393,7 @@ class Arbiter:
         if self.log is not None:
             why = refused.text if refused else ""
             self.log.asked(CommandGiven(by, command, twist, seconds, why))
+            self.log.stands(self.why_not_moving())
         return refused
 
     def _fail(self, error: ActionError) -> Refusal:

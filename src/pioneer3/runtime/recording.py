@@ -19,6 +19,7 @@ from pioneer3.links.tap import ROBOT, WireRecording
 from pioneer3.log.command_line import without_secrets
 from pioneer3.log.topics import LogTopic
 from pioneer3.log.writer import LogWriter, named_log, user_log
+from pioneer3.robot.explain import Reason
 from pioneer3.robot.supervisor import RobotInfo, Supervisor, kind
 from pioneer3.state import Scan, Snapshot
 
@@ -60,6 +61,13 @@ class DecisionMade:
 
 
 @dataclass(frozen=True, slots=True)
+class StandsBecause:
+    """The reason that the robot stands still from now on; `None` while it moves."""
+
+    reason: Reason | None
+
+
+@dataclass(frozen=True, slots=True)
 class TruePoseTold:
     """The true pose of a simulated robot [m, rad]."""
 
@@ -85,11 +93,13 @@ class RobotLog:
         self._commands = self.topic("command", CommandGiven)
         self._decisions = self.topic("decision", DecisionMade, _told)
         self._truths = self.topic("truth", TruePoseTold)
+        self._reasons = self.topic("standing", StandsBecause)
         self._scans: dict[str, LogTopic[Scan]] = {}
         self._newest: dict[str, Scan] = {}
         self._decided: tuple[str, Decision] = ("", Decision())
         self._decided_at = self._asked_at = -inf
         self._asked: CommandGiven | None = None
+        self._stands: StandsBecause | None = None
         self._repeated: dict[str, object] = {}
         self._true: Pose2 | None = None
         self._true_at = -inf
@@ -163,6 +173,13 @@ class RobotLog:
             return
         self._asked, self._asked_at = command, now
         self.log.put(self._commands, command)
+
+    def stands(self, reason: Reason | None) -> None:
+        """Take the reason that the robot stands still, or that it moves; told when it changes."""
+        stands = StandsBecause(reason)
+        if stands != self._stands:
+            self._stands = stands
+            self.log.put(self._reasons, stands)
 
     def truth(self, robot_in_world: Pose2) -> None:
         """Take the true pose of a simulated robot; one that stays is taken once a second."""

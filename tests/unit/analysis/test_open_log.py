@@ -9,6 +9,7 @@ import pioneer3
 from pioneer3.errors import ConfigError, PortNotFoundError
 from pioneer3.log import OpenLog
 from pioneer3.log.folder import create_log, logs_folder
+from pioneer3.log.reader import RunLog
 from pioneer3.runtime.recording import CommandGiven, DecisionMade
 from pioneer3.state import Scan
 from tests.unit.analysis.support import (
@@ -94,9 +95,16 @@ def test_a_log_without_its_end_is_read_as_well(tmp_path: Path) -> None:
     assert log.topics() == ("event", "snapshot")
     assert len(log.array("odometry")) == 21
     data = log.path.read_bytes()
-    for size in (8, 9, 50, len(data) // 2, len(data) - 1):
-        (tmp_path / "short.mcap").write_bytes(data[:size])
-        assert len(list(pioneer3.log.open(tmp_path / "short.mcap").snapshots())) <= 21
+    short, counts = tmp_path / "short.mcap", []
+    for size in range(len(data), 8, -97):
+        short.write_bytes(data[:size])
+        if not RunLog(short).info().ended:
+            break
+        counts.append(len(list(pioneer3.log.open(short).snapshots())))
+    assert counts == sorted(counts, reverse=True)
+    assert (counts[0], counts[-1]) == (21, 10)
+    with pytest.raises(ConfigError, match="no messages were logged"):
+        pioneer3.log.open(short).snapshots()
 
 
 def test_a_log_is_named_as_on_the_command_line() -> None:

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from pioneer3.behaviors.action import Action, Desire, Ranked, Situation, Stack, Weighted
 from pioneer3.behaviors.engine import Decision, resolve
-from pioneer3.behaviors.explanations import explain, explain_standstill
+from pioneer3.behaviors.explanations import explain, explain_parts, explain_standstill
 from tests.unit.behaviors.support import seen
 
 
@@ -58,3 +58,30 @@ def test_who_holds_the_robot_back_is_why_it_stands() -> None:
     assert explain_standstill(decided(stop, GO)) == "stop"
     back = ("back", Desire(v=-0.2))
     assert explain_standstill(decided(back, ("rear", Desire(back_max=0.0)))) == "rear"
+
+
+def test_each_part_is_told_with_what_its_limit_takes_from_the_others() -> None:
+    avoid = ("avoid front", Desire(turn=0.3, reason="0.38 m at -12°"))
+    limit = ("near limiter", Desire(v_max=0.1, left_max=2.0, reason="0.42 m ahead"))
+    loose = ("far limiter", Desire(v_max=0.3))
+    parts = explain_parts(decided(avoid, limit, loose, GO))
+    assert [(part.action, part.wanted, part.took) for part in parts] == [
+        ("avoid front", "left by 17°", ""),
+        ("near limiter", "at most 0.10 m/s ahead", "0.30 m/s"),
+        ("near limiter", "at most 115°/s to the left", ""),
+        ("far limiter", "at most 0.30 m/s ahead", ""),
+        ("constant velocity", "0.40 m/s", ""),
+    ]
+    assert parts[0].reason == "0.38 m at -12°"
+
+
+def test_a_limit_of_the_other_side_takes_nothing() -> None:
+    back = ("back", Desire(v=-0.4, w=-1.0))
+    limits = ("limiter", Desire(v_max=0.1, back_max=0.1, left_max=0.1, right_max=0.5))
+    took = [part.took for part in explain_parts(decided(limits, back))]
+    assert took == ["", "0.30 m/s", "", "29°/s", "", ""]
+
+
+def test_a_mixture_tells_the_shares() -> None:
+    parts = explain_parts(decided(("half", Desire(v=Weighted(0.2, 0.5))), GO))
+    assert [part.wanted for part in parts] == ["0.20 m/s, 50 %", "0.40 m/s, 50 %", "no turn"]
