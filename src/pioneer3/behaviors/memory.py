@@ -44,6 +44,8 @@ SECTOR = radians(1)
 """Angle of a sector [rad]; only the nearest reading in each counts."""
 POST = radians(10)
 """A laser sees around a mask no wider than this [rad]."""
+HERE_AND_BESIDE = ((0, 0), *((i, j) for i in (-1, 0, 1) for j in (-1, 0, 1) if i or j))
+"""Steps from a cell to itself, and to those around it."""
 OWN = 0.03
 """A point so deep within the robot's outline is of the robot itself [m]."""
 
@@ -81,12 +83,17 @@ class LaserMemory:
         if scan.stamp - self._cleaned >= CLEAN_EVERY:
             self._cleaned = scan.stamp
             self._clean(scan, sensor)
-        here, current = scan.robot_in_odom, []
-        for place, metres in zip(scan.points_in_odom(), filter(isfinite, scan.ranges), strict=True):
-            point = StampedPoint(*place, scan.stamp)
+        here, is_own = scan.robot_in_odom, self._own(scan.robot_in_odom)
+        last = (scan.last_in_odom or here) @ scan.sensor_in_robot
+        away = max(hypot(each.x - here.x, each.y - here.y) for each in (sensor, last))
+        reach = min(NEAR, self._model.corner + away)
+        ranges = [metres for metres in scan.ranges if isfinite(metres)]
+        current = []
+        for (x, y), metres in zip(scan.points_in_odom(), ranges, strict=True):
+            point = StampedPoint(x, y, scan.stamp)
+            if metres <= reach and is_own(x, y):
+                continue
             if metres <= NEAR:
-                if self._is_own(point, here):
-                    continue
                 self._remember(point)
             current.append(point)
         self.current = tuple(current)
@@ -95,7 +102,12 @@ class LaserMemory:
         """Drop points that are too old or too far away."""
         if self.current and now - self.current[0].stamp > STALE_SCAN:
             self.current = ()
-        self._keep(lambda p: now - p.stamp <= AGE and hypot(p.x - pose.x, p.y - pose.y) <= DISTANCE)
+        x, y = pose.x, pose.y
+        self._cells = {
+            cell: point
+            for cell, point in self._cells.items()
+            if now - point[2] <= AGE and hypot(point[0] - x, point[1] - y) <= DISTANCE
+        }
 
     def fields(self, now: float) -> tuple[FieldOfView, ...]:
         """Return the directions that it sees at `now` [s]; none while no scans come."""
@@ -103,25 +115,27 @@ class LaserMemory:
         return self._fields if comes else ()
 
     def _remember(self, new: StampedPoint) -> None:
-        i, j = floor(new.x / SPACING), floor(new.y / SPACING)
-        if (i, j) in self._cells and self._near(self._cells[i, j], new):
-            return
-        beside = (self._cells.get((i + di, j + dj)) for di in (-1, 0, 1) for dj in (-1, 0, 1))
-        if not any(p is not None and self._near(p, new) for p in beside):
-            self._cells[i, j] = new
-            if len(self._cells) > MOST_POINTS:
-                del self._cells[next(iter(self._cells))]
+        cells, (x, y, _) = self._cells, new
+        i, j = floor(x / SPACING), floor(y / SPACING)
+        for di, dj in HERE_AND_BESIDE:
+            old = cells.get((i + di, j + dj))
+            if old is not None and hypot(old[0] - x, old[1] - y) < SPACING:
+                return
+        cells[i, j] = new
+        if len(cells) > MOST_POINTS:
+            del cells[next(iter(cells))]
 
-    @staticmethod
-    def _near(one: StampedPoint, other: StampedPoint) -> bool:
-        return hypot(one.x - other.x, one.y - other.y) < SPACING
-
-    def _is_own(self, point: StampedPoint, robot: Pose2) -> bool:
-        dx, dy, model = point.x - robot.x, point.y - robot.y, self._model
+    def _own(self, robot: Pose2) -> Callable[[float, float], bool]:
+        """Return the test whether a place is within the robot's outline."""
         c, s = cos(robot.theta), sin(robot.theta)
-        x, y = c * dx + s * dy, c * dy - s * dx
-        ahead = OWN - model.length_rear < x < model.length_front - OWN
-        return ahead and abs(y) < model.width / 2 - OWN
+        front, rear = self._model.length_front - OWN, OWN - self._model.length_rear
+        side = self._model.width / 2 - OWN
+
+        def is_own(x: float, y: float) -> bool:
+            dx, dy = x - robot.x, y - robot.y
+            return rear < c * dx + s * dy < front and abs(c * dy - s * dx) < side
+
+        return is_own
 
     def _clean(self, scan: Scan, sensor: Pose2) -> None:
         """Forget points that all beams near them see past."""
@@ -162,7 +176,7 @@ def thinned(scan: Scan) -> Scan:
     return replace(
         scan,
         angles=tuple(first + i * step for i in starts),
-        ranges=tuple(_nearest(scan.ranges[i : i + size]) for i in starts),
+        ranges=_nearest_of(scan.ranges, size),
         reflectances=(),
         echoes=(),
         beam_time=scan.beam_time * size,
@@ -171,13 +185,30 @@ def thinned(scan: Scan) -> Scan:
 
 def fields_of(scan: Scan) -> tuple[FieldOfView, ...]:
     """Return the directions of readings that are valid, in the robot's frame."""
-    theta, readings = scan.sensor_in_robot.theta, zip(scan.angles, scan.ranges, strict=True)
+    theta = scan.sensor_in_robot.theta
+    if scan.ranges and _is_all_valid(scan.ranges):
+        return (FieldOfView(theta + scan.angles[0] - POST / 2, theta + scan.angles[-1] + POST / 2),)
+    readings = zip(scan.angles, scan.ranges, strict=True)
     runs = (
         [angle for angle, _ in run]
         for valid, run in groupby(readings, key=lambda reading: reading[1] > 0)
         if valid  # NaN and -inf are not
     )
     return tuple(FieldOfView(theta + run[0] - POST / 2, theta + run[-1] + POST / 2) for run in runs)
+
+
+def _is_all_valid(ranges: Sequence[float]) -> bool:
+    """Return whether no range is NaN or `-inf`, nor 0."""
+    return sum(ranges) > -inf and min(ranges) > 0
+
+
+def _nearest_of(ranges: Sequence[float], size: int) -> tuple[float, ...]:
+    """Return the nearest range of each `size` neighbours; the last ones may be fewer."""
+    if not _is_all_valid(ranges):
+        return tuple([_nearest(ranges[i : i + size]) for i in range(0, len(ranges), size)])
+    whole = len(ranges) // size * size
+    nearest = map(min, *(ranges[place:whole:size] for place in range(size)))
+    return (*nearest, min(ranges[whole:])) if whole < len(ranges) else tuple(nearest)
 
 
 def _nearest(readings: Sequence[float]) -> float:

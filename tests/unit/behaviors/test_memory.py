@@ -5,8 +5,10 @@ from dataclasses import replace
 from math import cos, inf, isnan, nan, pi, radians, sin
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
-from pioneer3.behaviors.memory import RangeMemory, thinned
+from pioneer3.behaviors.memory import RangeMemory, _nearest, thinned
 from pioneer3.behaviors.surroundings import WINDOW, Buffer, Surroundings
 from pioneer3.geometry import ORIGIN, Pose2, Twist2
 from pioneer3.models import load_model
@@ -297,6 +299,17 @@ def test_of_a_fine_scan_the_nearest_reading_of_each_degree_is_taken() -> None:
     assert coarse.angles[135] == pytest.approx(radians(0.375))
     for n in range(1081):
         assert abs(coarse.angles[n // 4] - radians(n / 4 - 135)) <= radians(0.376)
+
+
+@given(st.lists(st.sampled_from([0.0, 0.5, 1.5, 2.5, inf, nan, -inf]), min_size=9, max_size=40))
+def test_a_sector_has_its_nearest_echo_whatever_else_is_in_it(readings: list[float]) -> None:
+    for some in (readings, [each for each in readings if each > 0 or isnan(each)]):
+        ranges = tuple(some) or (inf,)
+        angles = tuple(radians(0.25 * number) for number in range(len(ranges)))
+        scan = replace(fine_scan({}), angles=angles, ranges=ranges)
+        sectors = [ranges[at : at + 4] for at in range(0, len(ranges), 4)]
+        coarse = thinned(scan).ranges if len(ranges) > 1 else (_nearest(ranges),)
+        assert str(coarse) == str(tuple(_nearest(each) for each in sectors))
 
 
 def test_thinning_keeps_apart_what_saw_nothing_and_what_is_not_valid() -> None:

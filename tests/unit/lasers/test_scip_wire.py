@@ -3,11 +3,14 @@
 from math import isnan
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from pioneer3.lasers.scip.identity import device_id, identity_from, is_healthy, steps_from
 from pioneer3.lasers.scip.scans import FORMATS, decode, ranges_of
 from pioneer3.lasers.scip.wire import (
     MAX_ANSWER,
+    ZERO,
     AnswerReader,
     decode_stamp,
     decode_values,
@@ -65,6 +68,15 @@ def test_statuses_both_ways(status: bytes, line: bytes) -> None:
 def test_numbers_both_ways(value: int, width: int, text: bytes) -> None:
     assert encode_values([value], width) == text
     assert decode_values(text, width) == [value]
+
+
+@given(st.sampled_from([2, 3, 4]), st.lists(st.integers(0, (1 << 24) - 1)))
+def test_many_numbers_are_as_each_character_says(width: int, numbers: list[int]) -> None:
+    numbers = [number % (1 << 6 * width) for number in numbers]
+    places = range(6 * (width - 1), -1, -6)
+    text = b"".join(bytes([(n >> shift & 0x3F) + ZERO for shift in places]) for n in numbers)
+    assert encode_values(numbers, width) == text
+    assert decode_values(text, width) == numbers
 
 
 def test_a_line_has_64_characters_and_a_checksum() -> None:
