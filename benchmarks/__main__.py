@@ -22,6 +22,7 @@ from benchmarks import (
     bench_web,
     bench_world,
     camera,
+    cost,
     fleet_drive,
     hostile,
     laser_link,
@@ -55,6 +56,7 @@ BENCHMARKS = {
     "laser_link": laser_link,
     "laser_recovery": laser_recovery,
     "log": log,
+    "cost": cost,
 }
 LONG = {"nav": nav}
 """These are run only where they are named, and have a quick form."""
