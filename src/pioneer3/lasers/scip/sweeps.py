@@ -5,8 +5,6 @@ from dataclasses import dataclass
 from itertools import chain
 from typing import Final, TypeVar
 
-import numpy as np
-
 from pioneer3.lasers.device import Sweep
 from pioneer3.lasers.scip.scans import ECHO, MAX_VALUE, WIDE_RANGE, Format
 from pioneer3.lasers.scip.wire import LINE, encode_values, to_lines
@@ -84,14 +82,12 @@ def data_lines(
 def values_of(ranges: Sequence[float], shortest: int, longest: int, codes: Codes) -> list[int]:
     """Return distances [mm] or codes for `ranges` [m]."""
     near, far = (shortest - 0.5) / 1000, (longest + 0.5) / 1000
-    metres = np.array(ranges)
-    is_near = metres < near
-    is_measured = ~is_near & (metres < far)
-    values = np.where(is_measured, metres, 0.0) * 1000 + 0.5
-    found = np.where(is_near, codes.near, codes.nothing)
-    np.copyto(found, values, where=is_measured, casting="unsafe")
-    numbers: list[int] = found.tolist()
-    return numbers
+    return [
+        int(metres * 1000 + 0.5)
+        if near <= metres < far
+        else (codes.near if metres < near else codes.nothing)
+        for metres in ranges
+    ]
 
 
 def intensities_of(sweep: Sweep) -> list[int]:
