@@ -1,5 +1,6 @@
 """Logs on the page: labelled, played by keys and by fingers, and nothing that drives is offered."""
 
+import time
 from collections.abc import AsyncIterator, Iterator
 from contextlib import AsyncExitStack, asynccontextmanager
 from pathlib import Path
@@ -9,15 +10,19 @@ import pytest
 from playwright.sync_api import Page, expect
 
 from pioneer3.log.index import LogIndex
+from pioneer3.log.target import UserFolder
+from pioneer3.log.writer import LogWriter
+from pioneer3.runtime.recording import RobotLog
+from pioneer3.web.logs import PageLogs
 from pioneer3.web.page import Page as WebPage
 from pioneer3.web.replay.replay import LogPlayer
 from pioneer3.web.server import serve
-from tests.browser.support import in_thread, until, wait_for_the_robot
+from tests.browser.support import Product, in_thread, until, wait_for_the_robot
 from tests.browser.tabs import DESKTOP, Size, Tabs, no_complaints
 from tests.browser.test_accessibility import faults
 from tests.browser.test_sizes import CONTROLS, DESK, SIDEWAYS, UPRIGHT
 from tests.browser.views import open_view
-from tests.unit.web.replay.logs import BEGAN, SECOND, drive
+from tests.unit.web.replay.logs import BEGAN, SECOND, drive, snapshot
 from tests.unit.web.replay.test_recorded import HALL
 
 START = BEGAN / SECOND
@@ -181,3 +186,39 @@ def test_it_is_right_at_every_size(
             "[document.documentElement.scrollWidth, document.documentElement.clientWidth]"
         )
         assert wide <= room
+
+
+def test_logs_are_saved_listed_and_replayed_from_the_page(
+    tabs: Tabs, product: Product, tmp_path: Path
+) -> None:
+    def record() -> LogWriter:
+        clock = product.loop.time
+        product.web.logs = PageLogs(product.web.clients, tmp_path)
+        writer = LogWriter(UserFolder(tmp_path, "run", 10**9, time.time), clock)
+        product.web.clients.log = writer
+        RobotLog(writer).snapshot(snapshot(0.0))
+        return writer
+
+    drive(tmp_path / "2026-03-01T09-30-00Z-drive.mcap")
+    writer = product.call(record)
+    with tabs.open(product.address, size=UPRIGHT, touch=True, mobile=True) as page:
+        wait_for_the_robot(page)
+        open_view(page, "plots")
+        page.locator("#logs summary").click()
+        rows = page.locator(".logs-list li")
+        expect(rows).to_have_count(2)
+        expect(rows.nth(0)).to_contain_text("goes on")
+        expect(rows.nth(0).get_by_role("link")).to_have_count(1)
+        page.locator("#log-note").fill("stuck at the door")
+        page.locator("#log-save").click()
+        expect(rows).to_have_count(3)
+        expect(rows.filter(has_text="stuck at the door")).to_contain_text("kept")
+        assert faults(page) == []
+        controls = page.evaluate(CONTROLS)
+        assert [one["name"] for one in controls if one["scrolled"] and not one["wide"]] == []
+        link = rows.filter(has_text="0:19 min").get_by_role("link", name="Replay")
+        page.goto(product.address + (link.get_attribute("href") or ""))
+        expect(page.locator("#badge")).to_have_text("REPLAY")
+        expect(page.locator("#stop")).to_be_hidden()
+        wait_for_the_robot(page)
+    product.call(lambda: writer.close("done"))

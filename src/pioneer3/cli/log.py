@@ -108,6 +108,8 @@ def info(name: str, *, json: Flag = False) -> int:
         if about.endswith("robot"):
             keys = ("name", "model", "kind", "url")
             rows[about] = ", ".join(texts[key] for key in keys if texts.get(key))
+    if note := known.texts.get("note"):
+        rows["note"] = f"{note.get('text', '')} ({note.get('by', '')})"
     counts = known.counts or {}
     width = max(map(len, [*rows, *(f"  {topic}" for topic in counts)]))
     lines = [*rows.items(), *[("messages", "")] * bool(counts)]
@@ -162,9 +164,9 @@ def cut(
     """
     from pioneer3.log.excerpt import write_excerpt
     from pioneer3.log.folder import named_log_path
-    from pioneer3.log.reader import open_log
+    from pioneer3.log.index import LogIndex
 
-    log = open_log(named_log_path(name))
+    log = LogIndex(named_log_path(name))
     known = log.info()
     first = known.began if begin is None else _moment("begin", begin, known)
     last = known.ended if end is None else _moment("end", end, known)

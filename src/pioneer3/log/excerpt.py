@@ -2,16 +2,28 @@
 
 import os
 import struct
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any
+from typing import BinaryIO, Final
 
 from pioneer3.errors import ConfigError
-from pioneer3.log.folder import create
+from pioneer3.log.folder import create, create_log, pin
+from pioneer3.log.index import LogIndex
 from pioneer3.log.mcap import PROFILE
-from pioneer3.log.reader import OF_MESSAGE, RunLog
+from pioneer3.log.reader import OF_MESSAGE, LogRecord
+
+TOLD_ONCE: Final = {"map", "estimate", "way"}
+"""Topics of a robot that are told when they change: the newest before an excerpt begins it."""
+SAVED: Final = "saved"
+"""Title of an excerpt among the user's logs."""
+NOTE: Final = "note"
+"""Metadata of an excerpt: why somebody kept it."""
+END: Final = {"why": "an excerpt"}
+"""End of an excerpt."""
 
 
-def write_excerpt(log: RunLog, path: Path, begin: int, end: int) -> int:
+def write_excerpt(log: LogIndex, path: Path, begin: int, end: int) -> int:
     """Write the messages from `begin` to `end` [ns since 1970] to a new file; return how many.
 
     Bytes of links are kept by the second.
@@ -19,34 +31,57 @@ def write_excerpt(log: RunLog, path: Path, begin: int, end: int) -> int:
     Raises:
         ConfigError: The log is damaged or has nothing then, or the file cannot be written.
     """
+    with _created(path, lambda: (path, create(path))) as (_, file):
+        return _write(log, file, begin, end, {})
+
+
+def save_excerpt(
+    log: LogIndex, folder: Path, begin: int, end: int, note: Mapping[str, str]
+) -> Path:
+    """Write such an excerpt to the user's logs, pinned, with a note; return its path.
+
+    Raises:
+        ConfigError: As of :func:`write_excerpt`.
+    """
+    with _created(folder, lambda: create_log(folder, SAVED, end / 1e9)) as (path, file):
+        _write(log, file, begin, end, {NOTE: note})
+        with suppress(OSError):  # a file system without modes
+            pin(path, on=True)
+        return path
+
+
+@contextmanager
+def _created(where: Path, make: Callable[[], tuple[Path, int]]) -> Iterator[tuple[Path, BinaryIO]]:
+    """Open a new file during the block, and remove it if that fails."""
     try:
-        descriptor = create(path)
+        path, descriptor = make()
     except OSError as error:
-        raise ConfigError(f"{path}: cannot be written: {error.strerror}") from None
-    written = 0
+        raise ConfigError(f"{where}: cannot be written: {error.strerror}") from None
     try:
         with os.fdopen(descriptor, "wb") as file:
-            written = _write(log, file, begin, end)
+            yield path, file
     except OSError as error:
+        path.unlink(missing_ok=True)
         raise ConfigError(f"{path}: cannot be written: {error.strerror}") from None
-    finally:
-        if not written:
-            path.unlink()
-    if not written:
-        raise ConfigError(f"{log.path}: nothing was logged then")
-    return written
+    except BaseException:
+        path.unlink(missing_ok=True)
+        raise
 
 
-def _write(log: RunLog, file: Any, begin: int, end: int) -> int:
+def _write(
+    log: LogIndex, file: BinaryIO, begin: int, end: int, texts: Mapping[str, Mapping[str, str]]
+) -> int:
+    """Write an excerpt with more metadata; return how many messages it has."""
     from mcap.writer import Writer
 
     writer, written = Writer(file), 0
     schemas: dict[int, int] = {0: 0}
     channels: dict[int, int] = {}
     writer.start(PROFILE, f"an excerpt of {log.path.name}")
-    for name, texts in log.info().texts.items():
-        writer.add_metadata(name, dict(texts))
-    for record in log.records(begin, end):
+    for name, told in {**log.info().texts, "end": END, **texts}.items():
+        writer.add_metadata(name, dict(told))
+
+    def add(record: LogRecord, time: int) -> None:
         if record.schema is not None and record.schema.id not in schemas:
             schema = record.schema
             schemas[schema.id] = writer.register_schema(schema.name, schema.encoding, schema.data)
@@ -58,8 +93,25 @@ def _write(log: RunLog, file: Any, begin: int, end: int) -> int:
                 schemas[channel.schema_id],
                 channel.metadata,
             )
-        number, sequence, time, published = struct.unpack_from("<HIQQ", record.data)
+        number, sequence, _, published = struct.unpack_from("<HIQQ", record.data)
         writer.add_message(channels[number], time, record.data[OF_MESSAGE:], published, sequence)
+
+    for record in log.records(begin, end):
+        if not written:
+            for told_before in _told_before(log, begin):
+                add(told_before, begin)
+        add(record, record.time)
         written += 1
+    if not written:
+        raise ConfigError(f"{log.path}: nothing was logged then")
     writer.finish()  # type: ignore[no-untyped-call]
     return written
+
+
+def _told_before(log: LogIndex, begin: int) -> Iterator[LogRecord]:
+    """Yield the newest messages before a time of the topics that are told once."""
+    for topic in sorted(log.topics):
+        newest = log.newest(topic, begin - 1) if topic.rpartition("/")[2] in TOLD_ONCE else None
+        if newest is not None:
+            same = log.records(newest.time, newest.time)
+            yield from [each for each in same if each.channel.topic == topic][-1:]

@@ -5,7 +5,7 @@ records only. Chunks that were read last are kept.
 """
 
 import struct
-from bisect import bisect_right
+from bisect import bisect_left, bisect_right
 from collections import OrderedDict
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -21,6 +21,7 @@ from pioneer3.log.reader import (
     CHUNK,
     MESSAGE,
     MOST_RECORD,
+    SCHEMA,
     TIMES,
     LogInfo,
     LogMessage,
@@ -34,7 +35,7 @@ from pioneer3.log.reader import (
 )
 
 if TYPE_CHECKING:
-    from mcap.records import Channel
+    from mcap.records import Channel, Schema
 
 MESSAGE_INDEX: Final = 0x07
 """Kind of a record: the places of the messages of one channel, behind their chunk."""
@@ -76,6 +77,7 @@ class LogIndex:
     def __init__(self, path: Path) -> None:
         self._log = RunLog(path)
         self._channels: dict[int, Channel] = {}
+        self._schemas: dict[int, Schema] = {}
         self._kept: OrderedDict[int, list[LogMessage]] = OrderedDict()
         self._lock = Lock()
         with self._log.damage_told(), path.open("rb") as file:
@@ -163,6 +165,12 @@ class LogIndex:
             if self._chunks[number].end >= begin and self._chunks[number].begin <= end:
                 yield from (m for m in self._read(number, topic) if begin <= m.time <= end)
 
+    def records(self, begin: int, end: int) -> Iterator[LogRecord]:
+        """Yield the messages from `begin` to `end` [ns since 1970] as they lie in the file."""
+        first = bisect_left(self._latest_ends, begin)
+        for number in range(first, self._last_begun(end) + 1):
+            yield from (each for each in self._records(number) if begin <= each.time <= end)
+
     def chunks(self, topics: set[str]) -> Iterator[tuple[float, list[LogMessage]]]:
         """Yield the messages of topics chunk by chunk, with the share of all that was read, 0 to 1.
 
@@ -189,29 +197,46 @@ class LogIndex:
 
     def _read(self, number: int, topic: str | None = None) -> list[LogMessage]:
         """Read the messages of a chunk, or those of a topic, by their times, but those of bytes."""
-        chunk, found = self._chunks[number], list[LogMessage]()
-        with self._log.damage_told(), self.path.open("rb") as file:
-            for kind, data in unpacked(_content(file, chunk)):
-                if kind == MESSAGE:
-                    channel, _, time = struct.unpack_from("<HIQ", data)
-                    known = self._channels[channel]
-                    if topic in {None, known.topic} and not known.topic.startswith("wire/"):
-                        found += messages_of(LogRecord(time, known, None, data))
+        found = list[LogMessage]()
+        with self._log.damage_told():
+            for record in self._records(number):
+                known = record.channel.topic
+                if topic in {None, known} and not known.startswith("wire/"):
+                    found += messages_of(record)
         found.sort(key=attrgetter("time"))
         return found
 
+    def _records(self, number: int) -> list[LogRecord]:
+        """Read the messages of a chunk as they lie there."""
+        chunk, found = self._chunks[number], list[LogRecord]()
+        with self._log.damage_told(), self.path.open("rb") as file:
+            for kind, data in unpacked(_content(file, chunk)):
+                if kind == MESSAGE:
+                    of_channel, _, time = struct.unpack_from("<HIQ", data)
+                    channel = self._channels[of_channel]
+                    schema = self._schemas.get(channel.schema_id)
+                    found.append(LogRecord(time, channel, schema, data))
+        return found
+
+    def _note(self, kind: int, content: bytes) -> None:
+        """Note a channel or a schema."""
+        from mcap.records import Channel, Schema
+
+        if kind == CHANNEL:
+            channel = Channel.read(stream(content))
+            self._channels[channel.id] = channel
+        elif kind == SCHEMA:
+            schema = Schema.read(stream(content))
+            self._schemas[schema.id] = schema
+
     def _indexed(self, file: BinaryIO) -> list[_Chunk]:
         """Return the chunks by the index at the end of a file; none if it has none."""
-        from mcap.records import Channel
-
         found = []
         size = file.seek(0, 2)
-        for group, data in summary_groups(file, size, {CHANNEL, CHUNK_INDEX}):
+        for _, data in summary_groups(file, size, {SCHEMA, CHANNEL, CHUNK_INDEX}):
             for kind, content in split(data):
-                if kind == CHANNEL:
-                    channel = Channel.read(stream(content))
-                    self._channels[channel.id] = channel
-                elif kind == group == CHUNK_INDEX:
+                self._note(kind, content)
+                if kind == CHUNK_INDEX:
                     found.append(self._chunk(content, size))
         for chunk in found:
             if not chunk.channels or any(each not in self._channels for each in chunk.channels):
@@ -228,8 +253,6 @@ class LogIndex:
 
     def _scanned(self, file: BinaryIO) -> list[_Chunk]:
         """Return the chunks by the heads of all records."""
-        from mcap.records import Channel
-
         places: list[tuple[int, int]] = []
         channels: list[set[int]] = []
         for kind, at, length in data_records(file):
@@ -246,10 +269,8 @@ class LogIndex:
             chunk = _Chunk(begin, end, at, length, tuple(inside))
             if not inside or not inside <= self._channels.keys():
                 for kind, data in unpacked(_content(file, chunk)):
-                    if kind == CHANNEL:
-                        channel = Channel.read(stream(data))
-                        self._channels[channel.id] = channel
-                    elif kind == MESSAGE:
+                    self._note(kind, data)
+                    if kind == MESSAGE:
                         inside.add(int.from_bytes(data[:2], "little"))
                 chunk = _Chunk(begin, end, at, length, tuple(inside))
             if inside:

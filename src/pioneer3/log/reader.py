@@ -201,12 +201,6 @@ class RunLog:
                     key=attrgetter("time"),
                 )
 
-    def records(self, begin: int, end: int) -> Iterator["LogRecord"]:
-        """Yield the messages from `begin` to `end` [ns since 1970] as they lie in the file."""
-        with self.damage_told():
-            for chunk in self._chunks():
-                yield from (record for record in chunk if begin <= record.time <= end)
-
     def _chunks(
         self, wanted: Callable[[str], bool] = lambda topic: True
     ) -> Iterator[list["LogRecord"]]:

@@ -33,6 +33,7 @@ broadcast    texts for all clients, each made once. A slow client gets the newes
 access       access to the page: pairing, roles, sessions, rate limits, host names, certificates
 api          the HTTP API for scripts: one list of operations, from which routes and OpenAPI come
 classroom    a class at the page: students drive a robot each, and the teacher sees to all of them
+logs         the user's logs on a page of robots: their list, an excerpt that is kept, replays
 replay       logs on the page as if they were live
 ===========  =====================================================================================
 """

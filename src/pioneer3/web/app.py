@@ -21,6 +21,7 @@ from starlette.staticfiles import StaticFiles
 from starlette.types import ASGIApp, Scope
 from starlette.websockets import WebSocket
 
+from pioneer3.errors import CommandError, ConfigError
 from pioneer3.web.access.hosts import LOCAL_NAMES
 from pioneer3.web.access.middleware import (
     POLICY_VIOLATION,
@@ -29,15 +30,20 @@ from pioneer3.web.access.middleware import (
     respond_to_http_exception,
     session_of,
 )
+from pioneer3.web.access.sessions import LoginSession, Role
 from pioneer3.web.api.routes import api_routes
 from pioneer3.web.book import book_routes, is_built
 from pioneer3.web.classroom.downloads import download_routes
 from pioneer3.web.client import Client
+from pioneer3.web.messages import Refused, encode
 from pioneer3.web.page import Page
+from pioneer3.web.replay.replay import LogPlayer
 
 STATIC = Path(__file__).with_name("static")
 IMPORT = re.compile(r'^(?:import|\}) (?:.* )?from "(\..+)";$', re.MULTILINE)
 HELP = '  <link rel="help" href="/book/">\n'
+NO_REPLAY = 4404
+"""Close code where there is no such log."""
 TEXTS = {"text/css", "text/javascript", "application/javascript"}
 KEPT = "max-age=31536000, immutable"
 PAGES = {
@@ -64,7 +70,24 @@ def make_app(page: Page, names: frozenset[str] = LOCAL_NAMES) -> ASGIApp:
         if session is None:
             await socket.close(POLICY_VIOLATION)
             return
-        await Client(page, socket, session).serve()
+        name = socket.query_params.get("replay")
+        if name is None:
+            await Client(page, socket, session).serve()
+        elif session.role is not Role.DRIVER:
+            await socket.close(POLICY_VIOLATION)
+        else:
+            await replay(name, socket, session)
+
+    async def replay(name: str, socket: WebSocket, session: LoginSession) -> None:
+        try:
+            async with page.logs.opened(name) as log:
+                beside = page.beside()
+                async with beside.replaying(LogPlayer([log], beside.audiences, gentle=True)):
+                    await Client(beside, socket, session).serve()
+        except (CommandError, ConfigError) as error:
+            await socket.accept()
+            await socket.send_text(encode(Refused(str(error))))
+            await socket.close(NO_REPLAY)
 
     async def authority(_: Request) -> Response:
         if page.access.authority is None:

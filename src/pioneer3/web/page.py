@@ -22,6 +22,7 @@ from pioneer3.web.clients import Clients, PageClient
 from pioneer3.web.control import Control, Operator
 from pioneer3.web.details import RobotDetails
 from pioneer3.web.editor import Editor
+from pioneer3.web.logs import PageLogs
 from pioneer3.web.map_editor import MapEditor
 from pioneer3.web.mapping import RobotMapping
 from pioneer3.web.navigation import RobotNavigation
@@ -55,6 +56,7 @@ class Page:
         self.traffic = Traffic()
         self.classroom: Classroom | None = None
         self.replay: LogPlayer | None = None
+        self.logs = PageLogs(self.clients)
         self.closed = asyncio.Event()
         self._count = count(1)
         self._labels: dict[int, str] = {}
@@ -149,6 +151,13 @@ class Page:
         if self.replay is not None:
             return self.replay.all_details()
         return [view.details for view in self.robots.values()]
+
+    def beside(self) -> "Page":
+        """Return a page without robots for the same people; their sessions end at this one."""
+        other = Page(self.access)
+        self.access.sessions.on_end = self._session_ended
+        other.closed = self.closed
+        return other
 
     @asynccontextmanager
     async def replaying(self, replay: LogPlayer) -> AsyncIterator[None]:

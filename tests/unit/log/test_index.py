@@ -10,6 +10,7 @@ from pioneer3.log.excerpt import write_excerpt
 from pioneer3.log.index import LogIndex
 from pioneer3.log.reader import LogMessage, open_log
 from tests.unit.web.replay.logs import BEGAN, SECOND, drive
+from tests.unit.web.replay.test_recorded import HALL
 
 
 @pytest.fixture(scope="module")
@@ -49,7 +50,7 @@ def test_a_time_is_found_as_by_reading_all(path: Path) -> None:
 
 def test_so_it_is_in_an_excerpt_whose_chunks_overlap(path: Path, tmp_path: Path) -> None:
     part = tmp_path / "part.mcap"
-    write_excerpt(open_log(path), part, BEGAN + 3 * SECOND, BEGAN + 15 * SECOND)
+    write_excerpt(LogIndex(path), part, BEGAN + 3 * SECOND, BEGAN + 15 * SECOND)
     assert_finds_all(part)
 
 
@@ -104,3 +105,16 @@ def read_all(path: Path) -> None:
         index.newest(topic, index.ended)
     for _ in index.chunks(index.topics):
         pass
+
+
+def test_an_excerpt_begins_with_what_was_told_once(tmp_path: Path) -> None:
+    whole = LogIndex(drive(tmp_path / "whole.mcap", line_map=HALL))
+    begin = BEGAN + 11 * SECOND + SECOND // 2
+    write_excerpt(whole, tmp_path / "part.mcap", begin, BEGAN + 15 * SECOND)
+    part = LogIndex(tmp_path / "part.mcap")
+    for topic in ("map", "estimate", "way"):
+        before, now = whole.newest(topic, begin), part.newest(topic, begin)
+        assert before is not None
+        assert now is not None
+        assert (now.data, now.time) == (before.data, begin)
+    assert part.newest("decision", begin) is None

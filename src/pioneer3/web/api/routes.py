@@ -5,7 +5,7 @@ from inspect import isawaitable
 
 import msgspec
 from starlette.requests import Request
-from starlette.responses import FileResponse, Response, StreamingResponse
+from starlette.responses import Response, StreamingResponse
 from starlette.routing import BaseRoute, Route
 
 from pioneer3.errors import CommandError
@@ -16,6 +16,7 @@ from pioneer3.web.api.access_operations import ACCESS
 from pioneer3.web.api.body_operations import BODIES
 from pioneer3.web.api.camera_operations import CAMERA
 from pioneer3.web.api.class_operations import CLASS, NO_CLASS
+from pioneer3.web.api.log_operations import LOGS
 from pioneer3.web.api.navigation_operations import NAVIGATION
 from pioneer3.web.api.operation import (
     MEDIA,
@@ -29,10 +30,11 @@ from pioneer3.web.api.operation import (
     openapi,
 )
 from pioneer3.web.api.robot_operations import ROBOTS
+from pioneer3.web.classroom.downloads import Download
 from pioneer3.web.page import Page
 from pioneer3.web.requests import NOT_YOURS, ONLY_DRIVERS, ONLY_TEACHERS, REPLAYED
 
-OPERATIONS = (*ROBOTS, *CAMERA, *BODIES, *NAVIGATION, *CLASS, *ACCESS)
+OPERATIONS = (*ROBOTS, *CAMERA, *BODIES, *NAVIGATION, *CLASS, *LOGS, *ACCESS)
 LONGEST_BODY = 16_384
 JSON = "application/json"
 
@@ -95,7 +97,7 @@ def _response(result: object, cookie: str | None) -> Response:
         case ErrorResponse():
             return respond(result)
         case RunFile(path):
-            return FileResponse(path, media_type=OCTETS, filename=path.name)
+            return Download(path, media_type=OCTETS, filename=path.name)
         case Jpeg(data):
             return Response(data, media_type=MEDIA[Jpeg])
         case PictureStream(parts):

@@ -18,6 +18,29 @@ class RequestBody(msgspec.Struct, forbid_unknown_fields=True):
     """The body of a request."""
 
 
+class LogNote(RequestBody):
+    """A note to what is saved, such as why."""
+
+    note: Annotated[str, Meta(max_length=200)] = ""
+
+
+class LoggedRun(msgspec.Struct):
+    """A log; `began` is the Unix time [s], `seconds` its length, `size` in bytes.
+
+    `end` is why it ended; while it `goes_on`, a program writes it. A `note` is of a saved one.
+    """
+
+    file: str
+    began: float
+    seconds: float
+    size: int
+    robot: str
+    end: str
+    note: str
+    pinned: bool
+    goes_on: bool
+
+
 class Velocity(RequestBody):
     """Forward speed `v` [m/s] and turn rate `w` [rad/s]; 0, 0 lets go."""
 

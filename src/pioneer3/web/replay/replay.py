@@ -4,6 +4,7 @@ Robots of all logs go by one clock, that of the computers which wrote them.
 """
 
 import asyncio
+import time
 from collections.abc import Sequence
 from contextlib import suppress
 from itertools import count
@@ -25,6 +26,8 @@ PERIOD: Final = 0.04
 """Time between two steps of the replay [s]."""
 REPEATED: Final = 0.4
 """A snapshot is sent again after this time: by that, pages know that a robot is there [s]."""
+GENTLE: Final = 2.0
+"""A gentle replay rests for so many times as long as it has looked for marks."""
 DETAILS_PERIOD: Final = 0.5
 """Time between two messages with details, marks, and the time of the replay [s]."""
 
@@ -32,11 +35,16 @@ DETAILS_PERIOD: Final = 0.5
 class LogPlayer:
     """Logs on a page, paused at their beginning.
 
+    A `gentle` one leaves two thirds of the processor's time to robots that are driven beside it.
+
     Raises:
         ConfigError: No robot was connected in one of them.
     """
 
-    def __init__(self, logs: Sequence[LogIndex], audiences: Audiences) -> None:
+    def __init__(
+        self, logs: Sequence[LogIndex], audiences: Audiences, *, gentle: bool = False
+    ) -> None:
+        self._gentle = gentle
         numbers = count(1)
         self._by_log = {
             log: robots_of(log, lambda: next(numbers), _label(log.path.stem)) for log in logs
@@ -115,16 +123,20 @@ class LogPlayer:
     async def _step(self, seconds: float) -> None:
         """Go where somebody wants to be, or on by some seconds; files are read in a thread."""
         wanted, self._wanted = self._wanted, None
-        if wanted is not None:
-            await asyncio.to_thread(self._seek, wanted)
-            self._at = wanted
-            self._jumps += 1
-            self._sent.clear()
-        elif self._playing:
-            until = min(self._ended, self._at + round(seconds * self._speed * SECOND))
-            await asyncio.to_thread(self._advance, until)
-            self._at = until
-            self._playing = self._playing and until < self._ended
+        try:
+            if wanted is not None:
+                await asyncio.to_thread(self._seek, wanted)
+                self._at = wanted
+                self._jumps += 1
+                self._sent.clear()
+            elif self._playing:
+                until = min(self._ended, self._at + round(seconds * self._speed * SECOND))
+                await asyncio.to_thread(self._advance, until)
+                self._at = until
+                self._playing = self._playing and until < self._ended
+        except ConfigError as error:  # it is damaged here: other times can be read
+            self._playing = False
+            self._tell(self._at, str(error))
 
     def _seek(self, time: int) -> None:
         for robot in self.robots.values():
@@ -201,22 +213,27 @@ class LogPlayer:
     async def _find_marks(self, log: LogIndex) -> None:
         await asyncio.to_thread(self._look_through, log)
 
+    def _tell(self, at: int, text: str) -> None:
+        """Add a mark about the replay itself, once."""
+        if all(mark.text != text for mark in self._marks):
+            self._marks = [*self._marks, messages.ReplayMark(at / SECOND, None, "note", text)]
+
     def _look_through(self, log: LogIndex) -> None:
         """Look through a whole log for its marks; to be called in a thread."""
         finder = MarkFinder(self._by_log[log])
         try:
+            began = time.perf_counter()
             for share, found in log.chunks(finder.topics):
                 new = finder.look(found)
+                if self._gentle:
+                    time.sleep(GENTLE * (time.perf_counter() - began))
+                    began = time.perf_counter()
                 self._marks = [*self._marks, *new][:MOST_MARKS] if new else self._marks
                 self._shares[log] = share
                 if self._closing:
                     return
         except ConfigError as error:  # it is damaged in the middle: what was found stays
-            text = str(error)
-            self._marks = [
-                *self._marks,
-                messages.ReplayMark(log.ended / SECOND, None, "note", text),
-            ]
+            self._tell(log.ended, str(error))
             self._shares[log] = 1.0
 
 

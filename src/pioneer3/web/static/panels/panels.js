@@ -3,6 +3,7 @@
 import { byId, isTyping, put, set } from "../dom.js";
 import { GroupView } from "./group.js";
 import { History } from "./history.js";
+import { Logs } from "./logs.js";
 import { ModeCard, ModesView } from "./modes.js";
 import { Plots } from "./plots.js";
 import { RobotView } from "./robot_view.js";
@@ -42,7 +43,7 @@ export class Panels {
     const end = () => send({ type: this.#startedBy === "you" ? "end_mode" : "stop" }) || notify("Not connected: press the stop button on the robot.");
     const motors = (on) => send({ type: "motors", on });
     this.#view = new RobotView(byId("view-robot"), { requestConfig: () => send({ type: "ask_config" }) });
-    this.#plots = new Plots(byId("view-plots"), now);
+    this.#plots = new Plots(byId("view-plots"), now, new Logs(notify).element);
     this.#group = new GroupView({ send: sendToAll, notify, seconds: () => this.#modes.seconds, lead });
     this.#modes = new ModesView(byId("view-modes"), { send, notify, end, motors, group: this.#group.element });
     this.#card = new ModeCard({ end, tell });

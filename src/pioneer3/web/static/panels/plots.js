@@ -49,8 +49,11 @@ export class Plots {
   #all;
   #lookWords = make("b", {}, "of now");
 
-  /** @param now function(): the time of what is shown [s since 1970] */
-  constructor(container, now) {
+  /**
+   * @param now  function(): the time of what is shown [s since 1970]
+   * @param logs element for the logs
+   */
+  constructor(container, now, logs) {
     this.#clock = now;
     this.#pause = make("button", { type: "button", class: "choice", id: "plots-pause", "aria-pressed": "false" }, "Pause");
     const save = make("button", { type: "button", class: "choice", id: "plots-save" }, "Download CSV");
@@ -75,7 +78,7 @@ export class Plots {
     }
     const heads = ["", "now", "least", "greatest", "mean"].map((text) => (text ? make("th", { scope: "col" }, text) : make("td")));
     const table = make("table", { class: "numbers" }, make("caption", {}, "What the charts show, in numbers"), make("thead", {}, make("tr", {}, ...heads)), body);
-    container.append(make("div", { class: "plot-tools" }, this.#pause, save, tools, look), this.#box, how, table);
+    container.append(logs, make("div", { class: "plot-tools" }, this.#pause, save, tools, look), this.#box, how, table);
     this.#pause.addEventListener("click", () => this.#freeze(this.#pausedAt === null));
     save.addEventListener("click", () => this.#save());
     this.#look.addEventListener("input", () => this.#point());
