@@ -6,13 +6,14 @@ each number of a list, `sonar.ranges.3 [m]`; all other lists are JSON in one cel
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import repeat
 from typing import Any, Final, NamedTuple
 
 import msgspec
 
 from pioneer3.log.topics import NO_NUMBERS, with_texts
 
+MOST_COLUMNS: Final = 16_000
+"""Columns of a table at most: spreadsheets take 16,384."""
 UNITS: Final[Mapping[str, str]] = {
     "stamp": "s",
     "x": "m",
@@ -65,26 +66,39 @@ class ValueShape:
         length: Of the longest list of numbers; `None` where there was none.
         kinds: Types of the numbers in lists, or of single values.
         single: Whether there was a value that is neither an object nor a list of numbers.
+        places: Below this one.
     """
 
     parts: "dict[str, ValueShape]" = field(default_factory=dict)
     length: int | None = None
     kinds: set[type] = field(default_factory=set)
     single: bool = False
+    places: int = 0
 
-    def see(self, value: Any) -> None:
-        """Take a value into account."""
+    def see(self, value: Any) -> int:
+        """Take a value into account; return how many places are new.
+
+        Raises:
+            ValueError: There are more than a table can have columns.
+        """
+        new = 0
         if isinstance(value, dict):
             for name, part in value.items():
                 if name not in self.parts:
                     self.parts[name] = ValueShape()
-                self.parts[name].see(part)
+                    new += 1
+                new += self.parts[name].see(part)
         elif isinstance(value, LISTS) and value and (kinds := _kinds(value)) <= MEASURES:
+            new = max(0, len(value) - (self.length or 0))
             self.length = max(self.length or 0, len(value))
             self.kinds |= kinds
         elif value is not None and not (isinstance(value, LISTS) and not value):
             self.single = True
             self.kinds.add(_kind(value))
+        self.places += new
+        if self.places > MOST_COLUMNS:
+            raise ValueError(f"more than {MOST_COLUMNS} columns")
+        return new
 
     def columns(self, path: str = "") -> Iterator[TableColumn]:
         """Yield the columns of the place."""
@@ -101,20 +115,23 @@ class ValueShape:
         else:
             yield TableColumn(f"{path}{after}", self._type)
 
-    def cells(self, value: Any) -> Iterator[Cell]:
-        """Yield the cells of a value, one for each column."""
+    def cells(self, value: Any) -> list[Cell]:
+        """Return the cells of a value, one for each column."""
+        row: list[Cell] = []
+        self._fill(row, value)
+        return row
+
+    def _fill(self, row: list[Cell], value: Any) -> None:
         if self._is_object:
             for name, part in self.parts.items():
-                yield from part.cells(value.get(name) if value else None)
+                part._fill(row, value.get(name) if value else None)
         elif self._is_list:
             numbers, kind = value or (), self._type
-            if {*map(type, numbers)} == {kind}:
-                yield from numbers
-            else:
-                yield from (_cell(each, kind) for each in numbers)
-            yield from repeat(None, (self.length or 0) - len(numbers))
+            same = {*map(type, numbers)} == {kind}
+            row += numbers if same else [_cell(each, kind) for each in numbers]
+            row += [None] * ((self.length or 0) - len(numbers))
         else:
-            yield None if value is None else _cell(value, self._type)
+            row.append(None if value is None else _cell(value, self._type))
 
     @property
     def _is_object(self) -> bool:

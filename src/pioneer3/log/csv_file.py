@@ -1,7 +1,7 @@
 """A table as comma-separated values (RFC 4180), with the head that the page's files have, too."""
 
 import csv
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Final, Self
@@ -25,6 +25,7 @@ class CsvFile:
         self._file = path.open("w", encoding="utf-8", newline="")
         self._writer = csv.writer(self._file)
         self._writer.writerow([TIME, ELAPSED, *(harmless(column.name) for column in columns)])
+        self._words = [i for i, column in enumerate(columns) if column.kind in {str, bool}]
 
     def __enter__(self) -> Self:
         return self
@@ -32,9 +33,12 @@ class CsvFile:
     def __exit__(self, *_: object) -> None:
         self._file.close()
 
-    def add(self, time: int, elapsed: float, cells: Iterator[Cell]) -> None:
+    def add(self, time: int, elapsed: float, cells: Sequence[Cell]) -> None:
         """Add a row of a time [ns since 1970], so long after the log began [s]."""
-        self._writer.writerow([written(time), round(elapsed, 6), *map(_text, cells)])
+        row = [*cells]
+        for place in self._words:
+            row[place] = _text(row[place])
+        self._writer.writerow([written(time), round(elapsed, 6), *row])
 
 
 def written(time: int) -> str:

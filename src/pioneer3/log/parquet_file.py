@@ -1,6 +1,6 @@
 """A table as Parquet, where pyarrow is installed."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Final, Self
 
@@ -47,7 +47,7 @@ class ParquetFile:
         self._flush()
         self._writer.close()
 
-    def add(self, time: int, elapsed: float, cells: Iterator[Cell]) -> None:
+    def add(self, time: int, elapsed: float, cells: Sequence[Cell]) -> None:
         """Add a row of a time [ns since 1970], so long after the log began [s]."""
         self._rows.append((time, elapsed, *cells))
         if len(self._rows) >= self._most:

@@ -32,6 +32,12 @@ MOST_UNPACKED: Final = 64 * 1024 * 1024
 """A larger chunk is not unpacked [bytes]; ours have one MiB."""
 MOST_RECORD: Final = 64 * 1024 * 1024
 """A larger record is not read [bytes]."""
+MOST_DECODED: Final = 1024 * 1024
+"""A longer message is not decoded [bytes]; ours have some kB."""
+MOST_OF_MAP: Final = 4 * 1024 * 1024
+"""A longer map is not decoded [bytes]; ARIA's largest has 0.7 MB."""
+MAP: Final = "map"
+"""Last part of the topic of maps."""
 SCHEMA: Final = 0x03
 """Kind of a record; the others likewise."""
 CHANNEL: Final = 0x04
@@ -235,6 +241,10 @@ class RunLog:
     def decoded(self, message: LogMessage, topic: LogTopic[T]) -> T:
         """Return the content of a message of a topic."""
         with self.damage_told():
+            size = len(message.data) + len(message.steady[1])
+            most = MOST_OF_MAP if topic.name.rpartition("/")[2] == MAP else MOST_DECODED
+            if size > most:
+                raise ValueError(f"a message of {topic.name} has {size} bytes")
             return message.decode(topic.kind)
 
     def snapshots(self, name: str = "snapshot") -> Iterator[Snapshot]:

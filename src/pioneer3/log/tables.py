@@ -1,7 +1,7 @@
 """Tables of a log, one a topic: its messages as rows, in files of a folder."""
 
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from enum import StrEnum
@@ -22,8 +22,6 @@ from pioneer3.names import free_name
 from pioneer3.state import Scan
 from pioneer3.text import one_line, wrong
 
-MOST_COLUMNS: Final = 16_000
-"""Columns of a table at most: spreadsheets take 16,384."""
 ANGLES: Final = "angles"
 """Field of scans that hardly ever changes: it has a table of its own, a row for each change."""
 WIRE: Final = re.compile(r"wire/.*/(in|out)", re.DOTALL)
@@ -46,7 +44,7 @@ class TableFile(Protocol):
 
     def __exit__(self, *_: object) -> None: ...
 
-    def add(self, time: int, elapsed: float, cells: Iterator[Cell]) -> None:
+    def add(self, time: int, elapsed: float, cells: Sequence[Cell]) -> None:
         """Add a row of a time [ns since 1970], so long after the log began [s]."""
 
 
@@ -76,10 +74,9 @@ def write_tables(
     Raises:
         ConfigError: The log is damaged or empty, pyarrow is missing, or a file cannot be written.
     """
-    known, shapes, count = log.info(), dict[str, ValueShape](), 0
-    for row in _rows(log, followed(log.messages(), known, lambda share: tell(share / 2))):
-        shapes.setdefault(row.table, ValueShape()).see(row.value)
-        count += 1
+    known = log.info()
+    messages = followed(log.messages(), known, lambda share: tell(share / 2))
+    shapes, count = _shapes(log, _rows(log, messages))
     if not shapes:
         raise wrong(log.path, " has no messages: there is nothing to convert")
     with new_output(path) as folder, ExitStack() as stack:
@@ -87,7 +84,7 @@ def write_tables(
         names = _file_names(shapes, kind)
         files: dict[str, TableFile] = {}
         for table, shape in shapes.items():
-            place, columns = folder / names[table], _columns(log, table, shape)
+            place, columns = folder / names[table], list(shape.columns())
             files[table] = stack.enter_context(OPEN[kind](place, columns))
         counts = dict.fromkeys(names.values(), 0)
         messages = followed(log.messages(), known, lambda share: tell(0.5 + share / 2))
@@ -102,12 +99,17 @@ def write_tables(
     return counts
 
 
-def _columns(log: RunLog, table: str, shape: ValueShape) -> list[TableColumn]:
-    columns = list(shape.columns())
-    if len(columns) > MOST_COLUMNS:
-        problem = f" has {len(columns)} columns in {table}, more than any program reads"
-        raise wrong(log.path, problem)
-    return columns
+def _shapes(log: RunLog, rows: Iterable[Row]) -> tuple[dict[str, ValueShape], int]:
+    """Return the shapes of messages by tables, and the number of rows."""
+    shapes: dict[str, ValueShape] = {}
+    count = 0
+    for row in rows:
+        try:
+            shapes.setdefault(row.table, ValueShape()).see(row.value)
+        except ValueError as error:
+            raise wrong(log.path, f" fits in no table: {row.table} has {error}") from None
+        count += 1
+    return shapes, count
 
 
 def _rows(log: RunLog, messages: Iterator[LogMessage]) -> Iterator[Row]:

@@ -12,7 +12,7 @@ def table(*messages: dict[str, Any]) -> tuple[list[str], list[type], list[list[A
     for message in messages:
         shape.see(message)
     columns = list(shape.columns())
-    rows = [list(shape.cells(message)) for message in messages]
+    rows = [shape.cells(message) for message in messages]
     assert all(len(row) == len(columns) for row in rows)
     return [column.name for column in columns], [column.kind for column in columns], rows
 

@@ -117,7 +117,7 @@ def test_no_text_of_others_is_a_formula(text: str, tmp_path: Path) -> None:
     path = write_log(tmp_path / "a.mcap", [(0.0, "command", given)])
     write_tables(open_log(path), tmp_path / "out", TableKind.CSV)
     with CsvFile(tmp_path / "out/head.csv", [TableColumn(text, str)]) as made:
-        made.add(BEGAN, 0.0, iter([text]))
+        made.add(BEGAN, 0.0, [text])
     for file in (tmp_path / "out").iterdir():
         with file.open(encoding="utf-8", newline="") as opened:
             for row in csv.reader(opened):
