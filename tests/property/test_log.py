@@ -214,6 +214,24 @@ def test_a_file_that_is_cut_at_any_byte_has_all_that_was_flushed_before(
     assert len(kept) >= 3 * sum(end <= size for end in flushed)
 
 
+def test_a_small_file_is_read_up_to_each_byte_that_it_may_be_cut_at(tmp_path: Path) -> None:
+    path = tmp_path / "a.mcap"
+    file = McapFile(create(path))
+    flushed = []
+    for number in range(2):
+        file.add(WIRE, [(number, bytes([number]))])
+        file.flush()
+        flushed.append(file.size)
+    file.finish()
+    whole = path.read_bytes()
+    for size in range(8, len(whole) + 1):
+        path.write_bytes(whole[:size])
+        kept = [each.data for each in open_log(path).messages()]
+        assert kept == [bytes([number]) for number in range(len(kept))]
+        assert len(kept) >= sum(end <= size for end in flushed)
+        assert open_log(path).info().size == size
+
+
 def test_a_whole_file_is_whole() -> None:
     assert read(a_log()[0]) == WHOLE
 

@@ -60,15 +60,14 @@ class WireRecording:
             for way, end in WAYS.items()
         }
 
-    def note(self, way: str, data: bytes) -> float:
-        """Put bytes that pass now, in the direction :data:`FROM_HOST` or :data:`FROM_ROBOT`.
+    def now(self) -> float:
+        """Return the time for the log [s]."""
+        return self._log.clock()
 
-        Return the time that the log has [s].
-        """
-        now = self._log.clock()
+    def note(self, way: str, data: bytes, now: float | None = None) -> None:
+        """Put bytes that pass `now`, in the direction :data:`FROM_HOST` or :data:`FROM_ROBOT`."""
         if data:
             self._log.put(self._topics[way], data, now)
-        return now
 
     def remark(self, words: str) -> None:
         """Put an event of the link, in words."""
@@ -98,13 +97,17 @@ class TapLink:
     async def read(self) -> bytes:
         """Read from the link inside."""
         data = await self._link.read()
-        self.read_at = self._recording.note(FROM_ROBOT, data)
+        self.read_at = now = self._recording.now()
+        self._recording.note(FROM_ROBOT, data, now)
         return data
 
     async def write(self, data: bytes) -> None:
-        """Write to the link inside."""
-        self._recording.note(FROM_HOST, data)
-        await self._link.write(data)
+        """Write to the link inside, then record it: what moves a robot does not wait for that."""
+        now = self._recording.now()
+        try:
+            await self._link.write(data)
+        finally:
+            self._recording.note(FROM_HOST, data, now)
 
     async def set_speed(self, baud: int) -> None:
         """Change the speed of the link inside."""

@@ -19,6 +19,8 @@ PIECES: Final = {
     " difference to the one so many before; tick [ns], else 1000"
 }
 """Metadata of a channel whose messages are bytes in pieces."""
+SYNC: Final = getattr(os, "fdatasync", os.fsync)
+"""Brings the content of a file to the disk, and its length; not the times of the file."""
 MOST_CHANNELS: Final = 4096
 """Channels of one file, of which each value of a steady field has one; MCAP counts to 65535."""
 
@@ -93,7 +95,7 @@ class McapFile:
 
     def sync(self) -> None:
         """Bring what is written to the disk, for a loss of power."""
-        os.fsync(self._sink.descriptor)
+        SYNC(self._sink.descriptor)
 
     def finish(self) -> None:
         """Write the index, and close the file."""

@@ -139,6 +139,8 @@ class RobotLog:
         """Take a snapshot, and scans that came before it, unless they are known."""
         for scan in scans:
             self.scan(scan)
+        if snapshot.motors.moving or not snapshot.odometry.twist.is_zero:
+            self.log.moved_at = snapshot.stamp
         self.log.put(self._snapshots, snapshot)
 
     def scan(self, scan: Scan) -> None:
