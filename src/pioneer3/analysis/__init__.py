@@ -4,6 +4,7 @@
 module        contents
 ============  =================================================================================
 why           the reason that a robot stood or moved at a time
+stats         figures of a run: way, time under way, stops, latencies
 open_log      a log that is open: its robots, its times, its messages
 arrays        messages as arrays with named columns
 ============  =================================================================================

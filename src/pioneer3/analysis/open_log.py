@@ -60,7 +60,7 @@ class OpenLog:
     @property
     def robots(self) -> tuple[str, ...]:
         """Names of the robots."""
-        return tuple(self._prefixes)
+        return tuple(self.prefixes)
 
     def robot(self, name: str) -> "OpenLog":
         """Return the part about the robot of a name.
@@ -68,8 +68,8 @@ class OpenLog:
         Raises:
             ConfigError: There is none.
         """
-        if name not in self._prefixes:
-            there = ", ".join(self._prefixes) or "none"
+        if name not in self.prefixes:
+            there = ", ".join(self.prefixes) or "none"
             raise self._wrong(f"has no robot {name!r}; there are: {there}")
         return replace(self, _robot=name)
 
@@ -161,7 +161,7 @@ class OpenLog:
 
         table = table_of(name)
         messages = (
-            (self._measured(each.stamp, time) if table.stamped else time, each)
+            (self.measured(each.stamp, time) if table.stamped else time, each)
             for time, each in self.messages(table.topic)
         )
         try:
@@ -188,7 +188,7 @@ class OpenLog:
         return self._index.topics
 
     @cached_property
-    def _prefixes(self) -> dict[str, str]:
+    def prefixes(self) -> dict[str, str]:
         """Beginnings of the topics of robots, by their names."""
         found = {}
         for name, texts in self._info.texts.items():
@@ -205,7 +205,7 @@ class OpenLog:
 
     @property
     def _prefix(self) -> str:
-        prefixes = self._prefixes
+        prefixes = self.prefixes
         if self._robot is not None:
             return prefixes[self._robot]
         if len(prefixes) > 1:
@@ -249,7 +249,7 @@ class OpenLog:
     def _seconds(self, time: int) -> float:
         return (time - self._info.began) / NANOSECONDS
 
-    def _measured(self, stamp: float, told: float) -> float:
+    def measured(self, stamp: float, told: float) -> float:
         """Return the time of a reading [s] by its stamp; `told` is that of its message."""
         begin = self._stamps_from
         if begin is None or not abs(stamp - begin - told) < CLOCKS_APART:

@@ -38,6 +38,8 @@ log_convert       `pioneer3 log convert`: logs for other programs
 replay            `pioneer3 replay`: logs on the page
 log_verify        `pioneer3 log verify`: today's driver over the bytes of a log
 log_why           `pioneer3 log why`
+log_stats         `pioneer3 log stats`
+log_map           `pioneer3 log map`
 goto              `pioneer3 goto` and `patrol`: to places of the map by their names, or to points
 places            places of a map on the command line: a name, or numbers
 drive             `pioneer3 drive`

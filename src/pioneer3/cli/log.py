@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import App, Parameter
 
 from pioneer3.cli.log_convert import convert
+from pioneer3.cli.log_map import map_
+from pioneer3.cli.log_stats import stats
 from pioneer3.cli.log_verify import verify
 from pioneer3.cli.log_why import why
 from pioneer3.cli.options import Flag
@@ -30,6 +32,8 @@ log_app = App(
 log_app.command(convert)
 log_app.command(verify)
 log_app.command(why)
+log_app.command(stats)
+log_app.command(map_, name="map")
 Moment = Annotated[str | None, Parameter(metavar="TIME", show_default=False)]
 
 
