@@ -1,11 +1,13 @@
 """Looks at logs: the readings of a run as objects and as arrays.
 
-============  =================================================================================
-module        contents
-============  =================================================================================
-why           the reason that a robot stood or moved at a time
-stats         figures of a run: way, time under way, stops, latencies
-open_log      a log that is open: its robots, its times, its messages
-arrays        messages as arrays with named columns
-============  =================================================================================
+===============  ==============================================================================
+module           contents
+===============  ==============================================================================
+why              the reason that a robot stood or moved at a time
+stats            figures of a run: way, time under way, stops, latencies
+anonymous        a log without names, addresses and serial numbers
+anonymous_bytes  its part for the bytes of a robot, in frames that stay valid
+open_log         a log that is open: its robots, its times, its messages
+arrays           messages as arrays with named columns
+===============  ==============================================================================
 """

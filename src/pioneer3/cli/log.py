@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import App, Parameter
 
+from pioneer3.cli.log_anonymize import anonymize
 from pioneer3.cli.log_convert import convert
 from pioneer3.cli.log_map import map_
 from pioneer3.cli.log_stats import stats
@@ -33,6 +34,7 @@ log_app.command(convert)
 log_app.command(verify)
 log_app.command(why)
 log_app.command(stats)
+log_app.command(anonymize)
 log_app.command(map_, name="map")
 Moment = Annotated[str | None, Parameter(metavar="TIME", show_default=False)]
 

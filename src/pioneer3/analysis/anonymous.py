@@ -1,0 +1,327 @@
+"""A log without names: of robots, users, hosts, places and files, addresses and serial numbers.
+
+Numbers stay. The names that a log tells are gathered first; then all of its texts are written
+without them, and without whatever has the form of an address or a path. Bytes of lasers are left
+out, as their serial numbers are in each scan; the scans themselves stay.
+"""
+
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any, Final
+
+import msgspec
+
+from pioneer3.analysis.anonymous_bytes import STRANGER, without_names
+from pioneer3.analysis.open_log import OpenLog
+from pioneer3.errors import ConfigError
+from pioneer3.log.folder import create
+from pioneer3.log.mcap import McapFile
+from pioneer3.log.reader import RunLog
+from pioneer3.log.topics import LogEvent, LogTopic
+from pioneer3.maps.write import aria_text
+from pioneer3.models import model_names
+from pioneer3.navigation.goals import GoalChanged
+from pioneer3.navigation.recording import MapUsed, WayPlanned, kind_of
+from pioneer3.state import Scan
+
+FORMS: Final = (
+    (
+        re.compile(r"\b[a-z][a-z0-9+.-]*:(//)?[^\s,;'\"]*[/:@.\d][^\s,;'\"]*", re.IGNORECASE),
+        "ADDRESS",
+    ),
+    (re.compile(r"[\w.+-]+@[\w.-]+"), "ADDRESS"),
+    (re.compile(r"\b\d{1,3}(\.\d{1,3}){3}\b(:\d+)?"), "ADDRESS"),
+    (
+        re.compile(
+            r"\b([0-9a-f]{2}:){5}[0-9a-f]{2}\b|\b[0-9a-f]*(:[0-9a-f]*){3,}\b", re.IGNORECASE
+        ),
+        "ADDRESS",
+    ),
+    (re.compile(r"(?<![\w/°])(~|\.{1,2})?/[^\s,;'\"]+"), "PATH"),
+    (re.compile(r"\b[A-Z]:\\[^\s,;'\"]+"), "PATH"),
+    (
+        re.compile(
+            r"\b[\w-]+(\.[\w-]+)*\.(map|yaml|toml|world|mcap|py|json|local|lan)\b", re.IGNORECASE
+        ),
+        "FILE",
+    ),
+)
+"""Forms of addresses and paths, and the words that take their place."""
+NO_NAMES: Final = {"", "program", "ROS", "localhost", "robot", "laser", "Pioneer", "SIM"}
+"""Words where names stand that name nobody."""
+SHORT: Final = 3
+"""Names with fewer letters are looked for as whole words only."""
+NUMBER: Final = re.compile(r"[+-]?\d+(\.\d+)?[a-z°/]*")
+"""An argument of a command that stays."""
+OPTION: Final = re.compile(r"--?[a-z][a-z-]*")
+"""Option of a command."""
+SAME: Final = {"version", "began", "began_ns", "clock", "python", "system"}
+"""Metadata about the program that name nobody."""
+OF_ROBOT: Final = ("kind", "model", "limits")
+"""Metadata about a robot that name nobody."""
+FLUSHED: Final = 10**9
+"""Messages of such a time are written together [ns]."""
+EXACT: Final = 1
+"""Times of bytes are told to the nanosecond, as a driver needs them [ns]."""
+WIRE: Final = "wire/"
+"""Begin of the topics of bytes."""
+
+
+@dataclass(slots=True)
+class Names:
+    """Names of a log, and what takes their places."""
+
+    aliases: dict[str, str] = field(default_factory=dict)
+    _pattern: re.Pattern[str] | None = None
+
+    def add(self, kind: str, names: Iterable[str]) -> None:
+        """Take names of a kind, such as `user`."""
+        for name in names:
+            if name and name not in NO_NAMES and name not in self.aliases:
+                self.aliases[name] = f"{kind}-{len(self.aliases) + 1}"
+                self._pattern = None
+
+    def hidden(self, text: str) -> str:
+        """Return a text without names, addresses and paths."""
+        if self._pattern is None:
+            longest = sorted(self.aliases, key=len, reverse=True)
+            words = [
+                re.escape(name) if len(name) >= SHORT else rf"(?<!\w){re.escape(name)}(?!\w)"
+                for name in longest
+            ]
+            self._pattern = re.compile("|".join(words) or r"(?!)")
+        for form, word in FORMS:
+            text = form.sub(word, text)
+        return self._pattern.sub(lambda found: self.aliases[found[0]], text)
+
+
+def write_anonymous(log: OpenLog, output: Path) -> int:
+    """Write a log without names to a new file; return the number of its messages.
+
+    Raises:
+        ConfigError: The log is damaged, or the file cannot be written.
+    """
+    source = RunLog(log.path)
+    names = _names_of(log, source)
+    prefixes = {
+        prefix: f"{names.aliases.get(name, name)}/" if prefix else ""
+        for name, prefix in log.prefixes.items()
+    }
+    wires = _wires(log, source, names)
+    try:
+        file = McapFile(create(output))
+    except OSError as error:
+        raise ConfigError(f"{output}: cannot be written: {error.strerror}") from None
+    done = False
+    try:
+        for name, texts in _texts(log.info().texts, names, prefixes):
+            file.add_metadata(name, texts)
+        written = _write(file, source, names, prefixes, wires)
+        file.finish()
+        done = True
+    except OSError as error:
+        raise ConfigError(f"{output}: cannot be written: {error.strerror}") from None
+    finally:
+        if not done:
+            output.unlink()
+    return written
+
+
+def _names_of(log: OpenLog, source: RunLog) -> Names:
+    """Return the names in a log."""
+    names = Names()
+    texts = log.info().texts
+    robots = [told for name, told in texts.items() if name.rpartition("/")[2] == "robot"]
+    public = {*model_names(), *(told.get("model", "") for told in robots)}
+    names.add("robot", {*log.prefixes, *(told.get("name", "") for told in robots)} - public)
+    for told in robots:
+        names.add("host", re.findall(r"[\w.-]{3,}", told.get("url", "").partition(":")[2]))
+        names.add("serial", {*_serials(told.get("configuration", ""))} - public)
+    for topic, kind in _kinds(source):
+        if kind in {GoalChanged, WayPlanned, MapUsed}:
+            for _, message in source.of(LogTopic(topic, kind)):
+                _add_names(names, message)
+    return names
+
+
+def _add_names(names: Names, message: Any) -> None:
+    match message:
+        case GoalChanged():
+            names.add("user", [message.by])
+            names.add("place", [place.name for place in message.places])
+        case WayPlanned():
+            names.add("map", [message.map])
+            names.add("place", [message.place.name] if message.place else [])
+        case MapUsed():
+            names.add("map", [message.file, Path(message.file).stem, message.name])
+            names.add("place", [each.name for each in message.line_map.objects])
+
+
+def _serials(configuration: str) -> list[str]:
+    """Return the serial number and the name in a robot's configuration."""
+    try:
+        told = msgspec.json.decode(configuration)
+    except msgspec.MsgspecError:
+        return []
+    told = told if isinstance(told, dict) else {}
+    return [each for key in ("serial_number", "name") if isinstance(each := told.get(key), str)]
+
+
+def _kinds(source: RunLog) -> Iterator[tuple[str, type]]:
+    """Yield the topics of a log that are known, and the classes of their messages."""
+    for topic in sorted(source.topics()):
+        if (kind := kind_of(topic)) is not None:
+            yield topic, kind
+
+
+def _wires(log: OpenLog, source: RunLog, names: Names) -> dict[str, Iterator[tuple[int, bytes]]]:
+    """Return the pieces of the robots' links without names, by topic; learn names from them."""
+    found = {}
+    for prefix in log.prefixes.values():
+        for way in ("in", "out"):
+            topic = f"{WIRE}{prefix}robot/{way}"
+            pieces = [(each.time, each.data) for each in source.messages(topic.__eq__)]
+            joined = b"".join(data for _, data in pieces)
+            clean, told = without_names(joined, is_command=way == "out")
+            names.add("robot", told - {*model_names()})
+            found[topic] = _cut(pieces, clean)
+    return found
+
+
+def _cut(pieces: list[tuple[int, bytes]], joined: bytes) -> Iterator[tuple[int, bytes]]:
+    """Yield the pieces of bytes again."""
+    at = 0
+    for time, data in pieces:
+        yield time, joined[at : at + len(data)]
+        at += len(data)
+
+
+def _texts(
+    texts: Mapping[str, Mapping[str, str]], names: Names, prefixes: Mapping[str, str]
+) -> Iterator[tuple[str, dict[str, str]]]:
+    """Yield the descriptions in a log, without names."""
+    for name, told in texts.items():
+        prefix, slash, last = name.rpartition("/")
+        if name == "program":
+            kept = {key: told[key] for key in SAME if key in told}
+            yield name, kept | {"command": _command(told.get("command", ""))}
+        elif name == "end":
+            yield name, {"why": names.hidden(told.get("why", ""))}
+        elif last == "robot" and prefix + slash in prefixes:
+            kept = {key: told[key] for key in OF_ROBOT if key in told}
+            kept["name"] = names.hidden(told.get("name", ""))
+            kept["configuration"] = _hidden_json(told.get("configuration", "null"))
+            yield f"{prefixes[prefix + slash]}robot", kept
+
+
+def _hidden_json(configuration: str) -> str:
+    """Return a robot's configuration without its name and serial number."""
+    try:
+        told = msgspec.json.decode(configuration)
+    except msgspec.MsgspecError:
+        return "null"
+    if not isinstance(told, dict):
+        return "null"
+    hidden = {
+        key: STRANGER * len(str(told[key])) for key in ("serial_number", "name") if told.get(key)
+    }
+    return msgspec.json.encode(told | hidden).decode()
+
+
+def _command(line: str) -> str:
+    """Return a command line: our own command, options, numbers; all else is left out."""
+    first, *rest = line.split() or [""]
+    kept = [first if first in {"pioneer3", "p3"} else "python"]
+    for word in rest:
+        option, equals, _ = word.partition("=")
+        if OPTION.fullmatch(option):
+            kept.append(f"{option}=***" if equals else option)
+        else:
+            kept.append(word if NUMBER.fullmatch(word) else "***")
+    return " ".join(kept)
+
+
+def _write(
+    file: McapFile,
+    source: RunLog,
+    names: Names,
+    prefixes: Mapping[str, str],
+    wires: Mapping[str, Iterator[tuple[int, bytes]]],
+) -> int:
+    """Write the messages of a log without names; return how many."""
+    topics: dict[str, LogTopic[Any] | None] = {}
+    waiting: dict[str, list[tuple[int, Any]]] = {}
+    since = written = 0
+    for message in source.messages():
+        if message.topic not in topics:
+            topics[message.topic] = _topic(message.topic, prefixes, wires)
+        topic = topics[message.topic]
+        if topic is None:
+            continue
+        if message.topic in wires:
+            told: Any = next(wires[message.topic])[1]
+        else:
+            with source.damage_told():
+                told = _without(message.decode(topic.kind), names)
+        if message.time - since > FLUSHED and waiting:
+            _flush(file, topics, waiting)
+            since = message.time
+        waiting.setdefault(message.topic, []).append((message.time, told))
+        written += 1
+    _flush(file, topics, waiting)
+    return written
+
+
+def _flush(
+    file: McapFile,
+    topics: Mapping[str, LogTopic[Any] | None],
+    waiting: dict[str, list[tuple[int, Any]]],
+) -> None:
+    for name, messages in waiting.items():
+        if (topic := topics[name]) is not None:
+            file.add(topic, messages)
+    waiting.clear()
+    file.flush()
+
+
+def _topic(
+    name: str, prefixes: Mapping[str, str], wires: Mapping[str, object]
+) -> LogTopic[Any] | None:
+    """Return the topic that takes the place of another; `None` if it is left out."""
+    if name in wires:
+        prefix, _, way = name.removeprefix(WIRE).rpartition("robot/")
+        return LogTopic(f"{WIRE}{prefixes[prefix]}robot/{way}", bytes, tick=EXACT)
+    kind = kind_of(name)
+    if kind is None or kind is bytes:
+        return None
+    own = "scan/" if kind is Scan else ""
+    head, _, last = name.rpartition(own or "/") if own else name.rpartition("/")
+    prefix = head if own else head + ("/" if head else "")
+    if prefix not in prefixes and kind is not LogEvent:
+        return None
+    return LogTopic(f"{prefixes.get(prefix, '')}{own}{last}", kind, steady="angles" if own else "")
+
+
+def _without(message: Any, names: Names) -> Any:
+    """Return a message without names."""
+    if isinstance(message, Scan):
+        return message
+    if isinstance(message, MapUsed):
+        line_map = message.line_map
+        places = [replace(each, name=names.hidden(each.name)) for each in line_map.objects]
+        text = aria_text(replace(line_map, objects=tuple(places)))
+        return MapUsed(name=names.hidden(message.name), file="", sha256="", text=text)
+    if isinstance(message, LogEvent) and message.kind == "page":
+        return LogEvent("page", "***")
+    return msgspec.convert(_mapped(msgspec.to_builtins(message), names.hidden), type(message))
+
+
+def _mapped(value: Any, change: Callable[[str], str]) -> Any:
+    """Return a value with all texts changed, but the names of fields."""
+    if isinstance(value, dict):
+        return {key: _mapped(each, change) for key, each in value.items()}
+    if isinstance(value, list | tuple):
+        return [_mapped(each, change) for each in value]
+    return change(value) if isinstance(value, str) else value

@@ -1,0 +1,184 @@
+"""No name, address or serial number of a log is left in its copy without them; numbers are."""
+
+from itertools import pairwise
+from pathlib import Path
+
+import msgspec
+import numpy as np
+import pytest
+from hypothesis import given as drawn
+from hypothesis import strategies as st
+
+import pioneer3
+from pioneer3.analysis.anonymous import Names, write_anonymous
+from pioneer3.analysis.anonymous_bytes import without_names
+from pioneer3.arcos import packet, reports
+from pioneer3.errors import ConfigError
+from pioneer3.geometry import Pose2
+from pioneer3.log.reader import RunLog
+from pioneer3.log.topics import EVENT, LogEvent, LogTopic
+from pioneer3.maps import LineMap, MapObject
+from pioneer3.maps.write import aria_text
+from pioneer3.nav.places import Destination
+from pioneer3.navigation.goals import GoalChanged
+from pioneer3.navigation.recording import MapUsed
+from pioneer3.robot.explain import DISCONNECTED
+from pioneer3.runtime.recording import CommandGiven, StandsBecause
+from pioneer3.state import Scan
+from tests.unit.analysis.support import driven, given, scan, topic, write_log
+
+MAC = "aa:bb:cc:dd:ee:ff"
+SECRETS = (
+    *("rosalind", "SN-20457", "ann.lee", "Smith", "Beamline", "lab-17", "10.4.7.21", "4711"),
+    *("/home/ann", "thesis", MAC, "basement", "wonderland"),
+)
+IDENTITY = reports.SyncIdentity("rosalind", "Pioneer", "p3at-sh")
+CONFIG = reports.Config(
+    family="Pioneer",
+    model="p3at-sh",
+    serial_number="SN-20457",
+    four_motors=1,
+    rotation_top_deg_s=360,
+    speed_top_mm_s=2200,
+    rotation_accel_top_deg_s2=600,
+    accel_top_mm_s2=4000,
+    pwm_max_raw=7,
+    name="rosalind",
+)
+TEXT = reports.FirmwareText("hello Smith")
+
+
+def frame(report: object) -> bytes:
+    return packet.encode(reports.to_payload(report))  # type: ignore[arg-type]
+
+
+SIP = frame(reports.Encoders(-4711, 20457))
+WIRE = b"wonderland" + b"".join(map(frame, (IDENTITY, CONFIG, TEXT))) + SIP
+
+
+def a_log(path: Path, prefix: str = "") -> Path:
+    """Write a log with a name in each place that has names."""
+    goal = GoalChanged(
+        number=1, by="ann.lee", places=(Destination(x=1.0, y=2.0, name="Smith's office"),),
+        status="accepted", reason="ann.lee said so", speed=None, rounds=1.0,
+    )  # fmt: skip
+    place = MapObject(kind="Goal", name="Beamline", pose=Pose2(1.0, 2.0, 0.0))
+    line_map = LineMap(name="basement", walls=np.array([[0.0, 0.0, 5.0, 0.0]]), objects=(place,))
+    used = MapUsed(
+        name="basement", file="/home/ann/basement.map", sha256="4711", text=aria_text(line_map)
+    )
+    texts = {
+        "program": {"command": "/home/ann/thesis.py --port tcp://lab-17:8101 --speed 0.3"},
+        f"{prefix}robot": {
+            "name": "rosalind",
+            "model": "p3at-sh",
+            "url": "tcp://lab-17:8101",
+            "configuration": msgspec.json.encode(CONFIG).decode(),
+        },
+        "end": {"why": "OSError: 10.4.7.21:8101 and /home/ann are gone"},
+    }
+    lost = DISCONNECTED.about(": lab-17")
+    messages = [
+        *driven(2.0, prefix),
+        (0.1, LogTopic(f"wire/{prefix}robot/in", bytes), WIRE[:17]),
+        (0.2, LogTopic(f"wire/{prefix}robot/in", bytes), WIRE[17:]),
+        (0.2, LogTopic(f"wire/{prefix}laser/in", bytes), b"SERI:SN-20457"),
+        (0.3, topic(f"{prefix}goal", GoalChanged), goal),
+        (0.4, topic(f"{prefix}map", MapUsed), used),
+        (0.5, topic(f"{prefix}command", CommandGiven), given("ann.lee", "drive to Beamline", 0.3)),
+        (0.6, topic(f"{prefix}standing", StandsBecause), StandsBecause(lost)),
+        (0.7, EVENT, LogEvent("link", f"{prefix}robot: rosalind on tcp://lab-17 ({MAC})")),
+        (0.8, EVENT, LogEvent("page", "wonderland came")),
+        (0.9, topic(f"{prefix}scan/laser", Scan, steady="angles"), scan(0.9)),
+        (1.0, topic("notes", LogEvent), LogEvent("note", "wonderland")),
+    ]  # fmt: skip
+    return write_log(path / "a.mcap", messages, robots={}, texts=texts)
+
+
+@pytest.mark.parametrize("prefix", ["", "rosalind/"])
+def test_no_secret_is_in_any_byte_of_the_copy(tmp_path: Path, prefix: str) -> None:
+    log = pioneer3.log.open(a_log(tmp_path, prefix))
+    before = unpacked(log.path)
+    assert [each for each in SECRETS if each.encode() not in before] == []
+    copy = tmp_path / "copy.mcap"
+    write_anonymous(log, copy)
+    assert [each for each in SECRETS if each.encode() in unpacked(copy)] == []
+    kept = pioneer3.log.open(copy)
+    assert kept.topics() == log.topics()
+    for name in ("odometry", "battery", "sonar", "scan"):
+        assert kept.array(name).tobytes() == log.array(name).tobytes()
+    assert kept.info().command == "python --port *** --speed 0.3"
+    ((_, used),) = kept.messages("map")
+    assert used.line_map.walls.tolist() == [[0.0, 0.0, 5.0, 0.0]]
+    assert copy.stat().st_mode & 0o777 == 0o600
+
+
+def unpacked(path: Path) -> bytes:
+    """Return all that a file says, as it is when it is unpacked."""
+    log = RunLog(path)
+    parts = [repr(log.info().texts).encode(), path.read_bytes()]
+    for record in log.records(0, 1 << 62):
+        parts += [record.data, repr(record.channel).encode(), repr(record.schema).encode()]
+    parts += [each.data for each in log.messages()]
+    return b"\n".join(parts)
+
+
+def test_frames_stay_valid_and_as_long_as_before() -> None:
+    clean, names = without_names(WIRE, is_command=False)
+    assert names == {"rosalind", "SN-20457"}
+    assert len(clean) == len(WIRE)
+    payloads = packet.PacketReader().feed(clean)
+    identity, config, text, ticks = map(reports.from_payload, payloads)
+    assert identity == reports.SyncIdentity("x" * 8, "Pioneer", "p3at-sh")
+    assert isinstance(config, reports.Config)
+    assert (config.name, config.serial_number, config.pwm_max_raw) == ("x" * 8, "x" * 8, 7)
+    assert reports.to_payload(text)[0] == reports.FirmwareText.ID
+    assert b"Smith" not in clean
+    assert ticks == reports.Encoders(-4711, 20457)
+
+
+def test_texts_in_commands_are_left_out_and_numbers_stay() -> None:
+    number, words = bytes([11, 0x3B, 200, 0]), b"\x2a\x2b\x05Smith"
+    data = packet.encode(number) + packet.encode(words) + packet.encode(b"\x00")
+    clean, _ = without_names(data, is_command=True)
+    assert packet.PacketReader().feed(clean) == [number, b"\x2a\x2b\x05" + bytes(5), b"\x00"]
+
+
+@drawn(st.lists(st.binary(max_size=30) | st.sampled_from([SIP, frame(IDENTITY), b"\xfa\xfb"])))
+def test_any_bytes_stay_as_long_and_tell_no_name(pieces: list[bytes]) -> None:
+    data = b"".join(pieces)
+    for is_command in (False, True):
+        clean, _ = without_names(data, is_command=is_command)
+        assert len(clean) == len(data)
+        assert b"rosalind" not in clean
+
+
+def test_words_that_are_no_names_stay() -> None:
+    names = Names()
+    names.add("place", ["Al", "Lab"])
+    for text in (
+        "0.29 m/s: follow way, 0.17 m to go; turns left at 21°/s: follow way",
+        "Almost: 12:30:45 is at 3/4 of -55 deg, robot: connected: (Pioneer 3-AT)",
+        "limiter sonar: takes 0.30 m/s",
+    ):
+        assert names.hidden(text) == text
+    assert names.hidden("to Al, in Lab2") == "to place-1, in place-22"
+
+
+def test_nothing_is_written_over_and_a_damaged_log_leaves_nothing(tmp_path: Path) -> None:
+    log = pioneer3.log.open(a_log(tmp_path))
+    copy = tmp_path / "copy.mcap"
+    copy.write_text("mine")
+    with pytest.raises(ConfigError, match=r"copy\.mcap: cannot be written: File exists"):
+        write_anonymous(log, copy)
+    assert copy.read_text() == "mine"
+    copy.unlink()
+    data = bytearray(log.path.read_bytes())
+    for place, after in pairwise(range(200, len(data), 211)):
+        broken = bytes(data[:place] + bytes(after - place) + data[after:])
+        log.path.write_bytes(broken)
+        try:
+            write_anonymous(pioneer3.log.open(log.path), copy)
+        except ConfigError:
+            assert not copy.exists()
+        copy.unlink(missing_ok=True)
