@@ -38,6 +38,7 @@ log_convert       `pioneer3 log convert`: logs for other programs
 replay            `pioneer3 replay`: logs on the page
 log_verify        `pioneer3 log verify`: today's driver over the bytes of a log
 log_why           `pioneer3 log why`
+log_plot          `pioneer3 log plot`: a run as a picture, or in the terminal
 log_stats         `pioneer3 log stats`
 log_anonymize     `pioneer3 log anonymize`: a log without names
 log_map           `pioneer3 log map`

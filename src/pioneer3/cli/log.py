@@ -9,6 +9,7 @@ from cyclopts import App, Parameter
 from pioneer3.cli.log_anonymize import anonymize
 from pioneer3.cli.log_convert import convert
 from pioneer3.cli.log_map import map_
+from pioneer3.cli.log_plot import plot
 from pioneer3.cli.log_stats import stats
 from pioneer3.cli.log_verify import verify
 from pioneer3.cli.log_why import why
@@ -33,6 +34,7 @@ log_app = App(
 log_app.command(convert)
 log_app.command(verify)
 log_app.command(why)
+log_app.command(plot)
 log_app.command(stats)
 log_app.command(anonymize)
 log_app.command(map_, name="map")
