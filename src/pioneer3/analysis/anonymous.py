@@ -263,8 +263,9 @@ def _write(
         if message.topic in wires:
             told: Any = next(wires[message.topic])[1]
         else:
+            told = source.decoded(message, LogTopic(message.topic, topic.kind))
             with source.damage_told():
-                told = _without(message.decode(topic.kind), names)
+                told = _without(told, names)
         if message.time - since > FLUSHED and waiting:
             _flush(file, topics, waiting)
             since = message.time

@@ -13,7 +13,7 @@ from pioneer3.log.folder import named_log_path
 from pioneer3.log.index import LogIndex
 from pioneer3.log.moment import Moment, time_of
 from pioneer3.log.reader import LogInfo, LogMessage, RunLog
-from pioneer3.log.topics import LogEvent
+from pioneer3.log.topics import LogEvent, LogTopic
 from pioneer3.names import printable
 from pioneer3.navigation.recording import KINDS
 from pioneer3.runtime.recording import CommandGiven, DecisionMade
@@ -181,7 +181,7 @@ class OpenLog:
 
     @cached_property
     def _info(self) -> LogInfo:
-        return RunLog(self.path).info()
+        return self._source.info()
 
     @property
     def _topics(self) -> set[str]:
@@ -223,6 +223,10 @@ class OpenLog:
         return None
 
     @cached_property
+    def _source(self) -> RunLog:
+        return RunLog(self.path)
+
+    @cached_property
     def _index(self) -> LogIndex:
         return LogIndex(self.path)
 
@@ -243,8 +247,8 @@ class OpenLog:
         return (topic if topic == EVENTS else f"{self._prefix}{topic}"), kind
 
     def _decoded(self, message: LogMessage, kind: type) -> tuple[float, Any]:
-        with RunLog(self.path).damage_told():
-            return self._seconds(message.time), message.decode(kind)
+        topic: LogTopic[Any] = LogTopic(message.topic, kind)
+        return self._seconds(message.time), self._source.decoded(message, topic)
 
     def _seconds(self, time: int) -> float:
         return (time - self._info.began) / NANOSECONDS

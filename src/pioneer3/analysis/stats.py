@@ -8,6 +8,7 @@ from typing import Any, Final
 from pioneer3.analysis.open_log import OpenLog
 from pioneer3.geometry import wrap
 from pioneer3.log.reader import RunLog
+from pioneer3.log.topics import LogTopic
 from pioneer3.robot.pilot import stands
 from pioneer3.runtime.recording import (
     EMERGENCY_STOP,
@@ -161,8 +162,7 @@ def stats_of(log: OpenLog) -> list[RobotStats]:
         elif kind is None:
             reader.written(time)
         else:
-            with source.damage_told():
-                _take(reader, time, message.decode(kind))
+            _take(reader, time, source.decoded(message, LogTopic(message.topic, kind)))
     return [reader.stats for reader in readers.values()]
 
 

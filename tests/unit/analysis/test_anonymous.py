@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given as drawn
 from hypothesis import strategies as st
+from mcap.reader import make_reader
 
 import pioneer3
 from pioneer3.analysis.anonymous import Names, write_anonymous
@@ -117,8 +118,9 @@ def unpacked(path: Path) -> bytes:
     """Return all that a file says, as it is when it is unpacked."""
     log = RunLog(path)
     parts = [repr(log.info().texts).encode(), path.read_bytes()]
-    for record in log.records(0, 1 << 62):
-        parts += [record.data, repr(record.channel).encode(), repr(record.schema).encode()]
+    with path.open("rb") as file:
+        for schema, channel, message in make_reader(file).iter_messages():
+            parts += [message.data, repr(channel).encode(), repr(schema).encode()]
     parts += [each.data for each in log.messages()]
     return b"\n".join(parts)
 
