@@ -13,7 +13,7 @@ from pioneer3.log.index import LogIndex
 from pioneer3.log.mcap import PROFILE
 from pioneer3.log.reader import OF_MESSAGE, LogRecord
 
-TOLD_ONCE: Final = {"map", "estimate", "way"}
+TOLD_ONCE: Final = {"map", "estimate", "way", "standing"}
 """Topics of a robot that are told when they change: the newest before an excerpt begins it."""
 SAVED: Final = "saved"
 """Title of an excerpt among the user's logs."""

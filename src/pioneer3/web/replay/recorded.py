@@ -16,7 +16,7 @@ from pioneer3.models import RobotModel, load_model
 from pioneer3.navigation.recording import EstimateMade, MapUsed, WayPlanned
 from pioneer3.robot.limits import limits_for
 from pioneer3.robot.supervisor import Connection, ConnectionStatus, RobotInfo
-from pioneer3.runtime.recording import CommandGiven, DecisionMade, TruePoseTold
+from pioneer3.runtime.recording import CommandGiven, DecisionMade, StandsBecause, TruePoseTold
 from pioneer3.state import Identity, Scan, Snapshot
 
 T = TypeVar("T")
@@ -60,6 +60,7 @@ class RecordedRobot:
         self._kinds: dict[str, type] = {
             SNAPSHOT: Snapshot,
             "decision": DecisionMade,
+            "standing": StandsBecause,
             "command": CommandGiven,
             "estimate": EstimateMade,
             "way": WayPlanned,
@@ -117,6 +118,11 @@ class RecordedRobot:
     def decision(self) -> DecisionMade | None:
         """The newest decision."""
         return self._get("decision", DecisionMade)
+
+    @property
+    def standing(self) -> StandsBecause | None:
+        """The reason to stand as it was told; older logs have none."""
+        return self._get("standing", StandsBecause)
 
     @property
     def estimate(self) -> EstimateMade | None:

@@ -15,6 +15,8 @@ from pioneer3.robot.config_table import explained
 from pioneer3.robot.explain import DECIDED, IDLE, LATCHED, PRESSED, STALLED, Reason
 from pioneer3.robot.pilot import stands
 from pioneer3.robot.supervisor import Connection
+from pioneer3.runtime.recording import DecisionMade
+from pioneer3.state import Snapshot
 from pioneer3.web import messages
 from pioneer3.web.broadcast import RetainedChannel, Subscriber, sweep
 from pioneer3.web.details import details_of
@@ -72,10 +74,14 @@ def snapshot(robot: RecordedRobot) -> messages.SnapshotMessage | None:
 
 
 def _why(robot: RecordedRobot) -> Reason | None:
-    """Return the reason to stand as far as the log tells it."""
-    now, made = robot.snapshot, robot.decision
+    """Return the reason to stand; older logs tell none, but what was read and decided then."""
+    now = robot.snapshot
     if now is None or not stands(now):
         return None
+    return robot.standing.reason if robot.standing else _reason(robot, now, robot.decision)
+
+
+def _reason(robot: RecordedRobot, now: Snapshot, made: DecisionMade | None) -> Reason:
     if robot.emergency:
         return LATCHED
     if now.motors.stop_button:

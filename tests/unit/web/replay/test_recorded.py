@@ -11,7 +11,9 @@ from pioneer3.errors import ConfigError
 from pioneer3.log.index import LogIndex
 from pioneer3.maps import LineMap
 from pioneer3.navigation.recording import MapUsed
+from pioneer3.robot.explain import STOPPED, ReasonKind
 from pioneer3.robot.supervisor import Connection
+from pioneer3.runtime.recording import StandsBecause
 from pioneer3.web import messages
 from pioneer3.web.replay import view
 from pioneer3.web.replay.marks import MarkFinder
@@ -76,6 +78,17 @@ def test_a_robot_that_stands_tells_why(path: Path) -> None:
     (robot,) = robots(path)
     assert at(robot, 3.0).why is None
     assert at(robot, 16.5).why == "The wheels are stalled: something blocks them."
+
+
+def test_newer_logs_tell_it_in_the_words_of_that_time(tmp_path: Path) -> None:
+    log = LogFile(tmp_path / "new.mcap")
+    log.add("snapshot", [(0.0, snapshot(0.0, stalled=True))])
+    log.add("standing", [(0.0, StandsBecause(STOPPED.about("ann stopped it")))])
+    log.close()
+    (robot,) = robots(tmp_path / "new.mcap")
+    now = at(robot, 0.0)
+    assert now.why == "Waiting for a fresh command: ann stopped it."
+    assert now.standing is ReasonKind.STOPPED
 
 
 def test_it_is_drawn_where_it_was_on_its_map(path: Path) -> None:
