@@ -134,7 +134,7 @@ class GoalVectorEnv(VectorEnv[Float32, Float32, Any]):
             raise ResetNeeded("an episode is over; call reset(options={'reset_mask': ...})")
         self._begin(new)
         result = self._simulation.step(actions, ~new)
-        self._steps += ~new
+        self._steps = self._steps + ~new
         terminated, truncated = result.arrived | result.collided, self._steps >= self._longest
         self._done = terminated | truncated
         observation, info = self._simulation.observe(), self._info(result)
@@ -149,7 +149,7 @@ class GoalVectorEnv(VectorEnv[Float32, Float32, Any]):
     def _begin(self, who: Bool) -> None:
         for n in np.flatnonzero(who).tolist():
             self._simulation.reset(n, self._rngs[n])
-        self._steps[who] = 0
+        self._steps = np.where(who, 0, self._steps)
         self._done = self._done & ~who
 
     def _go_on(self, observation: Float32, info: Info) -> tuple[Float32, Info]:

@@ -151,6 +151,10 @@ class GoalSimulation:
         self._at_rest = deepcopy(self.world.drives)
         self._top = self._at_rest.axes[TOP]
 
+    def __setstate__(self, attributes: dict[str, Any]) -> None:
+        """Take the attributes of another one; Ray lends arrays that nobody may write to."""
+        self.__dict__.update(deepcopy(attributes))
+
     @property
     def noisy(self) -> bool:
         """Whether anything in the world is random."""

@@ -7,6 +7,7 @@ C-contiguous, is filled and returned; where not, the answer is a new array. Afte
 
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -57,6 +58,10 @@ class Kernels:
         self._count = fast(motion.count, CACHE) if compiled else plain(motion.count)
         self._threads = threads
         self._pool = ThreadPoolExecutor(threads - 1, "kernels") if threads > 1 else None
+
+    def __reduce__(self) -> tuple[Callable[[], "Kernels"], tuple[()]]:
+        """Copy what was chosen: each process compiles or loads functions of its own."""
+        return partial(Kernels, self._threads, compiled=self.compiled), ()
 
     def place(self, robots: RobotArrays) -> None:
         """Bring the outlines and the table of `robots` up to date with their poses."""

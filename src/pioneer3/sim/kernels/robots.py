@@ -6,7 +6,7 @@ starts at (ox, oy) and runs along the unit vector (dx, dy); (ax, ay) and (bx, by
 segment; lattice units are cells. Arrays are those of Grid, Robots, Mounts, Fan and Drives.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import cos, floor, inf, sin, sqrt
 
@@ -65,8 +65,7 @@ class RobotArrays:
         self.state = np.zeros((8, len(front)))
         self.state[3:6] = front, rear, half_width
         self.state[6] = 0.0 if cut is None else cut
-        self.x, self.y, self.theta, self.front, self.rear, self.half_width = self.state[:6]
-        self.cut, self.hidden = self.state[6:]
+        self._view()
         side = LEAST_SIDE
         while side * side < len(front):
             side *= 2
@@ -83,6 +82,15 @@ class RobotArrays:
 
     def __len__(self) -> int:
         return self.state.shape[1]
+
+    def __setstate__(self, attributes: Mapping[str, object]) -> None:
+        """Take the attributes of another one: in a copy the views are those of its own state."""
+        self.__dict__.update(attributes)
+        self._view()
+
+    def _view(self) -> None:
+        self.x, self.y, self.theta, self.front, self.rear, self.half_width = self.state[:6]
+        self.cut, self.hidden = self.state[6:]
 
     @property
     def arrays(self) -> tuple[Float, Float, Int32, Int32]:

@@ -5,8 +5,7 @@ import os
 from collections.abc import Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
-from functools import lru_cache
-from itertools import count
+from functools import lru_cache, partial
 from math import ceil
 from typing import Any
 
@@ -112,7 +111,7 @@ class MujocoDynamics:
         self._step = step
         self._map, self._relief = empty_map(), FLAT
         self._names: dict[Body | Obstacle, str] = {}
-        self._numbers = count()
+        self._named = 0
         self._robots: Sequence[Body] = ()
         self._obstacles: Sequence[Obstacle] = ()
         self._drives, self._outlines = DriveArrays.at_rest(0), RobotArrays(*np.zeros((3, 0)))
@@ -126,6 +125,11 @@ class MujocoDynamics:
         self._velocity = self._gained = np.zeros((3, 0))
         self._known, self._hidden = np.zeros((3, 0)), np.zeros(0)
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Copy all but the module: where a copy is made it is imported as here, before the rest."""
+        state = {name: value for name, value in vars(self).items() if name != "_mujoco"}
+        return MujocoDynamics, (self._step,), state
+
     @property
     def scene(self) -> Scene:
         """The compiled world; replaced when robots, obstacles or walls come and go."""
@@ -133,7 +137,7 @@ class MujocoDynamics:
         return self._scene
 
     def new_sensing(self, sonar: SonarErrors) -> Sensing:
-        return MujocoSensing(lambda: self.scene, sonar)
+        return MujocoSensing(partial(getattr, self, "scene"), sonar)  # which can be copied
 
     def change_map(self, line_map: LineMap, grid: Grid, relief: Relief) -> None:
         before = self._map, self._relief
@@ -160,11 +164,15 @@ class MujocoDynamics:
         self._drives, self._outlines = drives, outlines
         self._motors.change(robots, drives)
         self._names = {
-            item: self._names.get(item) or f"{kind}{next(self._numbers)}"
+            item: self._names.get(item) or self._new_name(kind)
             for kind, items in (("robot", robots), ("obstacle", obstacles))
             for item in items
         }
         self._rebuild()
+
+    def _new_name(self, kind: str) -> str:
+        self._named += 1
+        return f"{kind}{self._named - 1}"
 
     def place(self) -> None:
         poses = self._outlines.poses

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from types import MappingProxyType
 from typing import Protocol
 
 import numpy as np
@@ -42,7 +41,7 @@ class Relief:
 
     wall_height: float = WALL_HEIGHT
     heights: Float = field(default_factory=lambda: np.empty(0))
-    solids: Mapping[str, Solid] = field(default_factory=lambda: MappingProxyType({}))
+    solids: Mapping[str, Solid] = field(default_factory=dict)
     origin: Origin | None = None
 
     @property
@@ -78,7 +77,7 @@ class Relief:
         return replace(
             self,
             heights=np.array(heights, dtype=np.float64),
-            solids=MappingProxyType(solids),
+            solids=solids,
         )
 
 

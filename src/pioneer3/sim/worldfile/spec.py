@@ -5,7 +5,6 @@ from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from math import cos, sin
 from pathlib import Path
-from types import MappingProxyType
 from typing import Annotated, ClassVar, Literal
 
 import numpy as np
@@ -287,7 +286,7 @@ class WorldFile:
         return Relief(
             wall_height=self.wall_height,
             heights=np.array(base + heights, dtype=np.float64),
-            solids=MappingProxyType(solids),
+            solids=solids,
             origin=self,
         )
 
