@@ -13,8 +13,8 @@ are. Where nothing can be kept they are compiled at each start.
 import logging
 import os
 import sys
-from collections.abc import Callable, Iterable
-from contextlib import suppress
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager, suppress
 from functools import cache, cached_property, wraps
 from hashlib import sha256
 from importlib.metadata import PackageNotFoundError, version
@@ -25,6 +25,11 @@ from types import FunctionType
 from typing import Any, Final, ParamSpec, TypeVar
 
 import numpy as np
+
+try:
+    import fcntl
+except ImportError:  # Windows: two processes that start at once may both compile
+    fcntl = None  # type: ignore[assignment]
 
 log = logging.getLogger(__name__)
 
@@ -38,6 +43,8 @@ CACHE_DIR_IS_SET: Final = Lock()
 """Held while numba's setting is ours: kernels are loaded in several threads."""
 COMPLETE: Final = "complete"
 """A file in the cache of which all kernels are there."""
+LOCK: Final = "lock"
+"""A file in the cache that the process locks which compiles."""
 ROOM: Final = 8 << 20
 """More than the compiled kernels of one folder take [bytes]."""
 
@@ -110,12 +117,31 @@ class KernelCache:
         return self._is_marked and self.can_keep
 
     @property
+    def is_missing(self) -> bool:
+        """Whether kernels are still to be compiled, and can be kept."""
+        return bool(numba_version()) and self.can_keep and not self._is_marked
+
+    @property
     def _is_marked(self) -> bool:
         return (self.directory / COMPLETE).exists()
 
-    def complete(self) -> None:
-        """Note that all kernels are there, if they were kept."""
-        if numba_version() and self.can_keep:
+    @contextmanager
+    def compiling(self, begin: Callable[[], None] = lambda: None) -> Iterator[None]:
+        """Call all kernels in this block, which notes in the end that they are there.
+
+        Of several processes one compiles; the others wait for it, and load what it has kept.
+        `begin` is called by that one.
+        """
+        if not self.is_missing:
+            yield
+            return
+        with (self.directory / LOCK).open("w") as file:
+            if fcntl is not None:
+                with suppress(OSError):  # a file system without locks
+                    fcntl.flock(file, fcntl.LOCK_EX)
+            if self.is_missing:
+                begin()
+            yield
             with suppress(OSError):  # full since: they are compiled anew the next time
                 (self.directory / COMPLETE).touch()
 

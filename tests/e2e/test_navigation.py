@@ -15,6 +15,7 @@ from pioneer3.errors import CommandError, ConfigError, MotionError
 from pioneer3.geometry import Pose2, Twist2
 from pioneer3.maps import LineMap, shipped_map
 from pioneer3.models.lasers import LASERS
+from pioneer3.nav.costs import CostMap
 from pioneer3.nav.places import Destination, find_place, home
 from pioneer3.navigation.connect import connect_async
 from pioneer3.navigation.navigator import Navigator
@@ -255,6 +256,21 @@ async def test_a_laser_that_sees_four_metres_reaches_all_places(name: str) -> No
                 await navigator.goto(find_place(OFFICE, place.name or "home"), speed=0.7)
                 there = sim.body.robot_in_world
                 assert hypot(there.x - place.pose.x, there.y - place.pose.y) < 0.15, place.name
+
+
+async def test_a_map_that_is_too_large_is_refused_before_the_work() -> None:
+    hall, called = LineMap(name="hall", walls=np.array([[0.0, 0.0, 300.0, 300.0]])), list[Any]()
+
+    async def noted(function: Callable[..., Any], *args: Any) -> Any:
+        called.append(function)
+        return await at_once(function, *args)
+
+    sim = SimulatedRobot(OFFICE, home=HOME or Pose2())
+    async with sim, connect_async(sim.open) as robot:
+        with pytest.raises(ConfigError, match=r"300 x 300 m.* 40000 square metres"):
+            await Navigator.on(robot, hall, in_thread=noted)
+    assert called
+    assert CostMap.of not in called
 
 
 async def test_names_are_checked() -> None:

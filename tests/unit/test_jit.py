@@ -3,6 +3,7 @@
 import time
 from concurrent.futures import ThreadPoolExecutor
 from errno import ENOSPC
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -72,7 +73,8 @@ def test_kernels_are_compiled_without_a_cache_where_none_can_be_written(
 
     monkeypatch.setattr(numba, "njit", njit)
     jit.fast(some("kernel"), spoiled)
-    spoiled.complete()
+    with spoiled.compiling():
+        pass
     assert asked == [False]
     assert not spoiled.is_complete
 
@@ -92,5 +94,42 @@ def test_a_cache_is_complete_once_that_is_noted(
 ) -> None:
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
     assert not KernelCache(tmp_path).is_complete
-    KernelCache(tmp_path).complete()
+    with KernelCache(tmp_path).compiling():
+        assert not KernelCache(tmp_path).is_complete
     assert KernelCache(tmp_path).is_complete
+
+
+@pytest.mark.skipif(find_spec("fcntl") is None, reason="Windows has no such locks")
+def test_of_several_that_need_the_same_kernels_one_compiles_them(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    compiled: list[int] = []
+    inside: list[int] = []
+
+    def start(number: int) -> int:
+        with KernelCache(tmp_path).compiling(lambda: compiled.append(number)):
+            inside.append(number)
+            time.sleep(0.02)  # the others come
+            if compiled != [number]:
+                return 0
+            assert inside == [number]
+        return 1
+
+    with ThreadPoolExecutor(4) as pool:
+        assert sum(pool.map(start, range(4))) == 1
+    assert sorted(inside) == [0, 1, 2, 3]
+
+
+def test_who_does_not_come_to_an_end_leaves_the_rest_to_the_next(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    begun: list[str] = []
+    with pytest.raises(KeyboardInterrupt), KernelCache(tmp_path).compiling():
+        raise KeyboardInterrupt
+    with KernelCache(tmp_path).compiling(lambda: begun.append("again")):
+        pass
+    with KernelCache(tmp_path).compiling(lambda: begun.append("once more")):
+        pass
+    assert begun == ["again"]

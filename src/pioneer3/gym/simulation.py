@@ -20,7 +20,13 @@ from pioneer3.models import RobotModel, load_model
 from pioneer3.sim.body import Body
 from pioneer3.sim.collision import turning_circle
 from pioneer3.sim.dynamics import dynamics_of
-from pioneer3.sim.kernels import WORTH_COMPILING, Kernels, laser_fan
+from pioneer3.sim.kernels import (
+    CACHE,
+    WORTH_COMPILING,
+    Kernels,
+    compiled_kernels,
+    laser_fan,
+)
 from pioneer3.sim.kernels.drives import LONGEST, STALLED, TOP, VELOCITY
 from pioneer3.sim.realism import Realism
 from pioneer3.sim.sensors import SONAR_RANGE
@@ -36,6 +42,7 @@ GOAL_RANGE = 10.0
 """Goals farther away than this seem to be this far [m]."""
 OTHERS = 5
 """Numbers that are no ranges: goal distance, cosine and sine of its bearing, speed, turn rate."""
+COMPILING = "compiling the simulator, once on this machine: it takes some 20 seconds"
 
 log = logging.getLogger(__name__)
 
@@ -125,6 +132,7 @@ class GoalSimulation:
         self.maps = TiledMap(line_map, copies)
         self._radius = turning_circle(self._model)
         self._free = FreeSpace(line_map, self.maps.walls, self._radius)
+        _compile_once()
         self._kernels = Kernels(task.threads)
         if self.count >= WORTH_COMPILING and not self._kernels.compiled:
             log.warning("without numba this simulation is slow: %s", how_to_get("fast"))
@@ -154,6 +162,7 @@ class GoalSimulation:
     def __setstate__(self, attributes: dict[str, Any]) -> None:
         """Take the attributes of another one; Ray lends arrays that nobody may write to."""
         self.__dict__.update(deepcopy(attributes))
+        _compile_once()
 
     @property
     def noisy(self) -> bool:
@@ -252,6 +261,12 @@ class GoalSimulation:
         """Return the vector from each robot, or some, to its goal [m], shape (N, 2)."""
         vectors: Float = self.goals[who] + self._offsets[who] - self.world.outlines.poses[:2, who].T
         return vectors
+
+
+def _compile_once() -> None:
+    """Compile the kernels, and say so, if nobody has on this machine."""
+    if CACHE.is_missing:
+        compiled_kernels(begin=lambda: log.warning(COMPILING))
 
 
 def info_of(infos: Infos, n: int) -> dict[str, Any]:

@@ -32,6 +32,7 @@ THING = 0.8, 0.3
 
 
 @cache
+@CACHE.compiling()
 def warm_up() -> None:
     """Call every kernel, once in the life of this program."""
     model, rng = load_model("p3at-sh"), np.random.default_rng(0)
@@ -63,7 +64,6 @@ def warm_up() -> None:
     if (manoeuvre := search_on(ORIGIN, model, obstacles, way.cost_to_go)) is not None:
         manoeuvre.go_on()
     _make_map()
-    CACHE.complete()
 
 
 def _make_map() -> None:

@@ -12,7 +12,6 @@ from pioneer3.arcos.host_events import Timing
 from pioneer3.distribution import how_to_get
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
-from pioneer3.jit import numba_version
 from pioneer3.links import Opener
 from pioneer3.models import GivenModel
 from pioneer3.nav.settings import AS_SHIPPED, NavigationSettings
@@ -164,7 +163,7 @@ async def prepare_navigation(
     from pioneer3.nav.kernels import CACHE
     from pioneer3.nav.warm_up import warm_up
 
-    if numba_version() and CACHE.can_keep and not CACHE.is_complete:
+    if CACHE.is_missing:
         tell("compiling navigation, once: it takes about half a minute")
         process = await asyncio.create_subprocess_exec(sys.executable, "-m", "pioneer3.nav")
         await process.wait()

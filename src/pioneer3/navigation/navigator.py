@@ -117,11 +117,15 @@ class Navigator:
 
         Without a `start` the robot is found; without a laser by its sonars. It makes way for the
         other robots of `traffic`, whose drivers know it by its `name`.
+
+        Raises:
+            ConfigError: The map is too large.
         """
         await in_thread(warm_up)
-        costs = await in_thread(CostMap.of, line_map, robot.info.model, robot.settings.planner)
         drawn = rng or np.random.default_rng()
+        # first what has the finest cells: it refuses a map that is too large before there is work
         localization = await Localization.on(robot, line_map, drawn, in_thread)
+        costs = await in_thread(CostMap.of, line_map, robot.info.model, robot.settings.planner)
         navigator = cls(robot, costs, localization, in_thread=in_thread, traffic=traffic, name=name)
         if start is not None:
             navigator.place(start)

@@ -13,7 +13,9 @@ from gymnasium.utils.env_checker import check_env
 from pioneer3.errors import CommandError, ConfigError
 from pioneer3.geometry import Pose2
 from pioneer3.gym import GoalEnv, Reward
+from pioneer3.gym.simulation import COMPILING
 from pioneer3.gym.task import EPISODE, Sensors, Task, TaskOptions
+from pioneer3.jit import KernelCache
 from pioneer3.models import load_model
 from pioneer3.sim.body import Body
 from pioneer3.sim.realism import Realism
@@ -300,6 +302,14 @@ def test_with_physics_an_episode_repeats_and_a_robot_arrives() -> None:
         runs.append([env.step(AHEAD)[0].tolist() for _ in range(10)])
     assert runs[0] == runs[1]
     assert runs[0][0] != runs[0][-1]
+
+
+def test_the_first_one_on_a_machine_says_that_it_compiles(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setattr(KernelCache, "is_missing", property(lambda _: True))
+    GoalEnv(map=ROOM)
+    assert caplog.messages == [COMPILING]
 
 
 def test_physics_that_are_none_are_refused() -> None:

@@ -223,25 +223,23 @@ class Kernels:
             pass
 
 
-def compiled_kernels(threads: int = 1) -> Kernels:
+def compiled_kernels(threads: int = 1, begin: Callable[[], None] = lambda: None) -> Kernels:
     """Return kernels that are compiled and loaded.
 
-    This takes seconds the first time ever, about half a second later. Where numba is not installed,
-    they are plain.
+    This takes seconds the first time ever, which `begin` may tell; about half a second later. Where
+    numba is not installed, they are plain.
     """
     kernels = Kernels(threads)
     grid = build_grid(np.array([[1.0, -1.0, 1.0, 1.0]]))
     size = np.array([0.2])
-    robots = RobotArrays(size, size, size)
-    kernels.place(robots)
-    kernels.sonar(grid, robots, sonar_mounts([np.zeros((1, 3))], [0]), 2.0)
-    kernels.cast_fans(grid, robots, laser_fan((0.0, 0.0, 0.0), 0.0, 1.0, 1), 2.0)
-    kernels.blocked(grid, robots, robots.poses)
-    drives = DriveArrays.at_rest(1)
-    for noise in (None, np.zeros((3, 1))):
-        kernels.step(grid, robots, drives, 0.1, noise)
-    kernels.ramp(drives, 0.1)
-    kernels.count(drives, np.zeros(1), np.zeros(1))
-    if kernels.compiled:
-        CACHE.complete()
+    robots, drives = RobotArrays(size, size, size), DriveArrays.at_rest(1)
+    with CACHE.compiling(begin):
+        kernels.place(robots)
+        kernels.sonar(grid, robots, sonar_mounts([np.zeros((1, 3))], [0]), 2.0)
+        kernels.cast_fans(grid, robots, laser_fan((0.0, 0.0, 0.0), 0.0, 1.0, 1), 2.0)
+        kernels.blocked(grid, robots, robots.poses)
+        for noise in (None, np.zeros((3, 1))):
+            kernels.step(grid, robots, drives, 0.1, noise)
+        kernels.ramp(drives, 0.1)
+        kernels.count(drives, np.zeros(1), np.zeros(1))
     return kernels
