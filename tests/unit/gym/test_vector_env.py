@@ -104,6 +104,24 @@ def test_robots_far_off_in_a_large_world_are_no_less_exact() -> None:
             break
 
 
+def test_processes_of_gymnasium_say_the_same() -> None:
+    together = GoalVectorEnv(2, map=PILLARED)
+    apart = gymnasium.make_vec(
+        "pioneer3/Goal-v0",
+        num_envs=2,
+        vectorization_mode="async",
+        vector_kwargs={"context": "spawn"},
+        map=PILLARED,
+    )
+    assert_same(together.reset(seed=3)[0], apart.reset(seed=3)[0])
+    together.action_space.seed(3)
+    for _ in range(20):
+        actions = together.action_space.sample()
+        for one, other in zip(together.step(actions)[:4], apart.step(actions)[:4], strict=True):
+            assert_same(one, other)
+    apart.close()
+
+
 def test_make_vec_makes_it() -> None:
     env = gymnasium.make_vec("pioneer3/Goal-v0", num_envs=3, map=ROOM)
     assert isinstance(env.unwrapped, GoalVectorEnv)
