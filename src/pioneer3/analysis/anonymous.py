@@ -55,6 +55,8 @@ SHORT: Final = 3
 """Names with fewer letters are looked for as whole words only."""
 NUMBER: Final = re.compile(r"[+-]?\d+(\.\d+)?[a-z°/]*")
 """An argument of a command that stays."""
+OUR_COMMAND: Final = re.compile(r"[a-z][a-z0-9-]*")
+"""The word behind `pioneer3`."""
 OPTION: Final = re.compile(r"--?[a-z][a-z-]*")
 """Option of a command."""
 SAME: Final = {"version", "began", "began_ns", "clock", "python", "system"}
@@ -78,7 +80,7 @@ class Names:
 
     def add(self, kind: str, names: Iterable[str]) -> None:
         """Take names of a kind, such as `user`."""
-        for name in names:
+        for name in sorted(names):
             if name and name not in NO_NAMES and name not in self.aliases:
                 self.aliases[name] = f"{kind}-{len(self.aliases) + 1}"
                 self._pattern = None
@@ -233,7 +235,10 @@ def _hidden_json(configuration: str) -> str:
 def _command(line: str) -> str:
     """Return a command line: our own command, options, numbers; all else is left out."""
     first, *rest = line.split() or [""]
-    kept = [first if first in {"pioneer3", "p3"} else "python"]
+    is_ours = first in {"pioneer3", "p3"}
+    kept = [first if is_ours else "python"]
+    if is_ours and rest and OUR_COMMAND.fullmatch(rest[0]):
+        kept.append(rest.pop(0))  # `goto` of `pioneer3 goto kitchen`
     for word in rest:
         option, equals, _ = word.partition("=")
         if OPTION.fullmatch(option):

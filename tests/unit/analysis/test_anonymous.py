@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from mcap.reader import make_reader
 
 import pioneer3
-from pioneer3.analysis.anonymous import Names, write_anonymous
+from pioneer3.analysis.anonymous import Names, _command, write_anonymous
 from pioneer3.analysis.anonymous_bytes import without_names
 from pioneer3.arcos import packet, reports
 from pioneer3.errors import ConfigError
@@ -153,6 +153,19 @@ def test_any_bytes_stay_as_long_and_tell_no_name(pieces: list[bytes]) -> None:
         clean, _ = without_names(data, is_command=is_command)
         assert len(clean) == len(data)
         assert b"rosalind" not in clean
+
+
+@pytest.mark.parametrize(
+    ("line", "kept"),
+    [
+        ("pioneer3 goto kitchen --map=lab.map -n 2", "pioneer3 goto *** --map=*** -n 2"),
+        ("pioneer3 lab.toml", "pioneer3 ***"),
+        ("thesis.py ann 0.3m/s", "python *** 0.3m/s"),
+        ("", "python"),
+    ],
+)
+def test_of_a_command_line_commands_options_and_numbers_stay(line: str, kept: str) -> None:
+    assert _command(line) == kept
 
 
 def test_words_that_are_no_names_stay() -> None:
