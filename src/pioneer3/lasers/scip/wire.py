@@ -16,7 +16,7 @@ ZERO: Final = 0x30
 """The character of six zero bits."""
 ALPHABET: Final = bytes(range(ZERO, ZERO + 64))
 BASE64: Final = (ascii_uppercase + ascii_lowercase + digits + "+/").encode()
-"""The same of base64, which the standard library packs much faster than a loop."""
+"""Alphabet of base64, which the standard library packs much faster than a loop."""
 TO_BASE64: Final = bytes.maketrans(ALPHABET, BASE64)
 FROM_BASE64: Final = bytes.maketrans(BASE64, ALPHABET)
 LINE: Final = 64
