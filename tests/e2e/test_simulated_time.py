@@ -424,3 +424,16 @@ async def test_simstat_tells_how_time_passes() -> None:
         times = lab.simulation.ports[0].firmware.console.step_times
         assert (times.simulated, times.wanted) == (0.1, 0.01)
         assert times.measured == pytest.approx(0.01, rel=0.05)
+
+
+async def test_a_still_world_keeps_its_pace_and_bears_a_cable_that_is_pulled_out() -> None:
+    lab = Lab(Pacer())
+    async with lab:
+        await asyncio.sleep(3.0)
+        assert lab.simulation.pace.real_time_factor == pytest.approx(1.0, abs=0.03)
+        link = await lab.open()
+        await link.write(HELLO)
+        await sips(link, 3)
+        lab.simulation.ports[0].faults = LinkFaults.parse("unplugged")
+        await asyncio.sleep(0.5)
+        assert await passed(lab, 1.0) == pytest.approx(1.0, abs=0.11)

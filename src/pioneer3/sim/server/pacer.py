@@ -123,6 +123,10 @@ class Pacer:
         wait = self._due - now
         return wait if wait > EARLY else 0.0
 
+    def is_late(self, now: float) -> bool:
+        """Whether a tick was due before `now` [s, real]."""
+        return self.steady and self._due is not None and self._due < now - EARLY
+
     def elapsed(self, now: float) -> float:
         """Return the simulated time that has passed since the last tick [s], 0 to :data:`TICK`.
 

@@ -199,7 +199,7 @@ class Simulation:
         now = clock()
         self._report_pace(now)
         heard = self._hosts_heard()
-        while self._sleeps and self._hosts_heard() == heard and self.pace.wait(now) == 0:
+        while self._sleeps and self._hosts_heard() == heard and self.pace.is_late(now):
             await self._tick()
             self.pace.passed(now)
         self._receive(self.world.time + self.pace.elapsed(now))
@@ -228,7 +228,7 @@ class Simulation:
             return 0
         due = min((port.due for port in self.ports), default=inf)
         ticks = (due - self.world.time - SLACK) / TICK
-        return max(0, ceil(min(ticks, TICKS_PER_CYCLE)) - 1)
+        return ceil(min(ticks, TICKS_PER_CYCLE)) - 1 if ticks > 0 else 0
 
     def _hosts_heard(self) -> int:
         """Return of how many hosts bytes wait for their robots."""
