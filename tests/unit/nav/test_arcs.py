@@ -90,7 +90,7 @@ def test_gaps_are_those_of_the_outline_along_the_motion(
         assert out[0, 2] < 0.0
         return
     # beyond the farthest gap that is told apart both only say that there is room
-    assert out[0, 3] == pytest.approx(bare, abs=1e-9)
+    assert out[0, 3] == pytest.approx(bare, abs=0.04 if bare > FAR - 0.04 else 1e-9)
     assert out[0, 2] == pytest.approx(kept, abs=0.12 if bare > FAR - 0.12 else 1e-9)
 
 

@@ -79,7 +79,7 @@ class Simulation:
         self._watchdog_factor = 1.0
         self._reported_at = -inf
         self._waiting_since: float | None = None
-        self._sleeps = False
+        self._idle = 0
         for firmware in firmwares:
             self.attach(firmware)
 
@@ -187,7 +187,7 @@ class Simulation:
         try:
             while True:
                 rest = await self._turn(clock)
-                if self._waiting_since is not None or self._sleeps:
+                if self._waiting_since is not None or self._idle:
                     await self._sleep_until_heard(rest)
                 else:
                     await asyncio.sleep(rest)
@@ -198,10 +198,11 @@ class Simulation:
         """Take bytes of hosts, and step if a tick is due; return how long to sleep [s, real]."""
         now = clock()
         self._report_pace(now)
-        heard = self._hosts_heard()
-        while self._sleeps and self._hosts_heard() == heard and self.pace.is_late(now):
+        heard, slept = self._hosts_heard(), self._idle
+        while slept and self._hosts_heard() == heard and self.pace.is_late(now):
             await self._tick()
             self.pace.passed(now)
+            slept -= 1
         self._receive(self.world.time + self.pace.elapsed(now))
         wait = self.pace.wait(now)
         if wait == 0 and self._all_have_answered(now):
@@ -214,10 +215,9 @@ class Simulation:
             if self.pace.paused:
                 self._turns += 1
                 self._waiting_since = None
-        idle = self._idle_ticks()
-        self._sleeps = idle > 0
-        if self._sleeps:
-            return wait + idle * TICK / self.pace.speed
+        self._idle = self._idle_ticks()
+        if self._idle:
+            return wait + self._idle * TICK / self.pace.speed
         return min(LONGEST_TURN, wait, self._until_bytes_leave(now))
 
     def _idle_ticks(self) -> int:
