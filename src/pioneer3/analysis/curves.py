@@ -48,7 +48,7 @@ class RunDrawn:
 
 
 def run_drawn(log: OpenLog) -> RunDrawn:
-    """Return what is drawn of a run.
+    """Return the curves of a run.
 
     Raises:
         ConfigError: The log is damaged, has several robots, or no report of one.

@@ -48,7 +48,7 @@ class MomentTold:
 
 
 def told_at(log: OpenLog, time: float) -> MomentTold:
-    """Return what a log tells of its robot at a time [s since it began].
+    """Return the state of a robot at a time of its log [s since it began].
 
     Raises:
         ConfigError: It is damaged, or has several robots.

@@ -61,7 +61,7 @@ def explain_standstill(decision: Decision) -> str | None:
 
 
 def explain_parts(decision: Decision) -> tuple[PartTold, ...]:
-    """Return what each action wants, the highest priority first, and what limits take away."""
+    """Return the wishes of actions, the highest priority first, and the parts that limits take."""
     taken = dict(_taken(decision, "v", "v_max", "back_max"))
     taken |= dict(_taken(decision, "w", "left_max", "right_max"))
     return tuple(

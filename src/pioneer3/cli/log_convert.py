@@ -72,7 +72,7 @@ def convert(
 
 
 def kind_of(output: Path) -> Kind:
-    """Return what the end of a name says that it is.
+    """Return the kind of output that the end of a name stands for.
 
     Raises:
         ConfigError: It says nothing.

@@ -258,7 +258,7 @@ class RunLog:
 
     @contextmanager
     def damage_told(self) -> Iterator[None]:
-        """Tell what readers find wrong during the block as errors about this file."""
+        """Turn errors of readers during the block into errors about this file."""
         from mcap.exceptions import McapError
         from zstandard import ZstdError
 

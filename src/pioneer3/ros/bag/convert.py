@@ -90,7 +90,7 @@ def _guess(robot: LoggedRobot) -> str:
 
 
 def _takers(robot: LoggedRobot, player: Player) -> dict[str, tuple[LogTopic[Any], Take]]:
-    """Return what takes the messages of a robot, by their topics."""
+    """Return the receivers of a robot's messages, by their topics."""
     before = robot.prefix
     takers: dict[str, tuple[LogTopic[Any], Take]] = {}
 

@@ -238,5 +238,5 @@ class LogPlayer:
 
 
 def _label(stem: str) -> str:
-    """Return what a robot without a name is called: the name of its file, without the time."""
+    """Return a name for a robot that has none: that of its file, without the time."""
     return stem.partition("Z-")[2] or stem
