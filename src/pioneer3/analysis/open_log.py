@@ -264,12 +264,12 @@ class OpenLog:
         return ConfigError(f"{printable(str(self.path))} {printable(problem)}")
 
 
-def open_log(name: str | Path) -> OpenLog:
-    """Open a log to look at it: a file, or a part of the name of one of the user's logs.
+def open_log(name: str | Path = "") -> OpenLog:
+    """Open a log to look at it: a file, or the user's newest log with such a part in its name.
 
     Raises:
         PortNotFoundError: There is no such file.
-        ConfigError: It is no log, or names several.
+        ConfigError: It is no log, or names none.
     """
     return OpenLog(named_log_path(name))
 

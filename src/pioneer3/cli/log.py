@@ -13,7 +13,7 @@ from pioneer3.cli.log_plot import plot
 from pioneer3.cli.log_stats import stats
 from pioneer3.cli.log_verify import verify
 from pioneer3.cli.log_why import why
-from pioneer3.cli.options import Flag
+from pioneer3.cli.options import Flag, LogName
 from pioneer3.cli.process import write_json, write_line, write_warning
 from pioneer3.errors import ConfigError
 
@@ -24,9 +24,11 @@ log_app = App(
     name="log",
     help="""Look at what robots did: each program that drives one writes a log.
 
-    A log is named by a part of its name that no other has, or as a file.
+    A log is a file, or the newest with such a part in its name; without one, the
+    newest of all.
 
     Example: pioneer3 log list
+    Example: pioneer3 log why --at 14:02:31
     Example: pioneer3 log info drive
     """,
     help_format="plaintext",
@@ -87,13 +89,13 @@ def list_(*, json: Flag = False) -> int:
 
 
 @log_app.command
-def info(name: str, *, json: Flag = False) -> int:
+def info(name: LogName = "", /, *, json: Flag = False) -> int:
     """Show what a log has: what was started, the robot, the messages by topic.
 
     Example: pioneer3 log info drive
 
     Args:
-        name: Of the log.
+        name: A file, or a part of the log's name; without it, the newest.
         json: Print JSON.
     """
     from pioneer3.log.folder import named_log_path
@@ -130,7 +132,7 @@ def info(name: str, *, json: Flag = False) -> int:
 
 
 @log_app.command
-def pin(name: str, *, off: Flag = False) -> int:
+def pin(name: Annotated[str, Parameter(metavar="LOG")], /, *, off: Flag = False) -> int:
     """Keep a log until you remove it yourself, whatever room others need.
 
     Example: pioneer3 log pin drive
@@ -153,7 +155,8 @@ def pin(name: str, *, off: Flag = False) -> int:
 
 @log_app.command
 def cut(
-    name: str,
+    name: LogName = "",
+    /,
     *,
     output: Annotated[Path, Parameter(name=["--output", "-o"])],
     begin: Moment = None,
@@ -165,7 +168,7 @@ def cut(
     Example: pioneer3 log cut drive --begin 90s --end 2min -o stall.mcap
 
     Args:
-        name: Of the log.
+        name: A file, or a part of the log's name; without it, the newest.
         output: The new file.
         begin: A time of day, or how long after the log began.
         end: Likewise.

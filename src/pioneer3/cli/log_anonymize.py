@@ -5,11 +5,15 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
+from pioneer3.cli.options import LogName
 from pioneer3.cli.process import write_line
 
 
 def anonymize(
-    name: str, *, output: Annotated[Path, Parameter(name=["--output", "-o"], metavar="FILE")]
+    name: LogName = "",
+    /,
+    *,
+    output: Annotated[Path, Parameter(name=["--output", "-o"], metavar="FILE")],
 ) -> int:
     """Write a log without names of robots, people, hosts, places and files.
 
@@ -18,7 +22,7 @@ def anonymize(
     Example: pioneer3 log anonymize drive -o anonymous.mcap
 
     Args:
-        name: Of the log.
+        name: A file, or a part of the log's name; without it, the newest.
         output: The new file.
     """
     from pioneer3.analysis.anonymous import write_anonymous

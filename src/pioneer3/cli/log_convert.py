@@ -6,6 +6,7 @@ from typing import Annotated, Literal, get_args
 
 from cyclopts import Parameter
 
+from pioneer3.cli.options import LogName
 from pioneer3.cli.process import busy_sign, write_line, write_warning
 from pioneer3.errors import ConfigError
 
@@ -20,7 +21,8 @@ LAST_WORD = re.compile(r"[a-z0-9]+$")
 
 
 def convert(
-    name: str,
+    name: LogName = "",
+    /,
     *,
     output: Annotated[Path, Parameter(name=["--output", "-o"])],
     to: Kind | None = None,
@@ -38,7 +40,7 @@ def convert(
     Example: pioneer3 log convert drive -o drive-csv
 
     Args:
-        name: Of the log.
+        name: A file, or a part of the log's name; without it, the newest.
         output: The new file or folder.
         to: What to make; without it, what the end of the new name says.
         profile: Names of topics in ROS 1, as of the node.

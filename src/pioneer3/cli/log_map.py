@@ -5,11 +5,12 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from pioneer3.cli.options import Flag
+from pioneer3.cli.options import Flag, LogName
 
 
 def map_(
-    name: str,
+    name: LogName = "",
+    /,
     *,
     output: Annotated[Path | None, Parameter(name=["--output", "-o"], metavar="FILE")] = None,
     repair_odometry: Flag = False,
@@ -20,7 +21,7 @@ def map_(
     Example: pioneer3 log map drive
 
     Args:
-        name: Of the log.
+        name: A file, or a part of the log's name; without it, the newest.
         output: The new map: .map, .yaml or .toml. Without it a .map named after the time.
         repair_odometry: Trust the scans where odometry contradicts them.
         force: Write over files that are there.

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import Parameter
 
 from pioneer3.cli.log_why import opened
-from pioneer3.cli.options import RobotName
+from pioneer3.cli.options import LogName, RobotName
 from pioneer3.cli.process import write_line
 
 if TYPE_CHECKING:
@@ -19,6 +19,8 @@ ROWS = 4
 """Rows of a chart in a terminal."""
 MARGIN = 22
 """Columns left of a chart, for its title and the ends of its axis."""
+AROUND = 0.5
+"""Width of the picture beyond the end of the way [m]: a robot that stood is no speck of nothing."""
 MEASURED = "cyan"
 """Style of what was measured."""
 WANTED = "yellow"
@@ -26,7 +28,8 @@ WANTED = "yellow"
 
 
 def plot(
-    name: str,
+    name: LogName = "",
+    /,
     *,
     output: Annotated[Path | None, Parameter(name=["--output", "-o"], metavar="FILE")] = None,
     robot: RobotName = None,
@@ -36,7 +39,7 @@ def plot(
     Example: pioneer3 log plot drive
 
     Args:
-        name: Of the log.
+        name: A file, or a part of the log's name; without it, the newest.
         output: A new picture: .png, .svg or .pdf; without it, the terminal.
         robot: Of a log of several.
     """
@@ -93,7 +96,8 @@ def _drawing(run: "RunDrawn") -> Any:
         lines = drawing.lines | {Layer.GOAL: way}
         bounds = bounds_of(lines.values(), (*drawing.markers, end))
         return replace(drawing, lines=lines, bounds=bounds, markers=(end,))
-    bounds = bounds_of([way], [end])
+    around = np.array([[x - AROUND, y - AROUND, x + AROUND, y + AROUND]])
+    bounds = bounds_of([way, around], [end])
     return MapDrawing(name="", bounds=bounds, lines={Layer.GOAL: way}, markers=(end,))
 
 

@@ -2,11 +2,11 @@
 
 from datetime import UTC, datetime
 
-from pioneer3.cli.options import Flag, Model
+from pioneer3.cli.options import Flag, LogName, Model
 from pioneer3.cli.process import write_json, write_line
 
 
-def verify(name: str, *, model: Model = None, json: Flag = False) -> int:
+def verify(name: LogName = "", /, *, model: Model = None, json: Flag = False) -> int:
     """Run the driver over the bytes of a log, and compare what it sees.
 
     Each reading of the robot is compared, field by field and bit by bit. The first
@@ -15,7 +15,7 @@ def verify(name: str, *, model: Model = None, json: Flag = False) -> int:
     Example: pioneer3 log verify drive
 
     Args:
-        name: Of the log.
+        name: A file, or a part of the log's name; without it, the newest.
         model: That was named at the recording.
         json: Print JSON.
     """

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from pioneer3.cli.options import Flag, RobotName
+from pioneer3.cli.options import Flag, LogName, RobotName
 from pioneer3.cli.process import write_json
 from pioneer3.errors import ConfigError
 
@@ -18,7 +18,8 @@ if TYPE_CHECKING:
 
 
 def why(
-    name: str,
+    name: LogName = "",
+    /,
     *,
     at: Annotated[str | None, Parameter(metavar="TIME", show_default=False)] = None,
     robot: RobotName = None,
@@ -30,7 +31,7 @@ def why(
     Example: pioneer3 log why drive --at 90s
 
     Args:
-        name: Of the log.
+        name: A file, or a part of the log's name; without it, the newest.
         at: A time of day, or how long after the log began; without it, its end.
         robot: Of a log of several.
         json: Print JSON.
@@ -97,6 +98,7 @@ def _rows(log: "OpenLog", told: "MomentTold") -> Iterator[tuple[str, str]]:
     def ago(time: float) -> str:
         return f"{max(0.0, told.time - time):.1f} s before"
 
+    yield "log", log.path.name
     when = log.began + timedelta(seconds=told.time)
     yield "time", f"{when:%Y-%m-%d %H:%M:%S}, {told.time:.1f} s after the log began"
     later = "" if told.was_told else " (by its readings: it was not logged)"

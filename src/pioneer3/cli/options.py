@@ -43,6 +43,8 @@ MODEL_VARIABLE = "PIONEER3_MODEL"
 Model = Annotated[
     str | None, Parameter(name="--model", metavar="NAME|FILE", env_var=MODEL_VARIABLE)
 ]
+LogName = Annotated[str, Parameter(metavar="LOG", show_default=False)]
+"""A file, or the newest log with such a part in its name; the newest of all if empty."""
 RobotName = Annotated[str | None, Parameter(name="--robot", metavar="NAME")]
 Baud = Annotated[int | None, Parameter(name=["--baud", "-b"], env_var="PIONEER3_BAUD")]
 FleetFile = Annotated[

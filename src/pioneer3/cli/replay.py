@@ -10,8 +10,6 @@ from pioneer3.cli.process import run_until_told_to_leave, write_line
 
 
 def replay(
-    name: Annotated[str, Parameter(metavar="LOG")],
-    /,
     *names: Annotated[str, Parameter(metavar="LOG")],
     web_port: TcpPort = 8080,
     lan: Flag = False,
@@ -20,12 +18,12 @@ def replay(
 
     Robots of several logs stand beside each other, by the clock of their computers.
 
+    Example: pioneer3 replay
     Example: pioneer3 replay drive
     Example: pioneer3 replay alice.mcap bob.mcap
 
     Args:
-        name: A part of the log's name that no other has, or a file; pioneer3 log list shows them.
-        names: More of them.
+        names: Files, or parts of the logs' names; without one, the newest log.
         web_port: TCP port of the page; 0: any free.
         lan: Let other devices in, who must pair first: shows a QR code to scan.
     """
@@ -33,7 +31,7 @@ def replay(
     from pioneer3.web.replay.live import replay as serve
 
     serving = serve(
-        [named_log_path(each) for each in (name, *names)],
+        [named_log_path(each) for each in names or ("",)],
         write_line,
         port=web_port,
         host="0.0.0.0" if lan else "127.0.0.1",

@@ -112,27 +112,26 @@ def user_logs(folder: Path) -> list[Path]:
 
 
 def find_log(folder: Path, name: str) -> Path:
-    """Return the user's log of a name, or a part of it that no other has.
+    """Return the user's log of a name, or the newest with such a part; the newest for no name.
 
     Nothing leaves the folder: it is one of those that are there.
 
     Raises:
-        ConfigError: There is none, or several.
+        ConfigError: There is none.
     """
     logs = user_logs(folder)
-    whole = [path for path in logs if name in {path.name, path.stem}]
-    found = whole or [path for path in logs if name and name in path.name]
-    if len(found) != 1:
-        several = f"names {len(found)} logs" if found else "names no log"
-        raise ConfigError(f"{printable(name)}: {several}; `pioneer3 log list` shows them")
-    return found[0]
+    if found := [path for path in logs if name in path.name]:
+        return next((path for path in found if name in {path.name, path.stem}), found[-1])
+    if not name:
+        raise ConfigError(f"{printable(str(folder))}: there are no logs yet")
+    raise ConfigError(f"{printable(name)}: names no log; `pioneer3 log list` shows them")
 
 
 def named_log_path(name: str | Path) -> Path:
-    """Return the log of a name: a file that is there, or one of the user's logs.
+    """Return the log of a name: a file that is there, or else as :func:`find_log` does.
 
     Raises:
-        ConfigError: There is none, or several.
+        ConfigError: There is none.
     """
     return Path(name) if Path(name).is_file() else find_log(logs_folder(), str(name))
 
