@@ -7,7 +7,7 @@ from tempfile import TemporaryDirectory
 from PIL import Image, ImageDraw, ImageOps
 from playwright.async_api import Page
 
-from docs.plots.studio import PHONE, Size, Studio, run, seen, until
+from docs.plots.studio import PHONE, Size, Studio, product, run, seen, until
 from pioneer3.maps import LineMap, read_map
 
 DRIVES = "Math.abs(state.snapshot.twist.v) > 0.25"
@@ -79,6 +79,29 @@ async def camera(studio: Studio) -> None:
         await seen(desk.get_by_text("pixels,"), "a picture of the camera")
         await desk.wait_for_timeout(3000)  # until their number a second is known
         await studio.take(desk, "page-camera")
+
+
+async def replayed(studio: Studio) -> None:
+    """Let a robot wander for a while, stop it in an emergency, and replay its log."""
+    with TemporaryDirectory() as folder:
+        log = str(Path(folder, "wander.mcap"))
+        async with run("--record", log) as address:
+            desk = await studio.live(address)
+            await desk.click(".views [data-view=modes]")
+            await desk.select_option("#wander-preset", "aria")
+            await desk.click("#wander-start")
+            await until(desk, f"{DRIVES} && state.pose.x > 3.8", "a robot that wanders")
+            await desk.keyboard.press("k")
+            await until(desk, "state.snapshot.twist.v === 0", "a robot that stands")
+            await desk.wait_for_timeout(3000)
+        async with product("replay", log) as address:
+            desk = await studio.open(address)
+            await seen(desk.locator("#replay-play"), "a replay")
+            await desk.wait_for_timeout(3000)  # the marks are looked for
+            await desk.keyboard.press("End")
+            await desk.keyboard.press("Comma")
+            await desk.wait_for_timeout(1500)
+            await studio.take(desk, "page-replay")
 
 
 async def several(studio: Studio) -> None:

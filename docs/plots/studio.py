@@ -238,10 +238,10 @@ async def product(*command: str, folder: Path | None = None) -> AsyncIterator[st
     Raises:
         PictureError: It warns, or ends without an address; says its words.
     """
-    ports = "--web-port", WEB_PORT, "--sim-port", SIM_PORT
+    simulates = ("--sim-port", SIM_PORT) if command[0] != "replay" else ()
     with TemporaryDirectory() as empty:
         process = await asyncio.create_subprocess_exec(
-            *(sys.executable, "-m", "pioneer3", *command, *ports),
+            *(sys.executable, "-m", "pioneer3", *command, "--web-port", WEB_PORT, *simulates),
             stdout=asyncio.subprocess.PIPE,
             stderr=asyncio.subprocess.STDOUT,
             cwd=folder or empty,

@@ -12,6 +12,7 @@ from docs.plots.page import (
     first,
     laser,
     look,
+    replayed,
     several,
     solid,
     together,
@@ -118,6 +119,13 @@ ROWS = (
     ),
     of_page("page-phone-stopped", "the emergency stop on a phone", look, "#reset", size=PHONE),
     of_page("page-laser", "what a laser sees, on the map", laser),
+    of_page(
+        "page-replay",
+        "a log on the page, at the mark of an emergency stop",
+        replayed,
+        "#replay-play",
+        parts=(*PAGE, f"{STATIC}/replay"),
+    ),
     of_page(
         "page-camera",
         "pictures of a simulated camera, beside the map",

@@ -36,6 +36,7 @@ READ: Final = (
     "how-to/install.md",
     "how-to/laser.md",
     "how-to/lessons.md",
+    "how-to/look-back.md",
     "how-to/make-a-map.md",
     "how-to/models.md",
     "how-to/navigate.md",

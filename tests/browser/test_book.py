@@ -252,6 +252,8 @@ QUESTIONS = {
     "does not move": "troubleshooting/does-not-move/",
     "max speed": "how-to/speed-limits/",
     "save data csv": "how-to/csv/",
+    "replay a log": "how-to/look-back/",
+    "why did it stop twenty minutes ago?": "how-to/look-back/",
     "start at boot": "how-to/onboard-computer/",
     "notebook": "how-to/notebook/",
     "calibrate odometry": "how-to/calibrate/",
