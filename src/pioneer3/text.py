@@ -1,8 +1,11 @@
-"""Text files: reading and writing them, their lines and numbers, and errors with line numbers."""
+"""Text files: reading and writing them, their lines and numbers, and errors with line numbers.
+
+And the folder where the user's state is kept.
+"""
 
 import os
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -17,6 +20,12 @@ POINTER = b"version https://git-lfs.github.com/spec/"
 """Begins what stands in place of a large file until `git lfs pull` fetches it."""
 LARGEST_MM = 1e8
 """Coordinates beyond 100 km are mistakes [mm]."""
+
+
+def state_folder(environment: Mapping[str, str] = os.environ) -> Path:
+    """Return the folder of what we keep for this user: logs, certificates, places, backups."""
+    base = environment.get("XDG_STATE_HOME") or Path.home() / ".local/state"
+    return Path(base) / "pioneer3"
 
 
 @dataclass(frozen=True, slots=True)

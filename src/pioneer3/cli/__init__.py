@@ -32,6 +32,7 @@ docs              `pioneer3 docs`: the book in a browser
 tables            tables of a robot, a diagnosis and a list of ports for a terminal
 model             `pioneer3 model`
 robot             `pioneer3 robot`: the own file of a robot
+config            `pioneer3 config`: the settings of the controller, and their backups
 laser             `pioneer3 laser`: a laser range finder alone, without a robot
 log               `pioneer3 log`: the logs of what robots did
 log_convert       `pioneer3 log convert`: logs for other programs

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def info(*, link: LinkOptions = LINK, json: Flag = False) -> int:
-    """Show who the robot is, its limits, its battery and its whole configuration.
+    """Show who the robot is, its limits and its battery.
 
     Nothing moves.
 

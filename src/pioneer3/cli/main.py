@@ -16,6 +16,7 @@ from pioneer3.cli.access import access_app
 from pioneer3.cli.aria_options import in_our_words
 from pioneer3.cli.bridge import bridge
 from pioneer3.cli.classroom import class_
+from pioneer3.cli.config import config_app
 from pioneer3.cli.demo import demo
 from pioneer3.cli.diagnosis import doctor, find_port, info
 from pioneer3.cli.docs import docs
@@ -82,7 +83,7 @@ GROUPS: dict[str, tuple[Callable[..., object], ...]] = {
     "Start": (run, sim, docs),
     "Drive with your hands": (drive, demo),
     "Let the robot drive": (*MODE_COMMANDS, goto, move, patrol, turn),
-    "Look at the robot": (info, monitor, sonar, laser_app, log_app, replay),
+    "Look at the robot": (info, config_app, monitor, sonar, laser_app, log_app, replay),
     "When something is wrong": (doctor, find_port, setup_app),
     "Many robots": (fleet_app, bridge, class_),
     "Maps, models, ROS, and who may use the page": (
@@ -99,6 +100,7 @@ WITHOUT_UNITS = (
     docs,
     class_,
     info,
+    config_app,
     find_port,
     log_app,
     replay,

@@ -1,6 +1,6 @@
 """Tables of a robot, a diagnosis and a list of ports for a terminal."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from itertools import groupby
 from math import degrees
 from typing import Final
@@ -11,9 +11,10 @@ from rich.panel import Panel
 from rich.table import Table
 from rich.text import Text
 
+from pioneer3.arcos.reports import Config
 from pioneer3.doctor.facts import Finding, Level
 from pioneer3.doctor.probe import Probed, ProbeVerdict, choose
-from pioneer3.robot.config_table import NOT_SENT, explained
+from pioneer3.robot.config_table import NOT_SENT, ConfigRow, rows_by_field
 from pioneer3.robot.supervisor import RobotInfo, is_simulator, kind
 from pioneer3.state import Snapshot
 
@@ -32,24 +33,45 @@ VERDICT_STYLES: Final = {
 
 
 def robot_tables(robot: RobotInfo, snapshot: Snapshot | None) -> Iterator[RenderableType]:
-    """Yield the identity of the robot, and its CONFIG group by group."""
+    """Yield the identity of the robot, its limits and its equipment."""
     style = "cyan" if is_simulator(robot) else "green"
     yield Panel(_summary(robot, snapshot), title=Text(kind(robot), f"bold {style}"), style=style)
-    if robot.config is None:
-        yield Text("The robot did not send its configuration.", "yellow")
-        return
-    rows = explained(robot.config)
+    yield "Its settings: pioneer3 config show"
+
+
+def config_table(
+    config: Config, others: Mapping[str, Mapping[str, ConfigRow]], fields: Container[str] | None
+) -> Table:
+    """Return a table of CONFIG, group by group, with a column for each of `others` beside it.
+
+    Values that differ from it are marked there. Only these `fields` are shown, or all.
+    """
     table = Table(box=None, pad_edge=False, header_style="bold", expand=False)
     table.add_column("field", no_wrap=True)
-    table.add_column("value", justify="right", no_wrap=True)
+    for heading in ("value", *others):
+        table.add_column(heading, justify="right", overflow="fold")
     table.add_column("meaning", style="dim")
-    for group, members in groupby(rows, key=lambda row: row.group):
+    rows = rows_by_field(config).items()
+    named = [(field, row) for field, row in rows if fields is None or field in fields]
+    for group, members in groupby(named, key=lambda each: each[1].group):
         table.add_row(Text(group, "bold"))
-        for row in members:
+        for field, row in members:
             style = "dim" if row.value == NOT_SENT else ""
-            value = f"{row.value} {row.unit}".rstrip()
-            table.add_row(Text(f" {row.field}", style), Text(value, style), row.meaning)
-    yield table
+            beside = (each.get(field) for each in others.values())
+            cells = (
+                Text(_with_unit(each), "" if each.value == row.value else "yellow")
+                if each
+                else Text("")
+                for each in beside
+            )
+            table.add_row(
+                Text(f" {row.field}", style), Text(_with_unit(row), style), *cells, row.meaning
+            )
+    return table
+
+
+def _with_unit(row: ConfigRow) -> str:
+    return f"{row.value} {row.unit}".rstrip()
 
 
 def _summary(robot: RobotInfo, snapshot: Snapshot | None) -> Table:

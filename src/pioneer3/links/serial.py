@@ -13,6 +13,7 @@ from typing import Final
 
 from pioneer3.errors import LinkError, PortBusyError, PortNotFoundError, PortPermissionError
 from pioneer3.links.stream import StreamLink
+from pioneer3.text import state_folder
 
 try:
     import fcntl
@@ -84,8 +85,7 @@ def how_to_get_permission(path: str) -> str:
 
 def state_file(environment: Mapping[str, str] = os.environ) -> Path:
     """Return the file of the last working speeds."""
-    base = environment.get("XDG_STATE_HOME") or Path.home() / ".local/state"
-    return Path(base) / "pioneer3" / "speeds"
+    return state_folder(environment) / "speeds"
 
 
 def remembered_speed(path: str) -> int | None:

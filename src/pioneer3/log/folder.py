@@ -16,6 +16,7 @@ from typing import Final
 
 from pioneer3.errors import ConfigError
 from pioneer3.names import printable
+from pioneer3.text import state_folder
 
 try:
     import fcntl
@@ -42,8 +43,7 @@ PINNED: Final = 0o400
 
 def logs_folder(environment: Mapping[str, str] = os.environ) -> Path:
     """Return the folder of the user's logs, which may not be there yet."""
-    base = environment.get("XDG_STATE_HOME") or Path.home() / ".local/state"
-    return Path(base) / "pioneer3" / "logs"
+    return state_folder(environment) / "logs"
 
 
 def is_recording_off(environment: Mapping[str, str] = os.environ) -> bool:

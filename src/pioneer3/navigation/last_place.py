@@ -15,6 +15,7 @@ import msgspec
 from pioneer3.geometry import ORIGIN, Pose2
 from pioneer3.maps import LineMap
 from pioneer3.robot.supervisor import RobotInfo, is_simulator
+from pioneer3.text import state_folder
 
 
 def last_place_file(
@@ -25,11 +26,10 @@ def last_place_file(
     Robots are told apart by their names and serial numbers, simulated ones by their addresses; maps
     by their walls.
     """
-    base = environment.get("XDG_STATE_HOME") or Path.home() / ".local/state"
     serial = info.config.serial_number if info.config else ""
     names = [info.url] if is_simulator(info) else [info.identity.name, serial]
     key = sha256("\n".join(names).encode() + line_map.walls.tobytes()).hexdigest()[:24]
-    return Path(base) / "pioneer3" / "places" / f"{key}.json"
+    return state_folder(environment) / "places" / f"{key}.json"
 
 
 @dataclass(frozen=True, slots=True)

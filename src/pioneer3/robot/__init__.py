@@ -14,6 +14,7 @@ reports          passes the robot's reports on to subscribers; no subscriber can
 report_requests  requests for reports that the robot sends only when asked. No I/O, no clock
 devices          the devices of a robot besides wheels and sonars, each used in SI units
 config_table     meaning and group of each field of CONFIG, from which every table of CONFIG is made
+config_backup    backups of CONFIG as files, and the commands that restore what a host may set
 lasers           laser range finders at the computer, each on a link of its own
 camera_driver    reads one MJPEG camera on the network while its pictures are wanted
 ===============  ===================================================================================

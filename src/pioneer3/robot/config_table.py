@@ -137,11 +137,16 @@ class ConfigRow:
 
 def explained(config: Config) -> tuple[ConfigRow, ...]:
     """Return every field of `config`, group by group."""
-    return tuple(
-        _row(group, field, getattr(config, field), meaning)
+    return tuple(rows_by_field(config).values())
+
+
+def rows_by_field(config: Config) -> dict[str, ConfigRow]:
+    """Return the row of each field of `config` by its name in :class:`Config`, group by group."""
+    return {
+        field: _row(group, field, getattr(config, field), meaning)
         for group, members in GROUPS.items()
         for field, meaning in members.items()
-    )
+    }
 
 
 def _row(group: str, field: str, value: str | int | None, meaning: str) -> ConfigRow:

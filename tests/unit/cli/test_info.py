@@ -46,18 +46,6 @@ def test_the_names_of_robots_are_no_markup() -> None:
     assert "Bender [red]" in shown(ROBOT)
 
 
-def test_fields_carry_value_unit_and_meaning() -> None:
-    lines = shown(ROBOT).splitlines()
-    top = next(line for line in lines if line.startswith(" speed_top"))
-    assert top.split()[1:] == ["1500", "mm/s", *["highest", "speed", "that", "can", "be", "set"]]
-    assert any("sip_cycle" in line and "not sent" in line for line in lines)
-    assert "at 38400 baud" in shown(ROBOT)
-
-
-def test_a_robot_without_configuration_is_shown_all_the_same() -> None:
-    assert "did not send its configuration" in shown(replace(ROBOT, config=None))
-
-
 def test_nothing_goes_to_stdout_when_there_is_no_robot(
     capsys: pytest.CaptureFixture[str],
 ) -> None:

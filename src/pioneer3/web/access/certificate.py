@@ -5,10 +5,9 @@ signed by it for the present addresses. The authority may sign for private netwo
 names only, so that its key, if it is stolen, is of no use against the rest of the world.
 """
 
-import os
 import socket
 import stat
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from hashlib import sha256
@@ -17,6 +16,7 @@ from typing import TYPE_CHECKING
 
 from pioneer3.errors import ConfigError
 from pioneer3.links.hosts import is_loopback
+from pioneer3.text import state_folder
 from pioneer3.web.access.hosts import lan_addresses
 
 if TYPE_CHECKING:
@@ -43,12 +43,6 @@ def owners(chain: Path, key: Path) -> Certificate:
     except (OSError, ssl.SSLError) as error:
         raise ConfigError(f"--cert {chain} --key {key}: {error.strerror or error}") from None
     return Certificate(chain, key)
-
-
-def state_folder(environment: Mapping[str, str] = os.environ) -> Path:
-    """Return the folder of our own certificate."""
-    base = environment.get("XDG_STATE_HOME") or Path.home() / ".local/state"
-    return Path(base) / "pioneer3" / "tls"
 
 
 def own(folder: Path, names: Sequence[str]) -> Certificate:
@@ -113,4 +107,4 @@ def certificate_for(host: str, cert: Path | None, key: Path | None) -> Certifica
         return None
     name = socket.gethostname().lower()
     names = [name, f"{name}.local", "localhost", "127.0.0.1", *lan_addresses(host)]
-    return own(state_folder(), list(dict.fromkeys(names)))
+    return own(state_folder() / "tls", list(dict.fromkeys(names)))

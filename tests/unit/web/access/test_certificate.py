@@ -13,7 +13,7 @@ from cryptography.hazmat.primitives.serialization import Encoding
 
 from pioneer3.errors import ConfigError
 from pioneer3.web.access import certificate
-from pioneer3.web.access.certificate import Certificate, certificate_for, own, owners, state_folder
+from pioneer3.web.access.certificate import Certificate, certificate_for, own, owners
 from pioneer3.web.access.certificate_authority import DAYS, load_or_make, names_in, sign
 
 NAMES = ["lab-pc", "lab-pc.local", "192.168.0.7"]
@@ -146,10 +146,6 @@ def test_a_folder_that_cannot_be_written_is_explained(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
     with pytest.raises(ConfigError, match="cannot keep the certificate there"):
         own(tmp_path / "file" / "tls", NAMES)
-
-
-def test_it_is_kept_among_the_users_state(tmp_path: Path) -> None:
-    assert state_folder({"XDG_STATE_HOME": str(tmp_path)}) == tmp_path / "pioneer3" / "tls"
 
 
 def test_the_owners_is_taken_as_it_is(made: Certificate) -> None:
