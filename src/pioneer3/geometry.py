@@ -76,6 +76,21 @@ def arc(v: float, w: float, dt: float) -> Pose2:
     """
     turned = w * dt
     half = turned / 2
-    # chord = v dt sinc(half): the series keeps a straight line exact
-    chord = v * dt * (sin(half) / half if abs(half) > 1e-6 else 1 - half * half / 6)
+    chord = v * dt * chord_of_arc(half)
     return Pose2(chord * cos(half), chord * sin(half), wrap(turned))
+
+
+def chord_of_arc(half: float) -> float:
+    """Return the chord of an arc over its length; `half` is half of its angle [rad]."""
+    # the series keeps a straight line exact
+    return sin(half) / half if abs(half) > 1e-6 else 1 - half * half / 6
+
+
+def arc_to(step: Pose2) -> tuple[Twist2, float]:
+    """Return the way and the turn of the arc that leads to `step`, and the slip across it [m].
+
+    The reverse of :func:`arc` within 1 s; a turn is less than a whole one.
+    """
+    half = step.theta / 2
+    chord = Pose2(theta=-half) @ step
+    return Twist2(chord.x / chord_of_arc(half), step.theta), chord.y

@@ -15,6 +15,7 @@ from msgspec import Meta
 
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import wrap
+from pioneer3.models.odometry import UNCORRECTED, OdometryCorrection
 from pioneer3.tables import FieldForm, degrees_of, in_degrees
 from pioneer3.units import DEGREE, HEADING_UNIT, MM
 
@@ -210,6 +211,7 @@ class RobotModel:
         request_io: Whether to ask for IO packets on connecting.
         request_encoders: Whether to ask for ENCODER packets on connecting.
         switch_speed: Line speed to change to after connecting [baud]; 0 never.
+        odometry: What was measured of this robot's odometry, and the driver corrects.
 
     Raises:
         ConfigError: A number is out of its range.
@@ -256,6 +258,7 @@ class RobotModel:
     request_io: bool = False
     request_encoders: bool = False
     switch_speed: Annotated[int, FieldForm("switch_speed", SwitchSpeed)] = SWITCH_SPEED
+    odometry: OdometryCorrection = UNCORRECTED
 
     refusal: ClassVar[str | None] = None
     """The reason that nothing may drive it, or `None`."""
@@ -271,6 +274,11 @@ class RobotModel:
         if self.switch_speed not in SWITCH_SPEEDS:
             speeds = ", ".join(map(str, SWITCH_SPEEDS))
             raise ConfigError(f"switch_speed: {self.switch_speed} is not one of {speeds}")
+
+    @property
+    def true_base(self) -> float:
+        """Effective distance of the wheels, as measured where the robot was calibrated [m]."""
+        return self.wheel_base * self.odometry.base_ratio
 
     @property
     def corner(self) -> float:

@@ -7,6 +7,7 @@ from types import MappingProxyType
 from typing import Final, NamedTuple
 
 from pioneer3.models.model import RobotModel
+from pioneer3.models.odometry import UNCORRECTED
 from pioneer3.models.physics import physics_of, total_mass
 from pioneer3.models.shape import shape_of
 
@@ -40,8 +41,12 @@ class Number(NamedTuple):
 
 
 def numbers_of(model: RobotModel, *, shipped: bool) -> tuple[Number, ...]:
-    """Return parameters, which are ARIA's if the model is `shipped`, shape and physics."""
-    return (*_parameters(model, ARIA if shipped else FILE), *_shape(model), *_physics(model))
+    """Return parameters, which are ARIA's if the model is `shipped`, shape and physics.
+
+    Ratios of its odometry are there if they were measured.
+    """
+    parameters = _parameters(model, ARIA if shipped else FILE)
+    return (*parameters, *_odometry(model), *_shape(model), *_physics(model))
 
 
 def _parameters(model: RobotModel, source: str) -> Iterator[Number]:
@@ -49,6 +54,13 @@ def _parameters(model: RobotModel, source: str) -> Iterator[Number]:
         value = getattr(model, name)
         shown = _text(degrees(value) if unit == "deg/s" else value)
         yield Number("Parameters", name, shown, unit, source)
+
+
+def _odometry(model: RobotModel) -> Iterator[Number]:
+    if model.odometry != UNCORRECTED:
+        for field in fields(model.odometry):
+            value = f"{getattr(model.odometry, field.name):.5g}"
+            yield Number("Odometry", field.name, value, "", FILE)
 
 
 def _shape(model: RobotModel) -> Iterator[Number]:

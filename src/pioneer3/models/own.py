@@ -30,6 +30,13 @@ LONGEST: Final = 255
 """Longest name of a file [bytes]."""
 CAMERA_EXAMPLE: Final = '# camera = "http://192.168.0.30:8080/stream"'
 """Line of a new file for a robot without a camera."""
+ODOMETRY_EXAMPLE: Final = """\
+# [odometry]                  # as measured; the driver corrects it
+# scale = 1.0                 # true way over measured way
+# base_ratio = 1.0            # measured turn over true turn, at scale 1
+# wheel_ratio = 1.0           # right wheel's diameter over the left one's
+"""
+"""Lines of a new file for a robot that was not calibrated."""
 LASER_EXAMPLE: Final = """\
 # [[lasers]]
 # port = "/dev/ttyACM0"
@@ -114,9 +121,9 @@ like = "{model}"
 
 # max_speed = 0.7             # [m/s], never exceeded
 # max_turn_rate_deg = 100     # [deg/s], never exceeded
-# distance_factor = 0.001     # [m] of a count: times way driven, by way told
 {told}
 
+{ODOMETRY_EXAMPLE}
 {tables}"""
 
 

@@ -7,6 +7,7 @@ supervisor       keeps one robot connected
 session          one session: makes ARCOS commands of the pilot's motion, and snapshots of reports
 pilot            decides the motion of a robot from velocity commands and snapshots
 limits           limits that every velocity command passes last; `send_unsafe` goes past them
+correction       twists as a controller with wrong odometry has to be told
 explain          the reason that the robot stands still: a kind, and one sentence
 assemble         turns reports into snapshots
 poses            the robot's pose at any time of the last seconds, from its odometry

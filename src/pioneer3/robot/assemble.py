@@ -88,10 +88,15 @@ class Odometer:
             self._y.update(sip.y_raw) * model.distance_factor,
             wrap(sip.heading_raw * model.heading_factor),
         )
+        before, self.robot_in_encoder = self.robot_in_encoder, here
+        matrix = model.odometry.matrix(model.wheel_base)
         if self._anchor is None:
             self._anchor = self._begin @ here.inverse()
-        self.robot_in_encoder = here
-        self.robot_in_odom = self._anchor @ here
+            matrix = None
+        if matrix is None:
+            self.robot_in_odom = self._anchor @ here
+        else:
+            self.robot_in_odom @= matrix.of_step(before.inverse() @ here)
         return self.robot_in_odom
 
 
@@ -162,10 +167,15 @@ class Assembler:
             turn_rate = (right - left) / model.wheel_base
         else:
             turn_rate = sip.turn_rate_decidegrees / 10 * DEGREE
+        twist = Twist2((left + right) / 2, turn_rate)
+        if (matrix := model.odometry.matrix(model.wheel_base)) is not None:
+            wheels = matrix.of(Twist2(twist.v, (right - left) / model.wheel_base))
+            twist, across = matrix.of(twist), wheels.w * model.true_base / 2
+            left, right = wheels.v - across, wheels.v + across
         return Odometry(
             robot_in_odom=self.odometer.update(sip, model),
             robot_in_encoder=self.odometer.robot_in_encoder,
-            twist=Twist2((left + right) / 2, turn_rate),
+            twist=twist,
             left_speed=left,
             right_speed=right,
         )

@@ -62,7 +62,7 @@ def wheels_as_twist(left: float, right: float, model: RobotModel) -> Twist2:
         CommandError: as for :func:`finite`.
     """
     left, right = finite("left", left), finite("right", right)
-    return Twist2((left + right) / 2, (right - left) / model.wheel_base)
+    return Twist2((left + right) / 2, (right - left) / model.true_base)
 
 
 def finite(name: str, value: float) -> float:

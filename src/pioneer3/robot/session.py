@@ -37,6 +37,7 @@ from pioneer3.models import (
 from pioneer3.models.model import OwnFile
 from pioneer3.models.own import find_own
 from pioneer3.robot.assemble import Assembler
+from pioneer3.robot.correction import TwistCorrection
 from pioneer3.robot.limits import limits_for
 from pioneer3.robot.pilot import BRAKING, MotionRequest, Pilot
 from pioneer3.robot.report_requests import ReportRequests
@@ -114,6 +115,7 @@ class Session:
         self._lost: Lost | None = None
         self._configured = False
         self._settings: Sequence[Command] = ()
+        self._correction: TwistCorrection | None = None
         self.taken: bool | None = None
 
     def wake(self) -> None:
@@ -216,7 +218,7 @@ class Session:
     def _send_all(self, now: float) -> None:
         """Write all due commands to the link: the pilot's, then the requests, then the others."""
         if self._host.config_settled:
-            due = [*self._motion_commands(), *self._requests.outgoing()]
+            due = [*self._motion_commands(now), *self._requests.outgoing()]
             waited = [self._waiting.popleft() for _ in range(min(BATCH_SIZE, len(self._waiting)))]
             for command in (*due, *(each for each in waited if self._is_allowed(each))):
                 self._host.send(command, now)
@@ -224,11 +226,13 @@ class Session:
             self._sending = asyncio.ensure_future(self.link.write(data))
             self._sending.add_done_callback(self._sent)
 
-    def _motion_commands(self) -> list[Command]:
+    def _motion_commands(self, now: float) -> list[Command]:
         """Return the commands for the motion that is due; the first come with the settings."""
         request = self._pilot.outgoing()
         if self.model is None or not self.model.settable_acceleration:
             request = replace(request, accelerations=None)
+        if request.twist is not None and self._correction is not None:
+            request = replace(request, twist=self._correction.told(request.twist, now))
         settings, self._settings = self._settings, ()
         return commands_for(request, settings)
 
@@ -277,6 +281,8 @@ class Session:
         self._assembler.session_opened(self.model)
         limits = self._restrict(limits_for(self.model, config))
         self._settings = settings_for(self.model, limits)
+        matrix = self.model.odometry.matrix(self.model.wheel_base)
+        self._correction = TwistCorrection(matrix, limits) if matrix else None
         self._pilot.session_opened(limits, now, refusal=self.model.refusal)
         self._requests.session_opened(now)
         self._configured = True
@@ -346,9 +352,10 @@ class Session:
             return
         async with asyncio.timeout(BRAKING):
             while not self._pilot.stands:
-                self._pilot.stop(self._clock())
-                for command in self._motion_commands():
-                    self._host.send(command, self._clock())
+                now = self._clock()
+                self._pilot.stop(now)
+                for command in self._motion_commands(now):
+                    self._host.send(command, now)
                 await self.link.write(self._host.outgoing())
                 if not (data := await self.link.read()):
                     return

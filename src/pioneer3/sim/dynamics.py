@@ -27,7 +27,7 @@ class Dynamics(Protocol):
     """
 
     has_slip: bool
-    """Whether wheels slip by themselves; the errors of a realism are not added then."""
+    """Whether wheels slip by themselves; of a realism's errors those of their sizes count then."""
 
     @property
     def is_still(self) -> bool:

@@ -4,7 +4,7 @@ The numbers are of the size that calibrated robots and ordinary rooms show; thei
 docs/explanation/realism.md.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import astuple, dataclass, replace
 from math import isfinite, pi, radians
 from typing import Literal, get_args
 
@@ -14,7 +14,9 @@ from numpy.random import Generator
 from pioneer3.arrays import Float, Int
 from pioneer3.errors import ConfigError
 from pioneer3.models import RobotModel
+from pioneer3.models.odometry import UNCORRECTED, true_of_measured
 from pioneer3.sim.kernels import Grid, Reflectors, find_edges
+from pioneer3.sim.kernels.drives import W_OF_V, W_OF_W
 
 OdometryMode = Literal["none", "constant", "random_init", "random_each_update", "all"]
 """Source of the odometry's error.
@@ -69,25 +71,29 @@ class OdometryErrors:
             _within(name, getattr(self, name), 0.0, 1.0)
         _within("slip", self.slip, 0.0, 0.9)
 
+    @property
+    def of_wheels(self) -> "OdometryErrors":
+        """Those of the wheels' sizes alone, without what slips by itself where there is mass."""
+        return replace(self, way_noise=0.0, turn_noise=0.0, drift_noise=0.0, slip=0.0)
+
     def column(self, model: RobotModel, rng: Generator) -> Float:
-        """Return a robot's column of `Drives.errors`, shape (7,)."""
+        """Return a robot's column of `Drives.errors`, shape (7,).
+
+        Where each robot is wrong in its own way, one that was measured has its model's `odometry`,
+        which has its slip in it.
+        """
         own = rng.uniform(-1, 1, 3)
-        part = {"constant": np.ones(3), "random_init": own, "all": own}.get(self.mode, np.zeros(3))
+        drawn = self.mode in {"random_init", "all"}
+        part = own if drawn else np.ones(3) if self.mode == "constant" else np.zeros(3)
         wheel, base, scale = np.array([self.wheel_ratio, self.base_ratio, self.scale]) ** part
-        left, right = 2 * scale / (1 + wheel), 2 * scale * wheel / (1 + wheel)
-        grip = 1 - self.slip if model.drive == "skid" and part.any() else 1.0
-        width = model.wheel_base
-        column = np.array(
-            [
-                (right + left) / 2,
-                (right - left) * width / 4,
-                (right - left) / width / base * grip,
-                (right + left) / 2 / base * grip,
-                self.way_noise,
-                self.turn_noise,
-                self.drift_noise,
-            ]
-        )
+        slip = self.slip
+        if drawn and model.odometry != UNCORRECTED:
+            scale, base, wheel = astuple(model.odometry)
+            slip = 0.0
+        matrix = true_of_measured(scale, base, wheel, model.wheel_base)
+        column = np.array([*matrix, self.way_noise, self.turn_noise, self.drift_noise])
+        if model.drive == "skid" and part.any():
+            column[W_OF_V : W_OF_W + 1] *= 1 - slip
         if self.mode not in {"all", "random_each_update"}:
             column[4:] = 0.0
         return column

@@ -366,9 +366,10 @@ class World:
         for number, body in enumerate(robots):
             if body not in self._own:
                 self._own[body] = default_rng(self._seeds.spawn(1)[0])
-                if not self.dynamics.has_slip:
-                    column = self.realism.odometry.column(body.model, self._own[body])
-                    drives.errors[:, number] = column
+                errors = self.realism.odometry
+                if self.dynamics.has_slip:
+                    errors = errors.of_wheels
+                drives.errors[:, number] = errors.column(body.model, self._own[body])
             body.bind(
                 drives,
                 self.outlines,

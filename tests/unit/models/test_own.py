@@ -6,10 +6,11 @@ from pathlib import Path
 import pytest
 
 from pioneer3.errors import ConfigError
-from pioneer3.models import load_model
+from pioneer3.models import OdometryCorrection, load_model
 from pioneer3.models.aria import NOT_IN_FILES, aria_text, parse_aria
 from pioneer3.models.catalog import parse_own
 from pioneer3.models.model import OwnLaser
+from pioneer3.models.numbers import numbers_of
 from pioneer3.models.own import find_own, new_own_text, own_files, own_folder, own_path
 
 KIN = load_model("p3at-sh")
@@ -91,11 +92,30 @@ def test_it_may_be_given_as_a_model_too(tmp_path: Path) -> None:
         ("camera = 3", "rosie.toml:1: camera: expected a text"),
         ("lazers = []", "rosie.toml:1: lazers: unknown key, did you mean lasers?"),
         ("max_speed = 99", "rosie.toml:1: max_speed: 99 is out of range"),
+        (
+            "[odometry]\nscale = 12",
+            r"rosie.toml:2: odometry\.scale: 12 is out of range, expected 0.8 to 1.25",
+        ),
+        (
+            "[odometry]\nwheels = 1.1",
+            r"rosie.toml:2: odometry\.wheels: unknown key, known are scale",
+        ),
     ],
 )
 def test_what_is_wrong_in_it_is_named_by_line(text: str, complaint: str) -> None:
     with pytest.raises(ConfigError, match=complaint):
         parse_own(text, "rosie.toml", KIN)
+
+
+def test_it_has_the_errors_of_its_odometry() -> None:
+    own = parse_own("[odometry]\nscale = 0.94\nwheel_ratio = 1.01", "rosie.toml", KIN)
+    assert own.model.odometry == OdometryCorrection(scale=0.94, wheel_ratio=1.01)
+    assert KIN.odometry.matrix(KIN.wheel_base) is None
+    rows = {row.name: row.value for row in numbers_of(own.model, shipped=False)}
+    assert (rows["scale"], rows["base_ratio"], rows["wheel_ratio"]) == ("0.94", "1", "1.01")
+    assert "scale" not in {row.name for row in numbers_of(KIN, shipped=True)}
+    with pytest.raises(ConfigError, match=r"odometry\.base_ratio: nan is out of range"):
+        OdometryCorrection(base_ratio=float("nan"))
 
 
 def test_a_new_file_gives_back_what_it_was_made_of() -> None:

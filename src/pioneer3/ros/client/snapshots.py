@@ -76,7 +76,7 @@ class SnapshotBuilder:
         """Take a nav_msgs/Odometry; one that is not finite is left out."""
         place, turned = message.pose.pose.position, message.pose.pose.orientation
         twist = message.twist.twist
-        v, w, half = twist.linear.x, twist.angular.z, self._model.wheel_base / 2
+        v, w, half = twist.linear.x, twist.angular.z, self._model.true_base / 2
         here = Pose2(place.x, place.y, wrap(2 * atan2(turned.z, turned.w)))
         if all(map(isfinite, (here.x, here.y, here.theta, v, w))):
             self._odometry = Odometry(

@@ -1,10 +1,9 @@
 """Odometry, wheels and transforms to ROS messages, and a `Twist` to ours."""
 
 from collections.abc import Iterator, Sequence
-from math import pi, sin
-from typing import Any, Final, NamedTuple
+from typing import Any, NamedTuple
 
-from pioneer3.geometry import Pose2, Twist2
+from pioneer3.geometry import Pose2, Twist2, arc_to
 from pioneer3.models import RobotModel, shape_of
 from pioneer3.models.description.tree import Joint, Quaternion
 from pioneer3.robot.limits import checked
@@ -17,9 +16,6 @@ from pioneer3.ros.messages.update import (
     fill_pose,
 )
 from pioneer3.state import Odometry
-
-STRAIGHT: Final = 1e-6
-"""A smaller turn is none [rad]."""
 
 
 def odometry(message: Any, update: StateUpdate) -> None:
@@ -138,11 +134,11 @@ class WheelAngles:
         """Take the next odometry; return :attr:`turned`."""
         here = odometry.robot_in_odom
         if self._before is not None:
-            way, angle = _arc(self._before.inverse() @ here)
-            across = angle * model.wheel_base / 2
+            moved, _ = arc_to(self._before.inverse() @ here)
+            across = moved.w * model.true_base / 2
             radius = shape_of(model).wheel_radius
             left, right = self.turned
-            self.turned = left + (way - across) / radius, right + (way + across) / radius
+            self.turned = left + (moved.v - across) / radius, right + (moved.v + across) / radius
         self._before = here
         return self.turned
 
@@ -162,11 +158,3 @@ def joint_states(message: Any, update: StateUpdate) -> None:
     message.position = list(update.turned) * pairs
     message.velocity = list(speeds) * pairs
     message.effort = []
-
-
-def _arc(step: Pose2) -> tuple[float, float]:
-    """Return the length [m] and the angle [rad] of the arc that leads to `step`."""
-    half = step.theta / 2
-    chord = Pose2(theta=-half) @ step  # along x, but for slipping sideways
-    shrunk = sin(half) / half if abs(half) > STRAIGHT and abs(half) < pi else 1.0
-    return chord.x / shrunk, step.theta

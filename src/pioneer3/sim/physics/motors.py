@@ -16,6 +16,7 @@ from pioneer3.sim.kernels.drives import (
     POWERED,
     STALLED,
     VELOCITY,
+    W_OF_W,
 )
 from pioneer3.sim.physics.scene import Scene
 
@@ -48,8 +49,13 @@ class MotorArrays:
         self._released = np.pad(self._released, (0, 1))[places]
         self._robots, self._drives = robots, drives
         bodies = [physics_of(body.model) for body in robots]
-        drives.wheels[BASE] = [body.turning_track for body in bodies]
-        self._radius = np.array([body.rolling_radius for body in bodies])
+        track = np.array([body.turning_track for body in bodies])
+        radius = np.array([body.rolling_radius for body in bodies])
+        # the controller counts a wheel's way by the radius that it takes it for
+        v_of_v, _, w_of_v, w_of_w = drives.errors[: W_OF_W + 1]
+        more = w_of_v * track / 2
+        self._radius = radius / np.array([v_of_v - more, v_of_v + more])
+        drives.wheels[BASE] = track * w_of_w / v_of_v
         self._torque = np.array([body.side_torque for body in bodies])
         self._gain = np.array([body.loop_gain for body in bodies])
         self._damping = np.array([body.loop_damping for body in bodies])
