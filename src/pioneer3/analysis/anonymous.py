@@ -105,7 +105,7 @@ def write_anonymous(log: OpenLog, output: Path) -> int:
     Raises:
         ConfigError: The log is damaged, or the file cannot be written.
     """
-    source = RunLog(log.path)
+    source = log.source
     names = _names_of(log, source)
     prefixes = {
         prefix: f"{names.aliases.get(name, name)}/" if prefix else ""

@@ -12,7 +12,7 @@ from pioneer3.errors import ConfigError
 from pioneer3.log.folder import named_log_path
 from pioneer3.log.index import LogIndex
 from pioneer3.log.moment import Moment, time_of
-from pioneer3.log.reader import LogInfo, LogMessage, RunLog
+from pioneer3.log.reader import LogInfo, LogMessage, RunLog, whole_log
 from pioneer3.log.topics import LogEvent, LogTopic
 from pioneer3.names import printable
 from pioneer3.navigation.recording import KINDS
@@ -33,6 +33,8 @@ CLOCKS_APART: Final = 60.0
 class OpenLog:
     """A log that is open, or a part of it: the messages of one robot, of some time.
 
+    It begins in the file at `path`, and may go on in others.
+
     Times are in seconds since the log began. Nothing is kept in memory: each call reads the file.
 
     Raises:
@@ -41,12 +43,13 @@ class OpenLog:
     """
 
     path: Path
+    more: tuple[Path, ...] = ()
     _robot: str | None = None
     _begin: int | None = None
     _end: int | None = None
 
     def __post_init__(self) -> None:
-        RunLog(self.path)
+        RunLog(self.path, *self.more)
 
     def info(self) -> LogInfo:
         """Return the facts of the whole log: the command, the robots, the number of messages."""
@@ -181,7 +184,7 @@ class OpenLog:
 
     @cached_property
     def _info(self) -> LogInfo:
-        return self._source.info()
+        return self.source.info()
 
     @property
     def _topics(self) -> set[str]:
@@ -223,12 +226,13 @@ class OpenLog:
         return None
 
     @cached_property
-    def _source(self) -> RunLog:
-        return RunLog(self.path)
+    def source(self) -> RunLog:
+        """All of the log, as it is read from its files."""
+        return RunLog(self.path, *self.more)
 
     @cached_property
     def _index(self) -> LogIndex:
-        return LogIndex(self.path)
+        return LogIndex(self.path, *self.more)
 
     @property
     def _first(self) -> int:
@@ -248,7 +252,7 @@ class OpenLog:
 
     def _decoded(self, message: LogMessage, kind: type) -> tuple[float, Any]:
         topic: LogTopic[Any] = LogTopic(message.topic, kind)
-        return self._seconds(message.time), self._source.decoded(message, topic)
+        return self._seconds(message.time), self.source.decoded(message, topic)
 
     def _seconds(self, time: int) -> float:
         return (time - self._info.began) / NANOSECONDS
@@ -267,11 +271,14 @@ class OpenLog:
 def open_log(name: str | Path = "") -> OpenLog:
     """Open a log to look at it: a file, or the user's newest log with such a part in its name.
 
+    Files beside it that the log went on in are read, too.
+
     Raises:
         PortNotFoundError: There is no such file.
         ConfigError: It is no log, or names none.
     """
-    return OpenLog(named_log_path(name))
+    first, *more = whole_log(named_log_path(name)).files
+    return OpenLog(first, (*more,))
 
 
 def _kind(topic: str) -> type | None:

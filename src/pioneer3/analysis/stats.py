@@ -7,7 +7,6 @@ from typing import Any, Final
 
 from pioneer3.analysis.open_log import OpenLog
 from pioneer3.geometry import wrap
-from pioneer3.log.reader import RunLog
 from pioneer3.log.topics import LogTopic
 from pioneer3.robot.pilot import stands
 from pioneer3.runtime.recording import (
@@ -153,8 +152,7 @@ def stats_of(log: OpenLog) -> list[RobotStats]:
         kinds[f"{prefix}command"] = reader, CommandGiven
         kinds[f"{prefix}decision"] = reader, DecisionMade
         kinds[f"wire/{prefix}robot/out"] = reader, None
-    source = RunLog(log.path)
-    for message in source.messages(kinds.__contains__):
+    for message in log.source.messages(kinds.__contains__):
         reader, kind = kinds[message.topic]
         time = (message.time - began) / 1e9
         if kind is DecisionMade:
@@ -162,7 +160,7 @@ def stats_of(log: OpenLog) -> list[RobotStats]:
         elif kind is None:
             reader.written(time)
         else:
-            _take(reader, time, source.decoded(message, LogTopic(message.topic, kind)))
+            _take(reader, time, log.source.decoded(message, LogTopic(message.topic, kind)))
     return [reader.stats for reader in readers.values()]
 
 

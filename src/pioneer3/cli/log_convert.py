@@ -47,10 +47,10 @@ def convert(
         model: Of the robot, such as p3dx-sh, or a .toml or ARIA .p file; else as the log says.
     """
     from pioneer3.log.folder import named_log_path
-    from pioneer3.log.reader import open_log
+    from pioneer3.log.reader import whole_log
 
     kind = to or kind_of(output)
-    log = open_log(named_log_path(name))
+    log = whole_log(named_log_path(name))
     with busy_sign(f"reading {log.path}") as tell:
 
         def progress(share: float) -> None:

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from math import degrees
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pioneer3.cli.options import Flag
@@ -33,9 +34,13 @@ def stats(*names: str, json: Flag = False) -> int:
     from pioneer3.names import printable
 
     found, failed = [], 0
+    read: set[Path] = set()
     for name in names or map(str, user_logs(logs_folder())):
         try:
             log = open_log(name)
+            if log.path in read:  # another file of it
+                continue
+            read |= {log.path, *log.more}
             found.append((log, stats_of(log)))
         except PioneerError as error:
             write_warning(str(error))

@@ -56,15 +56,106 @@ FARTHEST: Final = 2000
 class _Chunk:
     """A chunk: the times of its first and last message [ns], its place, and its channels."""
 
+    part: "_Part"
     begin: int
     end: int
     offset: int
     length: int
     channels: tuple[int, ...]
 
+    @property
+    def topics(self) -> set[str]:
+        """Topics that have messages in it."""
+        return {self.part.channels[channel].topic for channel in self.channels}
+
+
+class _Part:
+    """One of the files of a log, with its channels and schemas by their numbers."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.channels: dict[int, Channel] = {}
+        self.schemas: dict[int, Schema] = {}
+
+    def chunks(self) -> list[_Chunk]:
+        """Return its chunks."""
+        with self.path.open("rb") as file:
+            return self._indexed(file) or self._scanned(file)
+
+    def records(self, chunk: _Chunk) -> list[LogRecord]:
+        """Read the messages of a chunk as they lie there."""
+        found = list[LogRecord]()
+        with self.path.open("rb") as file:
+            for kind, data in unpacked(_content(file, chunk)):
+                if kind == MESSAGE:
+                    of_channel, _, time = struct.unpack_from("<HIQ", data)
+                    channel = self.channels[of_channel]
+                    schema = self.schemas.get(channel.schema_id)
+                    found.append(LogRecord(time, channel, schema, data))
+        return found
+
+    def _note(self, kind: int, content: bytes) -> None:
+        """Note a channel or a schema."""
+        from mcap.records import Channel, Schema
+
+        if kind == CHANNEL:
+            channel = Channel.read(stream(content))
+            self.channels[channel.id] = channel
+        elif kind == SCHEMA:
+            schema = Schema.read(stream(content))
+            self.schemas[schema.id] = schema
+
+    def _indexed(self, file: BinaryIO) -> list[_Chunk]:
+        """Return the chunks by the index at the end of a file; none if it has none."""
+        found = []
+        size = file.seek(0, 2)
+        for _, data in summary_groups(file, size, {SCHEMA, CHANNEL, CHUNK_INDEX}):
+            for kind, content in split(data):
+                self._note(kind, content)
+                if kind == CHUNK_INDEX:
+                    found.append(self._chunk(content, size))
+        for chunk in found:
+            if not chunk.channels or any(each not in self.channels for each in chunk.channels):
+                raise ValueError("its index is wrong")
+        return found
+
+    def _chunk(self, content: bytes, size: int) -> _Chunk:
+        begin, end, offset, length, told = PLACE.unpack_from(content)
+        listed = content[PLACE.size : PLACE.size + told]
+        if len(listed) != told or offset + length > size or begin > end:
+            raise ValueError("its index is wrong")
+        channels = tuple(channel for channel, _ in OF_CHANNEL.iter_unpack(listed))
+        return _Chunk(self, begin, end, offset + HEADER, length - HEADER, channels)
+
+    def _scanned(self, file: BinaryIO) -> list[_Chunk]:
+        """Return the chunks by the heads of all records."""
+        places: list[tuple[int, int]] = []
+        channels: list[set[int]] = []
+        for kind, at, length in data_records(file):
+            if kind == CHUNK and length >= TIMES.size:
+                places.append((at, length))
+                channels.append(set())
+            elif kind == MESSAGE_INDEX and channels:
+                file.seek(at)
+                channels[-1].add(int.from_bytes(file.read(2), "little"))
+        found = []
+        for (at, length), inside in zip(places, channels, strict=True):
+            file.seek(at)
+            begin, end = TIMES.unpack(file.read(TIMES.size))
+            chunk = _Chunk(self, begin, end, at, length, tuple(inside))
+            if not inside or not inside <= self.channels.keys():
+                for kind, data in unpacked(_content(file, chunk)):
+                    self._note(kind, data)
+                    if kind == MESSAGE:
+                        inside.add(int.from_bytes(data[:2], "little"))
+                chunk = _Chunk(self, begin, end, at, length, tuple(inside))
+            if inside:
+                found.append(chunk)
+        return found
+
 
 class LogIndex:
-    """A log whose messages are found by their times. Several threads may use it.
+    """A log whose messages are found by their times, in all its files. Several threads may use it.
 
     Raises:
         PortNotFoundError: There is no such file.
@@ -74,14 +165,14 @@ class LogIndex:
         topics: That have messages, but those of bytes.
     """
 
-    def __init__(self, path: Path) -> None:
-        self._log = RunLog(path)
-        self._channels: dict[int, Channel] = {}
-        self._schemas: dict[int, Schema] = {}
+    def __init__(self, path: Path, *more: Path) -> None:
+        self._log = RunLog(path, *more)
         self._kept: OrderedDict[int, list[LogMessage]] = OrderedDict()
         self._lock = Lock()
-        with self._log.damage_told(), path.open("rb") as file:
-            chunks = self._indexed(file) or self._scanned(file)
+        chunks = list[_Chunk]()
+        for each in self._log.files:
+            with self._log.damage_told(each):
+                chunks += _Part(each).chunks()
         self._chunks = sorted(chunks, key=attrgetter("begin"))
         if not self._chunks:
             raise ConfigError(f"{path}: no messages were logged")
@@ -92,7 +183,7 @@ class LogIndex:
         for number, chunk in enumerate(self._chunks):
             latest = max(latest, chunk.end)
             self._latest_ends.append(latest)
-            for topic in {self._channels[channel].topic for channel in chunk.channels}:
+            for topic in chunk.topics:
                 self._places.setdefault(topic, []).append(number)
         self.topics = {topic for topic in self._places if not topic.startswith("wire/")}
 
@@ -208,74 +299,9 @@ class LogIndex:
 
     def _records(self, number: int) -> list[LogRecord]:
         """Read the messages of a chunk as they lie there."""
-        chunk, found = self._chunks[number], list[LogRecord]()
-        with self._log.damage_told(), self.path.open("rb") as file:
-            for kind, data in unpacked(_content(file, chunk)):
-                if kind == MESSAGE:
-                    of_channel, _, time = struct.unpack_from("<HIQ", data)
-                    channel = self._channels[of_channel]
-                    schema = self._schemas.get(channel.schema_id)
-                    found.append(LogRecord(time, channel, schema, data))
-        return found
-
-    def _note(self, kind: int, content: bytes) -> None:
-        """Note a channel or a schema."""
-        from mcap.records import Channel, Schema
-
-        if kind == CHANNEL:
-            channel = Channel.read(stream(content))
-            self._channels[channel.id] = channel
-        elif kind == SCHEMA:
-            schema = Schema.read(stream(content))
-            self._schemas[schema.id] = schema
-
-    def _indexed(self, file: BinaryIO) -> list[_Chunk]:
-        """Return the chunks by the index at the end of a file; none if it has none."""
-        found = []
-        size = file.seek(0, 2)
-        for _, data in summary_groups(file, size, {SCHEMA, CHANNEL, CHUNK_INDEX}):
-            for kind, content in split(data):
-                self._note(kind, content)
-                if kind == CHUNK_INDEX:
-                    found.append(self._chunk(content, size))
-        for chunk in found:
-            if not chunk.channels or any(each not in self._channels for each in chunk.channels):
-                raise ValueError("its index is wrong")
-        return found
-
-    def _chunk(self, content: bytes, size: int) -> _Chunk:
-        begin, end, offset, length, told = PLACE.unpack_from(content)
-        listed = content[PLACE.size : PLACE.size + told]
-        if len(listed) != told or offset + length > size or begin > end:
-            raise ValueError("its index is wrong")
-        channels = tuple(channel for channel, _ in OF_CHANNEL.iter_unpack(listed))
-        return _Chunk(begin, end, offset + HEADER, length - HEADER, channels)
-
-    def _scanned(self, file: BinaryIO) -> list[_Chunk]:
-        """Return the chunks by the heads of all records."""
-        places: list[tuple[int, int]] = []
-        channels: list[set[int]] = []
-        for kind, at, length in data_records(file):
-            if kind == CHUNK and length >= TIMES.size:
-                places.append((at, length))
-                channels.append(set())
-            elif kind == MESSAGE_INDEX and channels:
-                file.seek(at)
-                channels[-1].add(int.from_bytes(file.read(2), "little"))
-        found = []
-        for (at, length), inside in zip(places, channels, strict=True):
-            file.seek(at)
-            begin, end = TIMES.unpack(file.read(TIMES.size))
-            chunk = _Chunk(begin, end, at, length, tuple(inside))
-            if not inside or not inside <= self._channels.keys():
-                for kind, data in unpacked(_content(file, chunk)):
-                    self._note(kind, data)
-                    if kind == MESSAGE:
-                        inside.add(int.from_bytes(data[:2], "little"))
-                chunk = _Chunk(begin, end, at, length, tuple(inside))
-            if inside:
-                found.append(chunk)
-        return found
+        chunk = self._chunks[number]
+        with self._log.damage_told(chunk.part.path):
+            return chunk.part.records(chunk)
 
 
 def _content(file: BinaryIO, chunk: _Chunk) -> bytes:

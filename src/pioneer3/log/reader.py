@@ -5,8 +5,9 @@ bound.
 """
 
 import struct
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from io import BytesIO
 from operator import attrgetter
@@ -17,8 +18,8 @@ import msgspec
 
 from pioneer3.errors import ConfigError, PortNotFoundError
 from pioneer3.log.cut import HEADER, MAGIC, data_records
-from pioneer3.log.folder import is_being_written, is_pinned
-from pioneer3.log.topics import LogTopic, decode, unpack_pieces
+from pioneer3.log.folder import SUFFIX, is_being_written, is_pinned
+from pioneer3.log.topics import END, GOES_ON, PROGRAM, LogTopic, decode, unpack_pieces
 from pioneer3.state import Snapshot
 from pioneer3.text import one_line, wrong
 
@@ -38,6 +39,10 @@ MOST_OF_MAP: Final = 4 * 1024 * 1024
 """A longer map is not decoded [bytes]; ARIA's largest has 0.7 MB."""
 MAP: Final = "map"
 """Last part of the topic of maps."""
+FIRST_MESSAGE: Final = 1_000_000_000
+"""The first message of a log is taken so soon after it began [ns]; of its later files, not."""
+MOST_BESIDE: Final = 4096
+"""Files of a folder that are looked at for the rest of a log."""
 SCHEMA: Final = 0x03
 """Kind of a record; the others likewise."""
 CHANNEL: Final = 0x04
@@ -116,7 +121,7 @@ class LogInfo:
     @property
     def command(self) -> str:
         """The command that was started."""
-        return self.texts.get("program", {}).get("command", "")
+        return self.texts.get(PROGRAM, {}).get("command", "")
 
     @property
     def robot(self) -> str:
@@ -133,7 +138,7 @@ class LogInfo:
         if self.being_written:
             return "goes on"
         killed = "cut off: killed, or without power"
-        return self.texts.get("end", {}).get("why", killed)
+        return self.texts.get(END, {}).get("why", killed)
 
 
 @dataclass(frozen=True, slots=True)
@@ -158,21 +163,44 @@ class _Index:
 
 
 class RunLog:
-    """A log of a run, to be read.
+    """A log of a run, to be read: one file, or all that it went on in, in their order.
 
     Raises:
         PortNotFoundError: There is no such file.
         ConfigError: It is no log, or damaged; so do all methods.
     """
 
-    def __init__(self, path: Path) -> None:
-        self.path = path
-        if not is_mcap(path):
-            raise wrong(path, " is no log: expected is an MCAP file")
+    def __init__(self, path: Path, *more: Path) -> None:
+        self.path, self.files = path, (path, *more)
+        for file in self.files:
+            if not is_mcap(file):
+                raise wrong(file, " is no log: expected is an MCAP file")
 
     def info(self) -> LogInfo:
         """Return the facts of the log, by its index if it has one."""
-        with self._opened() as file:
+        infos = [self._info_of(path) for path in self.files]
+        counts: Counter[str] | None = Counter()
+        texts: dict[str, Mapping[str, str]] = {}
+        for each in infos:
+            counts = (
+                None if counts is None or each.counts is None else counts + Counter(each.counts)
+            )
+            texts.pop(END, None)
+            texts |= each.texts
+        return LogInfo(
+            path=self.path,
+            began=min(each.began for each in infos),
+            ended=max(each.ended for each in infos),
+            size=sum(each.size for each in infos),
+            counts=counts,
+            texts=texts,
+            pinned=all(each.pinned for each in infos),
+            being_written=infos[-1].being_written,
+        )
+
+    def _info_of(self, path: Path) -> LogInfo:
+        """Return the facts of one of its files."""
+        with self._opened(path) as file:
             size = file.seek(0, 2)
             index = _read_index(file, size) or _index_of_all(file)
             counts: dict[str, int] = {}
@@ -180,14 +208,14 @@ class RunLog:
                 topic = index.channels[channel]
                 counts[topic] = counts.get(topic, 0) + number
         return LogInfo(
-            path=self.path,
+            path=path,
             began=index.began,
             ended=index.ended,
             size=size,
             counts=None if index.counts is None else counts,
             texts=index.texts,
-            pinned=is_pinned(self.path),
-            being_written=is_being_written(self.path),
+            pinned=is_pinned(path),
+            being_written=is_being_written(path),
         )
 
     def topics(self) -> set[str]:
@@ -211,11 +239,15 @@ class RunLog:
         self, wanted: Callable[[str], bool] = lambda topic: True
     ) -> Iterator[list["LogRecord"]]:
         """Yield the messages of each chunk."""
+        for path in self.files:
+            yield from self._chunks_of(path, wanted)
+
+    def _chunks_of(self, path: Path, wanted: Callable[[str], bool]) -> Iterator[list["LogRecord"]]:
         from mcap.records import Channel, Schema
 
         schemas: dict[int, Schema] = {}
         channels: dict[int, Channel] = {}
-        with self._opened() as file:
+        with self._opened(path) as file:
             for kind, content in _contents(file, {CHUNK, CHANNEL, SCHEMA, MESSAGE}):
                 inside: list[LogRecord] = []
                 for inner, data in unpacked(content) if kind == CHUNK else ((kind, content),):
@@ -252,13 +284,14 @@ class RunLog:
         return (snapshot for _, snapshot in self.of(LogTopic(name, Snapshot)))
 
     @contextmanager
-    def _opened(self) -> Iterator[BinaryIO]:
-        with self.damage_told(), self.path.open("rb") as file:
+    def _opened(self, path: Path) -> Iterator[BinaryIO]:
+        with self.damage_told(path), path.open("rb") as file:
             yield file
 
     @contextmanager
-    def damage_told(self) -> Iterator[None]:
-        """Turn errors of readers during the block into errors about this file."""
+    def damage_told(self, path: Path | None = None) -> Iterator[None]:
+        """Turn errors of readers during the block into errors about a file, else the first one."""
+        path = path or self.path
         from mcap.exceptions import McapError
         from zstandard import ZstdError
 
@@ -267,14 +300,35 @@ class RunLog:
         except ConfigError:
             raise
         except OSError as error:
-            raise wrong(self.path, f" cannot be read: {error.strerror or error}") from None
+            raise wrong(path, f" cannot be read: {error.strerror or error}") from None
         except (*DAMAGED, McapError, ZstdError) as error:
-            raise wrong(self.path, f" is damaged: {one_line(error)}") from None
+            raise wrong(path, f" is damaged: {one_line(error)}") from None
 
 
 def open_log(path: str | Path) -> RunLog:
-    """Open a log to read it; errors as of :class:`RunLog`."""
+    """Open one file of a log to read it; errors as of :class:`RunLog`."""
     return RunLog(Path(path))
+
+
+def whole_log(path: Path) -> RunLog:
+    """Open a log with all files beside it that it went on in, or that it is the rest of.
+
+    Each begins with the description of the same program. Errors as of :class:`RunLog`.
+    """
+    log = RunLog(path)
+    known = log.info()
+    program = known.texts.get(PROGRAM, {})
+    began = program.get("began_ns", "")
+    goes_on = known.texts.get(END, {}).get("why") == GOES_ON
+    if not began.isdecimal() or not (goes_on or known.began - int(began[:20]) > FIRST_MESSAGE):
+        return log
+    parts = [known]
+    for other in sorted(path.parent.glob(f"*{SUFFIX}"))[:MOST_BESIDE]:
+        with suppress(ConfigError, PortNotFoundError, OSError):
+            if not other.samefile(path) and other.is_file():
+                info = RunLog(other).info()
+                parts += [info] if info.texts.get(PROGRAM) == program else []
+    return RunLog(*(each.path for each in sorted(parts, key=attrgetter("began"))))
 
 
 def is_mcap(path: Path) -> bool:

@@ -16,6 +16,12 @@ from pioneer3.state import Scan
 
 T = TypeVar("T")
 
+PROGRAM: Final = "program"
+"""Name of the description of the program, which is the same in all files of a log."""
+END: Final = "end"
+"""Name of the description of the end."""
+GOES_ON: Final = "goes on in the next file"
+"""Why a file ended that is not the last one of its log."""
 NO_NUMBERS: Final = ("inf", "-inf", "nan")
 """Texts in place of numbers that JSON lacks."""
 MICRO: Final = 1000

@@ -30,7 +30,7 @@ from pioneer3.errors import ConfigError
 from pioneer3.log.command_line import started
 from pioneer3.log.folder import is_recording_off, logs_folder, room_for_logs
 from pioneer3.log.target import LogTarget, NamedFile, UserFolder
-from pioneer3.log.topics import EVENT, LogEvent, LogTopic
+from pioneer3.log.topics import END, EVENT, GOES_ON, PROGRAM, LogEvent, LogTopic
 
 if TYPE_CHECKING:
     from pioneer3.log.mcap import McapFile
@@ -101,7 +101,7 @@ class LogWriter:
         self._repeated: dict[str, tuple[LogTopic[Any], Any]] = {}
         self._new_texts: deque[tuple[str, dict[str, str]]] = deque()
         self.describe(
-            "program",
+            PROGRAM,
             {
                 "version": __version__,
                 "command": started(sys.argv)[1],
@@ -249,7 +249,7 @@ class LogWriter:
         self._file.flush()
         most = self._target.most
         if most is not None and (self._file.size >= most or self._file.is_crowded):
-            self._file.add_metadata("end", {"why": "goes on in the next file"})
+            self._file.add_metadata(END, {"why": GOES_ON})
             self._file.finish()
             self._open()
 
@@ -261,7 +261,7 @@ class LogWriter:
         assert self._file is not None
         self._take()
         self._file.flush()
-        self._file.add_metadata("end", {"why": self._why})
+        self._file.add_metadata(END, {"why": self._why})
         self._file.finish()
 
     def _fail(self, error: Exception) -> None:

@@ -10,7 +10,7 @@ from pioneer3.behaviors.engine import Decision
 from pioneer3.geometry import Pose2, Twist2
 from pioneer3.log.folder import create
 from pioneer3.log.mcap import McapFile
-from pioneer3.log.topics import EVENT, LogEvent, LogTopic
+from pioneer3.log.topics import EVENT, GOES_ON, LogEvent, LogTopic
 from pioneer3.runtime.recording import CommandGiven, DecisionMade
 from pioneer3.state import Battery, Motors, Odometry, Scan, Snapshot, Sonar
 
@@ -84,8 +84,12 @@ def write_log(
     robots: Mapping[str, str] = {"": "bob"},
     texts: Mapping[str, Mapping[str, str]] = {},
     ended: bool = True,
+    connected: bool = True,
 ) -> Path:
-    """Write a log, with an event at its begin; `robots` are their own names by their prefixes."""
+    """Write a log, with an event at its begin unless that is left out.
+
+    `robots` are their own names by their prefixes.
+    """
     file = McapFile(create(path))
     began = datetime.fromtimestamp(BEGAN / SECOND, UTC).isoformat()
     file.add_metadata("program", {"command": "pioneer3 run", "clock": repr(CLOCK), "began": began})
@@ -93,7 +97,8 @@ def write_log(
         file.add_metadata(f"{prefix}robot", {"name": name, "model": "p3at-sh"})
     for name, told in texts.items():
         file.add_metadata(name, told)
-    file.add(EVENT, [(BEGAN, LogEvent("link", "robot: connected"))])
+    if connected:
+        file.add(EVENT, [(BEGAN, LogEvent("link", "robot: connected"))])
     for number, (time, of, message) in enumerate(sorted(messages, key=lambda each: each[0])):
         file.add(of, [(BEGAN + round(time * SECOND), message)])
         if number % 10 == 9:
@@ -103,3 +108,17 @@ def write_log(
         file.add_metadata("end", {"why": "left as usual"})
         file.finish()
     return path
+
+
+def write_parts(folder: Path) -> tuple[Path, Path]:
+    """Write a log of 4 s and 2 m that goes on in a second file."""
+    told = {"command": "pioneer3 run", "clock": repr(CLOCK), "began_ns": str(BEGAN)}
+    program = {"program": told | {"began": datetime.fromtimestamp(BEGAN / SECOND, UTC).isoformat()}}
+    messages = driven(4.0)
+    first = write_log(
+        folder / "a.mcap",
+        messages[:21],
+        texts=program | {"end": {"why": GOES_ON}},
+        ended=False,
+    )
+    return first, write_log(folder / "a.2.mcap", messages[21:], texts=program, connected=False)

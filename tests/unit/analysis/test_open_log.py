@@ -23,6 +23,7 @@ from tests.unit.analysis.support import (
     scan,
     topic,
     write_log,
+    write_parts,
 )
 
 TWO = {"amy/": "MobileSim", "bob/": "MobileSim"}
@@ -133,3 +134,14 @@ def test_a_log_that_does_not_tell_its_clock_has_the_times_of_its_messages(tmp_pa
         assert log.array("odometry")["time"][5] == pytest.approx(0.5 + LAG)
     with pytest.raises(ConfigError, match="does not tell the clock of its program"):
         pioneer3.log.open(tmp_path / ".mcap").time_at(CLOCK)
+
+
+def test_a_log_in_two_files_is_one(tmp_path: Path) -> None:
+    parts = write_parts(tmp_path)
+    log = pioneer3.log.open(parts[1])
+    assert (log.path, *log.more) == parts
+    assert len([*log.snapshots()]) == 41
+    assert log.array("odometry")["x"][-1] == pytest.approx(2.0)
+    newest = log.between(end=1.0).newest("snapshot")
+    assert newest is not None
+    assert newest[0] == pytest.approx(0.91)

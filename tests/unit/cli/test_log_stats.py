@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from pioneer3.cli.log_stats import stats
-from tests.unit.analysis.support import driven, write_log
+from tests.unit.analysis.support import driven, write_log, write_parts
 
 
 def test_the_figures_are_told_and_what_is_no_log_does_not_hide_them(
@@ -23,6 +23,16 @@ def test_the_figures_are_told_and_what_is_no_log_does_not_hide_them(
     assert stats(str(path), json=True) == 0
     (known,) = json.loads(capsys.readouterr().out)
     assert known["robots"][0]["distance"] == pytest.approx(1.0)
+
+
+def test_a_log_in_two_files_is_one(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for path in (parts := write_parts(tmp_path)):
+        assert stats(*map(str, parts), json=True) == stats(str(path), json=True) == 0
+        both, one = map(json.loads, capsys.readouterr().out.splitlines())
+        assert both == one
+        (known,) = both
+        assert known["robots"][0]["distance"] == pytest.approx(2.0)
+        assert known["seconds"] == pytest.approx(4.01)
 
 
 def test_without_a_name_all_logs_of_the_user_are_meant(capsys: pytest.CaptureFixture[str]) -> None:

@@ -14,7 +14,8 @@ from mcap.reader import make_reader
 
 from pioneer3.errors import ConfigError
 from pioneer3.log import writer
-from pioneer3.log.reader import open_log
+from pioneer3.log.index import LogIndex
+from pioneer3.log.reader import open_log, whole_log
 from pioneer3.log.target import NamedFile, UserFolder
 from pioneer3.log.topics import EVENT, LogEvent, LogTopic, unpack_pieces
 from pioneer3.log.writer import LogWriter, named_log, user_log
@@ -236,6 +237,26 @@ def test_a_long_log_goes_on_in_more_files_and_the_oldest_go(tmp_path: Path) -> N
     assert {[*open_log(file).of(kept)][-1][1].text for file in files} == {"new"}
     ends = sorted(open_log(file).info().end for file in files)
     assert ends == ["done", *["goes on in the next file"] * (len(files) - 1)]
+    (tmp_path / "logs" / "broken.mcap").write_bytes(b"\x89MCAP0\r\n")
+    with logged(folder / "other.mcap") as other:
+        other.put(BYTES, b"other")
+    whole = whole_log(min(files, key=lambda file: open_log(file).info().began))
+    assert {*whole.files} == {*files}
+    assert (whole.info().end, whole.info().robot) == ("done", "bob")
+    pieces = [*whole.messages(BYTES.name.__eq__)]
+    assert whole.info().counts == {BYTES.name: len(pieces), kept.name: len(files)}
+    assert [each.time for each in pieces] == sorted({each.time for each in pieces})
+    index = LogIndex(*whole.files)
+    assert (index.began, index.ended) == (whole.info().began, whole.info().ended)
+    assert [*index.walk(kept.name, 0, index.ended)] == [*whole.messages(kept.name.__eq__)]
+    assert open_log(whole.files[0]).info().end == "goes on in the next file"
+
+
+def test_a_log_in_one_file_is_whole_by_itself(tmp_path: Path) -> None:
+    for name in ("a", "b"):
+        with logged(tmp_path / f"{name}.mcap") as log:
+            log.put(BYTES, b"1")
+    assert whole_log(tmp_path / "a.mcap").files == (tmp_path / "a.mcap",)
 
 
 def test_nothing_is_recorded_where_it_is_switched_off(monkeypatch: pytest.MonkeyPatch) -> None:

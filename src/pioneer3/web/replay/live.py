@@ -7,6 +7,7 @@ from pathlib import Path
 
 from pioneer3.errors import ConfigError
 from pioneer3.log.index import LogIndex
+from pioneer3.log.reader import whole_log
 from pioneer3.web.access.certificate import certificate_for
 from pioneer3.web.live import pairing_lines
 from pioneer3.web.page import Page
@@ -31,7 +32,8 @@ async def replay(
     if twice is not None:
         raise ConfigError(f"{twice}: given twice")
     page = Page()
-    shown = LogPlayer([LogIndex(path) for path in paths], page.audiences)
+    logs = dict.fromkeys(whole_log(path).files for path in paths)
+    shown = LogPlayer([LogIndex(*files) for files in logs], page.audiences)
     async with AsyncExitStack() as stack:
         await stack.enter_async_context(page.replaying(shown))
         certificate = certificate_for(host, None, None)
