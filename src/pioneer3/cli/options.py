@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import Group, Parameter, Token
 from cyclopts.validators import Number
 
-from pioneer3.cli.process import busy_sign
+from pioneer3.cli.process import busy_sign, write_error
 from pioneer3.errors import ConfigError, MotionError
 from pioneer3.units import ANGLE, DURATION, LENGTH, SPEED, TURN_RATE, Quantity
 
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from pioneer3.models import GivenModel
     from pioneer3.nav.settings import NavigationSettings
     from pioneer3.robot.lasers.spec import LaserSpec
+    from pioneer3.runtime.recording import Record
     from pioneer3.runtime.robot import Robot
     from pioneer3.sim.worldfile import RobotSpec
     from pioneer3.sim.worldfile.arguments import WorldOverrides
@@ -191,19 +192,26 @@ class LogOptions:
         record: New file for the log, in place of the next one among the user's; the port
             replay:FILE plays it.
         no_record: Write no log.
+        csv: New folder for a table of each topic of the log (CSV), made when it ends.
     """
 
     record: Path | None = None
     no_record: Flag = False
+    csv: Annotated[Path | None, Parameter(metavar="FOLDER")] = None
 
-    def where(self, *, watches: bool = False) -> Path | bool | None:
+    def where(self, *, watches: bool = False) -> "Record":
         """Return where a robot is recorded; one that is only watched is not, unless asked for.
 
         Raises:
             ConfigError: Both options are given.
         """
-        if self.no_record and self.record is not None:
-            raise ConfigError(f"--record {self.record} and --no-record: give one of them")
+        for name, path in (("record", self.record), ("csv", self.csv)):
+            if self.no_record and path is not None:
+                raise ConfigError(f"--{name} {path} and --no-record: give one of them")
+        if self.csv is not None:
+            from pioneer3.runtime.recording import WithTables
+
+            return WithTables(self.csv, self.record or True, write_error)
         return False if self.no_record else self.record or (False if watches else None)
 
 

@@ -20,8 +20,7 @@ def new_output(path: Path) -> Iterator[Path]:
     Raises:
         ConfigError: Something has this name already, or cannot be written.
     """
-    if os.path.lexists(path):
-        raise wrong(path, " is there already, and is left alone: choose another name")
+    refuse_taken(path)
     try:
         beside = Path(tempfile.mkdtemp(prefix=f".{path.name}-", dir=path.parent))
         try:
@@ -32,6 +31,16 @@ def new_output(path: Path) -> Iterator[Path]:
             shutil.rmtree(beside, ignore_errors=True)
     except OSError as error:
         raise wrong(path, f" cannot be written: {error.strerror or error}") from None
+
+
+def refuse_taken(path: Path) -> None:
+    """Refuse the name of a file or folder that is there already.
+
+    Raises:
+        ConfigError: It is there.
+    """
+    if os.path.lexists(path):
+        raise wrong(path, " is there already, and is left alone: choose another name")
 
 
 def _move(made: Path, path: Path) -> None:

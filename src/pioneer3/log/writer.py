@@ -75,6 +75,7 @@ class LogWriter:
         failure: The reason why it has ended by itself; empty if it has not.
         dropped: Messages that were lost because the disk was too slow.
         moved_at: When a robot was seen to move last [s].
+        files: That were begun.
     """
 
     def __init__(
@@ -87,6 +88,7 @@ class LogWriter:
         self.failure = ""
         self.dropped = 0
         self.moved_at = -inf
+        self.files: list[Path] = []
         self._target, self.clock, self._wall = target, clock, wall
         self._began, self._began_ns = clock(), wall()
         self._set_by = 0.0
@@ -196,6 +198,7 @@ class LogWriter:
         from pioneer3.log.mcap import McapFile  # takes 50 ms, which no start has to wait for
 
         self._file = McapFile(self._target.open())
+        self.files.append(self._target.path)
         for name, texts in self._texts.items():
             self._file.add_metadata(name, texts)
         for topic, message in self._repeated.values():

@@ -1,7 +1,7 @@
 """The log of a robot: its snapshots and scans, the commands to it, and the decisions."""
 
 from asyncio import CancelledError
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from math import inf
@@ -13,10 +13,12 @@ import msgspec
 from pioneer3.behaviors.engine import Decision
 from pioneer3.behaviors.explanations import explain
 from pioneer3.clock import Clock
+from pioneer3.errors import ConfigError
 from pioneer3.geometry import STILL, Pose2, Twist2
 from pioneer3.links import Opener
 from pioneer3.links.tap import ROBOT, WireRecording
 from pioneer3.log.command_line import without_secrets
+from pioneer3.log.output import refuse_taken
 from pioneer3.log.topics import LogTopic
 from pioneer3.log.writer import LogWriter, named_log, user_log
 from pioneer3.robot.explain import Reason
@@ -219,7 +221,32 @@ class RobotLog:
         )
 
 
-Record = Path | bool | RobotLog | None
+@dataclass(frozen=True, slots=True)
+class WithTables:
+    """A log in a new file, or else the user's, and a new folder for its tables when it has ended.
+
+    Attributes:
+        tell: Called with what is done then.
+    """
+
+    folder: Path
+    log: Path | bool = True
+    tell: Callable[[str], None] = lambda text: None
+
+    def write(self, files: Sequence[Path]) -> None:
+        """Write the tables of a log that has ended; the folder is there whole, or not at all.
+
+        Raises:
+            ConfigError: They cannot be written; the log stays.
+        """
+        from pioneer3.log.reader import RunLog
+        from pioneer3.log.tables import TableKind, write_tables
+
+        self.tell(f"writing tables to {self.folder}")
+        write_tables(RunLog(*files), self.folder, TableKind.CSV)
+
+
+Record = Path | bool | RobotLog | WithTables | None
 """Where a robot is recorded: a new file, part of a log, nowhere if false, else the user's logs."""
 
 
@@ -232,6 +259,22 @@ def recorded(record: Record, clock: Clock) -> Iterator[RobotLog | None]:
     """
     if isinstance(record, RobotLog) or record is False:
         yield record or None
+        return
+    if isinstance(record, WithTables):
+        refuse_taken(record.folder)
+        files: list[Path] = []
+        try:
+            with recorded(record.log, clock) as robot_log:
+                assert robot_log is not None
+                files = robot_log.log.files
+                yield robot_log
+        except BaseException:
+            try:
+                record.write(files)
+            except ConfigError as error:  # what ended the run is told, too
+                record.tell(f"no tables: {error}")
+            raise
+        record.write(files)
         return
     if isinstance(record, Path):
         log: LogWriter | None = named_log(record, clock)
