@@ -48,6 +48,20 @@ class Beams:
         return ends
 
 
+@dataclass(slots=True)
+class LatestBeams:
+    """The latest scan as arrays, made once for all that look at it."""
+
+    _scan: Scan | None = None
+    _beams: Beams | None = None
+
+    def of(self, scan: Scan) -> Beams:
+        """Return a scan as arrays."""
+        if self._beams is None or scan is not self._scan:
+            self._scan, self._beams = scan, beams_of(scan)
+        return self._beams
+
+
 def beams_of(scan: Scan) -> Beams:
     """Return a scan as arrays; the motion of the robot within it is taken out.
 

@@ -131,10 +131,12 @@ class Clearance:
             fast(room_along, CACHE)(np.array(commands), before, motion, outline, walls, kept, out)
             return out
 
+        if room((asked.v, asked.w))[0] >= -ROUNDING:
+            return asked
         shares = np.linspace(0.0, 1.0, SHARES).tolist()
         tries = sorted(product(shares, repeat=2), key=lambda each: hypot(1 - each[0], 1 - each[1]))
         commands = list(dict.fromkeys((v * asked.v, w * asked.w) for v, w in tries))
-        for command in commands:
+        for command in commands[1:]:
             if room(command)[0] >= -ROUNDING:
                 return Twist2(*command)
         outline[4] = -inf  # all come too near: each to its end

@@ -178,10 +178,11 @@ class Follower:
             cost[np.abs(commands[:, 0]) > SLOW_SPEED] += 1.0
         cost[~possible] = inf
         best = int(cost.argmin())
-        room = float(gaps_at(robot_in_map, self.model, obstacles).min(initial=inf)) - MARGIN
-        if may_stand and worth[best] > stands + ROOM_COST * (ROOM - min(room, ROOM)) - REST_COST:
-            self._turn = 0.0
-            return WayStep(v=0.0, w=0.0, reason="something is beside its way", blocked=True)
+        if may_stand:
+            room = float(gaps_at(robot_in_map, self.model, obstacles).min(initial=inf)) - MARGIN
+            if worth[best] > stands + ROOM_COST * (ROOM - min(room, ROOM)) - REST_COST:
+                self._turn = 0.0
+                return WayStep(v=0.0, w=0.0, reason="something is beside its way", blocked=True)
         v, w = commands[best].tolist()
         self._turn = w
         stuck = bool(cost[best] >= stands + 2.0)

@@ -208,6 +208,11 @@ class Localizer:
             self._watch_sonar()
 
     @property
+    def odom_in_map(self) -> Pose2 | None:
+        """The pose of odometry's frame on the map [m, rad]; `None` where nothing is known."""
+        return self._odom_in_map
+
+    @property
     def estimate(self) -> Estimate:
         """Where the robot is, as of the latest scan or pings."""
         now, at, odom = self._now, self._odom_in_map, self._odom

@@ -119,7 +119,7 @@ class Search:
         self.aside, self.done = ways is not None, False
         self.poses: Float | None = None
         near = _within(SIDE * CELL / 2 + model.corner, here, obstacles)
-        things = near[:, [0, 1, 4]]
+        things = np.ascontiguousarray(near[:, [0, 1, 4]])  # else another kernel is compiled
         # a robot that is nearer to something already only comes no nearer to that
         things[:, 2] -= np.maximum(GAP - gaps_at(here, model, near) + ROUNDING, 0.0)
         outline = (model.length_front, model.length_rear, model.width / 2, GAP, model.corner + GAP)

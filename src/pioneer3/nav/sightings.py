@@ -13,7 +13,7 @@ from pioneer3.nav.clusters import has_company
 from pioneer3.nav.costs import CostMap
 from pioneer3.nav.echoes import BODY_RADIUS, UNSURE_END, WALL_ECHO, Echoes
 from pioneer3.nav.kernels import CACHE
-from pioneer3.nav.kernels.rays import clear_beams, mark_echoes
+from pioneer3.nav.kernels.rays import clear_beams, mark_echoes, thin_points
 from pioneer3.nav.mover import COASTING_TIME, OFTEN
 from pioneer3.nav.moving import (
     BODY_DEPTH,
@@ -24,6 +24,10 @@ from pioneer3.nav.moving import (
 )
 from pioneer3.nav.particles import moved_by
 
+LOOK = 2.0
+"""Distance within which things steer a robot [m]."""
+THINNED_CELL = 0.05
+"""Side of the cells of which one point steers it [m]."""
 SEEN_RANGE = 6.0
 """Range beyond which things are not noted [m]."""
 PASSING_TIME = 5.0
@@ -130,9 +134,10 @@ class Sightings:
         The `mounts` (F, 3) are x, y [m] and direction [rad] on the robot.
         """
         transducers = moved_by(robot_in_map, mounts)
-        for (x, y, theta), metres in zip(transducers.tolist(), ranges.tolist(), strict=True):
-            self.movers.hear(Pose2(x, y, theta), metres, now)
         people = [each for each in self.movers.people() if now - each.seen < COASTING_TIME]
+        if len(people) < len(self.movers.people()):  # somebody is out of the laser's sight
+            for (x, y, theta), metres in zip(transducers.tolist(), ranges.tolist(), strict=True):
+                self.movers.hear(Pose2(x, y, theta), metres, now)
         about = self.are_people_about(now)
         since = now - COASTING_TIME if about else 0.0  # who is gone explains nothing
 
@@ -220,7 +225,7 @@ class Sightings:
     def _around(self, x: float, y: float, within: float) -> tuple[slice, slice]:
         """Return the cells within a distance of a place [m]."""
         raster = self._raster
-        u, v = raster.in_cells(np.array([[x, y]]))[0]
+        u, v = (x - raster.x) / raster.cell, (y - raster.y) / raster.cell
         reach = within / raster.cell
         rows = slice(max(0, int(v - reach)), max(0, int(v + reach) + 1))
         return rows, slice(max(0, int(u - reach)), max(0, int(u + reach) + 1))
@@ -251,16 +256,31 @@ class Sightings:
             ]
         )
 
+    def obstacles(self, x: float, y: float, walls: Float, seen: Float, now: float) -> Float:
+        """Return all that steers a robot at a place, as `bodies` does, shape (N, 5).
+
+        Points of the map's `walls`, and those that are `seen` now, are in the map's frame [m],
+        shape (any, 2).
+        """
+        discs = self.movers.discs(now)[:, [0, 1, 4]] + (0.0, 0.0, ECHO_DOUBT)
+        side = 2 * round(LOOK / THINNED_CELL) + 3
+        taken, out, count = np.zeros((side, side), np.uint8), np.empty((side * side, 2)), 0
+        place = np.array([x, y, THINNED_CELL])
+        near = self.near(x, y, LOOK, now)
+        for points, within in ((walls, LOOK), (near, inf), (seen, LOOK)):
+            there = np.ascontiguousarray(points), place, within, np.ascontiguousarray(discs)
+            count = fast(thin_points, CACHE)(*there, taken, out, count)
+        return np.concatenate([standing(out[:count], 0.0), self.bodies(x, y, LOOK, now)])
+
     def _legs(self, people: Float, now: float) -> Float:
         """Return echoes of the last scan that may be of legs, but of people who are alone, (N, 2).
 
         Of `people` there are x, y [m], velocity [m/s] and radius [m], shape (W, 5).
         """
         legs = self.movers.doubtful if self.latest(now) is not None else np.empty((0, 2))
-        for n, (x, y, _, _, radius) in enumerate(people.tolist()):
-            others = np.delete(people, n, axis=0)
+        for x, y, _, _, radius in people.tolist():
             # echoes of people beside each other are taken for those of the wrong one
-            if not (np.hypot(others[:, 0] - x, others[:, 1] - y) < PARTING).any():
+            if sum(hypot(ox - x, oy - y) < PARTING for ox, oy in people[:, :2].tolist()) == 1:
                 legs = legs[np.hypot(legs[:, 0] - x, legs[:, 1] - y) > min(radius, PERSON_RADIUS)]
         return legs
 

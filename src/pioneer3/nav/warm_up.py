@@ -57,7 +57,7 @@ def warm_up() -> None:
     assert isinstance(way, Way)
     limits = Limits(max_speed=0.5, max_turn_rate=1.0)
     follower = Follower(model, limits, (-1.2, 0.0, None), way.cost_to_go)
-    obstacles = np.pad(seen, ((0, 0), (0, 3)))
+    obstacles = sightings.obstacles(0.0, 0.0, np.empty((0, 2)), seen, 20.0)
     follower.step(ORIGIN, Twist2(), obstacles)
     clearance = Clearance(model=model, limits=limits, margin=2 * half)
     clearance.limit(Twist2(0.1, 0.1), Twist2(), np.zeros((1, 5)), 20.0)

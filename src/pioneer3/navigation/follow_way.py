@@ -5,7 +5,6 @@ from dataclasses import dataclass, field
 from math import hypot, inf, isfinite
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from pioneer3.arrays import Float
 from pioneer3.behaviors.action import MODE, Action, Desire, Goal, Ranked, Situation, Stack
@@ -15,7 +14,7 @@ from pioneer3.geometry import Pose2
 from pioneer3.nav.beams import beams_of
 from pioneer3.nav.follower import Follower
 from pioneer3.nav.planner import CostToGo
-from pioneer3.nav.sightings import ECHO_DOUBT, Sightings, in_map, standing
+from pioneer3.nav.sightings import Sightings, in_map
 from pioneer3.navigation.recovery import BESIDE, Recovery
 
 PATIENCE = 40.0
@@ -30,10 +29,6 @@ NEARER = 0.1
 """Length of a way below which it is no progress [m]."""
 AHEAD = 0.5
 """Distance ahead at which the speeds that are wanted count already [m]."""
-CELL = 0.05
-"""Distance of points of which one is enough [m]."""
-LOOK = 2.0
-"""Distance within which things are looked at [m]."""
 
 
 def any_speed(x: float, y: float) -> float:
@@ -72,7 +67,6 @@ class FollowWay(Action):
     blocked: bool = False
     waits: str = ""
     _recovery: Recovery = field(init=False)
-    _walls: cKDTree = field(init=False)
     _best: float = field(default=inf, init=False)
     _since: float | None = field(default=None, init=False)
     _way: CostToGo | None = field(default=None, init=False)
@@ -80,9 +74,8 @@ class FollowWay(Action):
     _detours: int = field(default=0, init=False)
 
     def __post_init__(self) -> None:
-        """Arrange the walls by their places."""
+        """Begin with nothing that holds it up."""
         self._recovery = Recovery(self.sightings)
-        self._walls = cKDTree(self.walls)
 
     @property
     def goal(self) -> Goal:
@@ -137,8 +130,8 @@ class FollowWay(Action):
 
     def renew(self, walls: Float, sightings: Sightings) -> None:
         """Go on with a map that has grown."""
-        self.walls, self.sightings = walls, sightings
-        self._walls, self._recovery.sightings = cKDTree(walls), sightings
+        self.walls = walls
+        self.sightings = self._recovery.sightings = sightings
 
     def held_up(self, now: float) -> float:
         """Return for how long it has come no nearer [s]."""
@@ -194,9 +187,8 @@ class FollowWay(Action):
 
     def _obstacles(self, situation: Situation, robot_in_map: Pose2) -> Float:
         """Return obstacles nearby: x, y [m], velocity [m/s], radius [m] in the map, (N, 5)."""
-        x, y, now = robot_in_map.x, robot_in_map.y, situation.now
-        bodies = self.sightings.bodies(x, y, LOOK, now)
-        if situation.scan is not None and (latest := self.sightings.latest(now)) is not None:
+        now, latest = situation.now, self.sightings.latest(situation.now)
+        if situation.scan is not None and latest is not None:
             seen = latest
         elif situation.scan is not None:
             beams = beams_of(situation.scan)
@@ -204,17 +196,7 @@ class FollowWay(Action):
         else:
             echoes = [(point.x, point.y) for point in situation.around.points()]
             seen = in_map(robot_in_map, np.array(echoes).reshape(-1, 2))
-        parts = [
-            self._walls.data[self._walls.query_ball_point((x, y), LOOK)],
-            self.sightings.near(x, y, LOOK, now),
-            seen[np.hypot(seen[:, 0] - x, seen[:, 1] - y) < LOOK],
-        ]
-        points = np.concatenate(parts)
-        for walker in self.sightings.movers.discs(now):
-            points = points[np.hypot(*(points - walker[:2]).T) > walker[4] + ECHO_DOUBT]
-        cells = np.round((points - (x, y)) / CELL).astype(np.int64)
-        _, chosen = np.unique(cells[:, 0] * 1000 + cells[:, 1], return_index=True)
-        return np.concatenate([standing(points[chosen], 0.0), bodies])
+        return self.sightings.obstacles(robot_in_map.x, robot_in_map.y, self.walls, seen, now)
 
 
 def stand_unsure(unsure: str) -> Desire:

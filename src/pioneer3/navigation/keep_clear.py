@@ -9,10 +9,9 @@ from pioneer3.arrays import Float
 from pioneer3.behaviors.action import Action, Desire, Situation
 from pioneer3.behaviors.engine import decided
 from pioneer3.geometry import Pose2
-from pioneer3.nav.beams import Beams, beams_of
+from pioneer3.nav.beams import LatestBeams
 from pioneer3.nav.clearance import NO_WALLS, Clearance, Walls
 from pioneer3.nav.sightings import Sightings, in_map
-from pioneer3.state import Scan
 
 
 @dataclass(slots=True, kw_only=True)
@@ -27,6 +26,7 @@ class LimiterOutline(Action):
         unsure: Returns the reason that nobody knows that, or `None`.
         walls: Of the map.
         sightings: Things seen that are not on it.
+        beams: Arrays of scans.
     """
 
     margin: float
@@ -34,10 +34,9 @@ class LimiterOutline(Action):
     unsure: Callable[[], str | None]
     walls: Walls = NO_WALLS
     sightings: Sightings | None = None
+    beams: LatestBeams = field(default_factory=LatestBeams)
     name: str = "limiter outline"
     _clearance: Clearance | None = field(default=None, init=False)
-    _scan: Scan | None = field(default=None, init=False)
-    _beams: Beams | None = field(default=None, init=False)
 
     def decide(self, situation: Situation) -> Desire | None:
         """Return the limits of a motion that would come too near, or `None`."""
@@ -88,10 +87,9 @@ class LimiterOutline(Action):
         if situation.scan is None:
             heard = [(point.x, point.y) for point in situation.around.points()]
             return _points(np.array(heard).reshape(-1, 2))
-        if self._beams is None or situation.scan is not self._scan:
-            self._scan, self._beams = situation.scan, beams_of(situation.scan)
-        to_robot = situation.pose.inverse() @ self._beams.robot_in_odom
-        return _points(in_map(to_robot, self._beams.points))
+        beams = self.beams.of(situation.scan)
+        to_robot = situation.pose.inverse() @ beams.robot_in_odom
+        return _points(in_map(to_robot, beams.points))
 
 
 def _points(points: Float) -> Float:

@@ -15,7 +15,7 @@ from pioneer3.behaviors.modes import wander
 from pioneer3.geometry import ORIGIN, Pose2
 from pioneer3.limits import Limits
 from pioneer3.maps import LineMap
-from pioneer3.nav.beams import Beams, beams_of
+from pioneer3.nav.beams import Beams, LatestBeams
 from pioneer3.nav.estimate import Estimate
 from pioneer3.nav.likelihood_sonar import Pings
 from pioneer3.nav.localizer import Localizer
@@ -61,7 +61,7 @@ class Localization:
         self._robot, self._localizer, self._in_thread = robot, localizer, in_thread
         self._mounts = np.array([(s.x, s.y, s.theta) for s in robot.info.model.sonars])
         self._changed: Feed[Estimate] = Feed()
-        self._sequence = -1
+        self.beams, self._sequence = LatestBeams(), -1
         self._heard = self._now = -inf
 
     @classmethod
@@ -91,7 +91,7 @@ class Localization:
     @property
     def odom_in_map(self) -> Pose2:
         """The pose of odometry's frame on the map [m, rad]; the origin while it is not known."""
-        return self._localizer.estimate.odom_in_map or ORIGIN
+        return self._localizer.odom_in_map or ORIGIN
 
     def place(
         self,
@@ -130,7 +130,7 @@ class Localization:
         if scan is None or scan.sequence == self._sequence:
             return None
         self._sequence, self._heard = scan.sequence, snapshot.stamp
-        beams = beams_of(scan)
+        beams = self.beams.of(scan)
         self._localizer.take(beams)
         return beams
 

@@ -16,7 +16,6 @@ from pioneer3.geometry import Pose2
 from pioneer3.maps import LineMap, MapObject, OccupancyGrid
 from pioneer3.maps.grid import samples
 from pioneer3.maps.line_map import FREE
-from pioneer3.nav.beams import beams_of
 from pioneer3.nav.changes import DaysRenderer, drawn
 from pioneer3.nav.clearance import Walls
 from pioneer3.nav.costs import COST_CELL, CostMap
@@ -232,7 +231,7 @@ class MapBuilder:
         scan, mapper = self._robot.laser.latest, self.mapper
         if scan is not None and scan.sequence != self._sequence:
             self._sequence = scan.sequence
-            beams = beams_of(scan)
+            beams = self._limiter.beams.of(scan)
             robot_in_map = mapper.add(beams)
             if self._sightings is not None:
                 self._sightings.take(beams, robot_in_map)

@@ -1,6 +1,7 @@
 """Takes a robot to places of a map, and around what is not on the map."""
 
 import asyncio
+import gc
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import inf
@@ -174,6 +175,7 @@ class Navigator:
 
     async def run(self) -> None:
         """Keep track of the robot and of its way, until cancelled."""
+        gc.freeze()  # else all that was imported is searched for garbage, 60 ms, between two ticks
         drives = self._drives
         if (robot_log := self._robot.arbiter.log) is not None:
             use_map(robot_log, self.line_map)
@@ -183,6 +185,7 @@ class Navigator:
             sightings=self._sightings,
             odom_in_map=lambda: self.odom_in_map,
             unsure=drives.unsure,
+            beams=self._localization.beams,
         )
         sensing, checking = self._localization.sensing(), self._robot.arbiter.checking(limiter)
         with sensing, checking, self._traffic.travelling(drives):

@@ -8,10 +8,13 @@ import pytest
 from numpy.typing import NDArray
 
 from pioneer3.geometry import Pose2, arc, wrap
+from pioneer3.jit import fast
 from pioneer3.limits import Limits
 from pioneer3.maps import LineMap
 from pioneer3.maps.grid import samples
 from pioneer3.nav import manoeuvre
+from pioneer3.nav.kernels import CACHE
+from pioneer3.nav.kernels.manoeuvres import manoeuvre as kernel
 from pioneer3.nav.manoeuvre import (
     BACKWARDS_COST,
     GAP,
@@ -51,6 +54,15 @@ def found(search: Search | None) -> Float | None:
     while not search.done:
         search.go_on()
     return search.poses
+
+
+def test_a_search_among_many_things_needs_no_kernel_of_its_own() -> None:
+    pytest.importorskip("numba")
+    at, way = Pose2(5.0, 4.2, 0.0), to_go(POCKET, 2.0, 3.0)
+    walls = things(samples(POCKET.walls, 0.05))
+    for count in (1, len(walls)):
+        found(search_on(at, AT, walls[-count:], way))
+    assert len(fast(kernel, CACHE).signatures) == 1  # type: ignore[attr-defined]
 
 
 def person(x: float, y: float) -> Float:

@@ -9,13 +9,16 @@ from numpy.typing import NDArray
 from pioneer3.geometry import Pose2
 from pioneer3.nav.beams import Beams
 from pioneer3.nav.echoes import BODY_RADIUS, ECHO_AGE, HEARD_AMONG_PEOPLE
-from pioneer3.nav.mover import OFTEN
-from pioneer3.nav.moving import PEOPLE_TIME
+from pioneer3.nav.mover import OFTEN, Mover
+from pioneer3.nav.moving import PEOPLE_TIME, PERSON_RADIUS
 from pioneer3.nav.sightings import (
     COMING_WAY,
+    ECHO_DOUBT,
     LEAST_ROOM,
+    LOOK,
     PASSING_TIME,
     STANDING_TIME,
+    THINNED_CELL,
     Sightings,
 )
 from tests.unit.nav.offices import costs, room
@@ -322,3 +325,19 @@ def test_what_passes_once_a_thing_has_gone_is_new(sightings: Sightings) -> None:
     sightings.take(beams(7.0, *place), HERE)
     sightings.movers.met = 7.0
     assert not len(sightings.points(7.0 + 2 * PASSING_TIME))
+
+
+def test_what_steers_a_robot_is_one_point_of_each_cell_but_none_of_people() -> None:
+    rng, sightings = np.random.default_rng(3), Sightings(costs(room()))
+    walls, seen = rng.uniform(0.0, 6.0, (3000, 2)), rng.uniform(2.0, 4.0, (50, 2))
+    x, y, now = 3.0, 2.5, 1.0
+    sightings.movers.things.append(Mover(3.5, 2.5, 0.0, 0.0, now, (3.5, 2.5), walks=True))
+    found = sightings.obstacles(x, y, walls, seen, now)
+    points = np.concatenate([walls, seen])
+    points = points[np.hypot(*(points - (x, y)).T) < LOOK]
+    apart = np.hypot(*(points - (3.5, 2.5)).T) > PERSON_RADIUS + ECHO_DOUBT
+    cells = np.round((points[apart] - (x, y)) / THINNED_CELL).astype(int)
+    _, first = np.unique(cells, axis=0, return_index=True)
+    expected = points[apart][np.sort(first)]
+    assert found[:-1, :2] == pytest.approx(expected, abs=0.0)
+    assert found[-1].tolist() == [3.5, 2.5, 0.0, 0.0, PERSON_RADIUS]

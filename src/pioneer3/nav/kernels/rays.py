@@ -93,6 +93,40 @@ def passed_cells(
 
 
 @kernel
+def thin_points(
+    points: Float, place: Float, within: float, discs: Float, taken: UInt8, out: Float, count: int
+) -> int:
+    """Add the points around a place to `out`, one of each cell; return how many are in it then.
+
+    Args:
+        points: [m], shape (N, 2).
+        place: Middle of the cells [m] and side of one [m], shape (3,).
+        within: Distance from there at most [m].
+        discs: x, y and radius of what points are left out of [m], shape (D, 3).
+        taken: Whether a cell has a point already, shape (S, S).
+        out: Shape (S * S, 2).
+        count: Points that are in it.
+    """
+    side = len(taken)
+    for i in range(len(points)):
+        x, y = points[i, 0], points[i, 1]
+        dx, dy = x - place[0], y - place[1]
+        column, row = floor(dx / place[2] + 0.5) + side // 2, floor(dy / place[2] + 0.5) + side // 2
+        inside = 0 <= column < side and 0 <= row < side
+        if not inside or taken[row, column] or sqrt(dx * dx + dy * dy) > within:
+            continue
+        apart = True
+        for j in range(len(discs)):
+            dx, dy = x - discs[j, 0], y - discs[j, 1]
+            apart = apart and sqrt(dx * dx + dy * dy) > discs[j, 2]
+        if apart:
+            taken[row, column] = 1
+            out[count, 0], out[count, 1] = x, y
+            count += 1
+    return count
+
+
+@kernel
 def clear_beams(origin: Float, ends: Float, short: float, seen: Float, counts: UInt8) -> None:
     """Forget what was seen in the cells that beams pass.
 
