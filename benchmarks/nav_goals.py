@@ -349,12 +349,20 @@ async def drive(
     )
 
 
-def run(trial: Trial, verbose: bool = False) -> Outcome:
-    """Run a trial; print the drives that failed, or all."""
+def run(trial: Trial, verbose: bool = False, times: int = 1) -> Outcome:
+    """Run a trial; print the drives that failed, or all.
+
+    Repeated so many `times`, it is the same to the last bit; of each tick the least time counts.
+    What else runs on the computer makes a tick in a hundred three times as long.
+    """
 
     def tell(number: int, done: Drive) -> None:
         if verbose or not done.arrived or done.contacts:
             print(f"  {trial} {number:>3} {done}", flush=True)
 
     with asyncio.Runner(loop_factory=partial(VirtualTimeLoop, inf)) as runner:
-        return runner.run(drive_all(Course(trial), tell))
+        outcome = runner.run(drive_all(Course(trial), tell))
+    if times == 1:
+        return outcome
+    again = run(trial, times=times - 1).ticks
+    return Outcome(outcome.drives, np.minimum(outcome.ticks, again).tolist())

@@ -8,7 +8,8 @@ from pioneer3.arrays import Bool, Float, Int
 from pioneer3.geometry import wrap
 
 JOIN_DISTANCE = 0.45
-"""Distance below which two echoes are of one thing [m]: the legs of somebody who walks."""
+"""Distance below which two echoes are of one thing, and echoes of the thing that should be there
+[m]: the legs of somebody who walks."""
 WIDEST_PERSON = 0.9
 """Size above which things are no people [m]."""
 COMPANY = 0.15

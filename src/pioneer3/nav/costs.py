@@ -160,9 +160,8 @@ class CostMap:
 
     def clearance_at(self, points: Float) -> Float32:
         """Return the clearance at each of `points` (N, 2) [m] of the map, shape (N,)."""
-        columns, rows = np.floor(self.raster.in_cells(points)).astype(int).T
-        height, width = self.raster.shape
-        there: Float32 = self.clearance[rows.clip(0, height - 1), columns.clip(0, width - 1)]
+        rows, columns, _ = self.raster.cells_of(points)
+        there: Float32 = self.clearance[rows, columns]
         return there
 
     def can_turn(self, x: float, y: float) -> bool:

@@ -8,8 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pioneer3.arrays import Bool, Float, Int
+from pioneer3.arrays import Float
 from pioneer3.nav.costs import CostMap
+from pioneer3.nav.mover import MEMORY_TIME
 
 WALL_ECHO = 0.12
 """Distance to a wall of the map within which an echo is of that wall [m]."""
@@ -17,19 +18,15 @@ UNSURE_END = 0.15
 """Length before an echo of which nothing is known to be free [m]: poses are not that exact."""
 HEARD_TIMES = 3
 """Echoes after which plans avoid a thing."""
-HEARD_AGE = 15.0
-"""Time after the last echo for which plans avoid a thing [s]."""
-HEARD_AMONG_PEOPLE = 3.0
-"""Time after the last echo for which plans avoid a thing where people are [s]."""
 ECHO_RANGE = 1.5
 """Range below which echoes count [m]."""
 ECHO_AGE = 3.0
-"""Time for which a robot keeps clear of an echo [s]."""
+"""Time for which a robot keeps clear of an echo, and plans do where people are [s]."""
+ECHO_DOUBT = 0.1
+"""Distance within which echoes are of the same thing [m]."""
 ARC_RANGE = 0.5
 """Range below which a thing may be anywhere on the arc of its echo [m]; farther ones close doors.
 """
-SAME_ECHO = 0.1
-"""Difference of two echoes of one thing from the same direction at most [m]."""
 AXIS = np.radians(10.0)
 """Angle off its axis within which a sonar hears all that is there [rad]."""
 ARC = np.radians([-21.0, -10.0, 0.0, 10.0, 21.0])
@@ -89,7 +86,7 @@ class Echoes:
         places, ranges = transducers[echoed], ranges[echoed]
         bearings = places[:, 2:] + ARC
         arcs = places[:, None, :2] + ranges[:, None, None] * _directions(bearings)
-        rows, columns, inside = self._cells(arcs)
+        rows, columns, inside = self._raster.cells_of(arcs)
         by_map = self._clearance[rows, columns] < WALL_ECHO
         for n in np.flatnonzero((inside & ~by_map).all(axis=1)).tolist():
             if not is_known(arcs[n]):
@@ -113,7 +110,7 @@ class Echoes:
         axes = _directions(transducers[:, 2])
         free = self._steps < metres[:, None] - UNSURE_END
         beams = transducers[:, None, :2] + self._steps[:, None] * axes[:, None]
-        rows, columns, inside = self._cells(beams[free])
+        rows, columns, inside = self._raster.cells_of(beams[free])
         rows, columns = rows[inside], columns[inside]
         self._times[rows, columns], self._counts[rows, columns] = 0.0, 0
         if not self._echoes:
@@ -122,26 +119,18 @@ class Echoes:
         along = (off * axes).sum(axis=2)
         aside = off[..., 1] * axes[:, 0] - off[..., 0] * axes[:, 1]
         anew = np.abs(np.arctan2(aside, along)) < AXIS
-        anew &= np.hypot(along, aside) <= metres + SAME_ECHO
+        anew &= np.hypot(along, aside) <= metres + ECHO_DOUBT
         gone = anew.any(axis=1).tolist()
         self._echoes = [
             each for each, is_gone in zip(self._echoes, gone, strict=True) if not is_gone
         ]
-
-    def _cells(self, points: Float) -> tuple[Int, Int, Bool]:
-        """Return rows and columns of points (..., 2) [m], and whether they are on the map."""
-        raster = self._raster
-        flat = np.floor(raster.in_cells(points.reshape(-1, 2))).astype(int)
-        columns, rows = flat.T.reshape(2, *points.shape[:-1])
-        inside = (columns >= 0) & (columns < raster.width) & (rows >= 0) & (rows < raster.height)
-        return rows.clip(0, raster.height - 1), columns.clip(0, raster.width - 1), inside
 
     def often(self, now: float, *, people: bool) -> Float:
         """Return the times at which cells were heard lately, so often that plans care.
 
         If they may be of `people`, who go on, those are recent ones. Times are 0 for none, (H, W).
         """
-        since = now - (HEARD_AMONG_PEOPLE if people else HEARD_AGE)
+        since = now - (ECHO_AGE if people else MEMORY_TIME)
         return np.where((self._counts >= HEARD_TIMES) & (self._times >= since), self._times, 0.0)
 
     def near(self, x: float, y: float, within: float, now: float) -> Float:

@@ -10,7 +10,7 @@ from pioneer3.geometry import Pose2, wrap
 from pioneer3.jit import fast
 from pioneer3.limits import Limits
 from pioneer3.models import RobotModel
-from pioneer3.nav.costs import CostMap
+from pioneer3.nav.costs import COST_CELL, CostMap
 from pioneer3.nav.kernels import CACHE
 from pioneer3.nav.kernels.arcs import ROUNDING
 from pioneer3.nav.kernels.manoeuvres import manoeuvre
@@ -38,8 +38,6 @@ def gaps_at(at: Pose2, model: RobotModel, obstacles: Float) -> Float:
 
 SIDE = 64
 """Side of the window that is searched [cells]."""
-CELL = 0.05
-"""Side of a cell [m]."""
 HEADINGS = 48
 """Number of headings."""
 MOVE_LENGTH = 0.08
@@ -118,7 +116,7 @@ class Search:
     ) -> None:
         self.aside, self.done = ways is not None, False
         self.poses: Float | None = None
-        near = _within(SIDE * CELL / 2 + model.corner, here, obstacles)
+        near = _within(SIDE * COST_CELL / 2 + model.corner, here, obstacles)
         things = np.ascontiguousarray(near[:, [0, 1, 4]])  # else another kernel is compiled
         # a robot that is nearer to something already only comes no nearer to that
         things[:, 2] -= np.maximum(GAP - gaps_at(here, model, near) + ROUNDING, 0.0)
@@ -132,7 +130,7 @@ class Search:
             things,
             np.empty((0, 3)) if ways is None else np.pad(ways, ((0, 0), (0, 1))),
             values,
-            np.array([raster.x, raster.y, raster.cell, CELL]),
+            np.array([raster.x, raster.y, raster.cell, COST_CELL]),
             np.array([SIDE, HEADINGS, MOST_STATES, STATES_AT_ONCE], dtype=np.int32),
             self._found,
             np.full(states, np.inf, dtype=np.float32),
@@ -174,7 +172,7 @@ def search_aside(
 
     It finds one pose where the robot is beside them already.
     """
-    near = _within(SIDE * CELL / 2 + model.corner + PEOPLE_GAP, robot_in_map, ways)
+    near = _within(SIDE * COST_CELL / 2 + model.corner + PEOPLE_GAP, robot_in_map, ways)
     open_places = np.where(costs.closed, np.inf, 0.0).astype(np.float32)
     return Search(robot_in_map, model, obstacles, costs.raster, open_places, ways=near)
 

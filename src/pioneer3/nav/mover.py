@@ -14,16 +14,17 @@ STANDING_SPEED = 0.15
 PLACE_SHARE = 0.5
 """Share of an error of the place that corrects the place."""
 SPEED_SHARE = 0.2
-"""Share of the speed that would explain that error that corrects the speed."""
-SPEED_LEFT = 0.8
-"""Share of its speed that is left in each scan of a thing of which a part is seen."""
+"""Share of the speed that would explain that error that corrects the speed, and share of the speed
+that is lost in each scan of a thing of which a part is seen."""
 STEP_LENGTH = 0.3
-"""Error of a place above which it is no motion, and way that makes a thing a walker [m]."""
+"""Error of a place above which it is no motion, way that makes a thing a walker, and distance below
+which two things are one [m]: the legs of one person."""
 OFTEN = 4
 """Scans after which a thing is what it looks like, and echoes of sonars without it, one after the
 other, after which it has gone."""
 MEMORY_TIME = 15.0
-"""Time for which people stay people, whatever they look like, and out of sight [s]."""
+"""Time for which people stay people, whatever they look like, and out of sight; and for which plans
+avoid what sonars alone heard where nobody is [s]."""
 COASTING_TIME = 0.5
 """Time since a thing was seen for which it is expected to go on, then to stand [s]."""
 NEAR_RANGE = 2.5
@@ -133,7 +134,7 @@ class Mover:
             self._filter(x, y, passed, PLACE_SHARE, SPEED_SHARE)
         else:
             self._filter(x, y, passed, 0.0 if fits else PLACE_SHARE / 2, 0.0)
-            self.vx, self.vy = SPEED_LEFT * self.vx, SPEED_LEFT * self.vy
+            self.vx, self.vy = (1 - SPEED_SHARE) * self.vx, (1 - SPEED_SHARE) * self.vy
         self.seen, self.times, self.missed = now, self.times + 1, 0
         came = hypot(self.x - self.begin[0], self.y - self.begin[1])
         self.walks |= came > STEP_LENGTH and self.times > OFTEN and self.speed > WALKING_SPEED

@@ -12,6 +12,7 @@ from pioneer3.arrays import Bool, Float, Int
 from pioneer3.geometry import Pose2
 from pioneer3.nav.clusters import (
     FIELD_EDGE,
+    JOIN_DISTANCE,
     SHANK_RADIUS,
     STANCE,
     clusters,
@@ -20,16 +21,12 @@ from pioneer3.nav.clusters import (
     looks_like_legs,
     middle_of,
 )
-from pioneer3.nav.mover import COASTING_TIME, MEMORY_TIME, NEAR_RANGE, OFTEN, Mover
+from pioneer3.nav.mover import COASTING_TIME, MEMORY_TIME, NEAR_RANGE, OFTEN, STEP_LENGTH, Mover
 
 FOLLOWED_RANGE = 5.0
 """Range beyond which things are not followed [m]."""
 UNSEEN_TIME = 0.6
 """Time without plain sight after which a person is forgotten [s]."""
-GATE = 0.45
-"""Distance from where it should be within which a thing is looked for [m]."""
-ONE_PERSON = 0.3
-"""Distance below which two things are one [m]: the legs of one person."""
 KNOWN_TIMES = 10
 """Sightings up to which a lost person is forgotten at once."""
 BODY_DEPTH = 0.19
@@ -106,7 +103,7 @@ class Movers:
         off = np.hypot(*(points[:, None] - places[None]).transpose(2, 0, 1))
         off[:, [not thing.is_person for thing in self.things]] += SHANK_RADIUS  # people come first
         owner: Int = off.argmin(axis=1)
-        owner[off.min(axis=1) > GATE] = -1
+        owner[off.min(axis=1) > JOIN_DISTANCE] = -1
         return owner
 
     def _doubted(self, points: Float, owner: Int, now: float) -> Bool:
@@ -139,7 +136,7 @@ class Movers:
         kept: list[Mover] = []
         for thing in sorted(self.things, key=lambda each: -each.times):
             same = next(
-                (k for k in kept if hypot(thing.x - k.x, thing.y - k.y) <= ONE_PERSON), None
+                (k for k in kept if hypot(thing.x - k.x, thing.y - k.y) <= STEP_LENGTH), None
             )
             if same is None:
                 kept.append(thing)
@@ -163,9 +160,9 @@ class Movers:
             moves = thing.stands is None and now - thing.seen < COASTING_TIME
             doubt = UNSEEN_MARGIN if now - thing.seen > COASTING_TIME else 0.0
             if thing.holds_two(now):
-                doubt += ONE_PERSON / 2
+                doubt += STEP_LENGTH / 2
             elif thing.legs <= -OFTEN:  # two who came together look like no legs
-                doubt += ONE_PERSON / 3
+                doubt += STEP_LENGTH / 3
             rows.append((x, y, thing.vx * moves, thing.vy * moves, PERSON_RADIUS + doubt))
         return np.array(rows).reshape(-1, 5)
 
@@ -181,11 +178,11 @@ class Movers:
                 away = hypot(x - origin[0], y - origin[1])
                 bearing = np.arctan2(y - origin[1], x - origin[0])
                 off = (bearing - limit[0] + np.pi) % (2 * np.pi) - np.pi
-                aside = atan2(GATE, away) + FIELD_EDGE
+                aside = atan2(JOIN_DISTANCE, away) + FIELD_EDGE
                 beside = np.abs((bearings - bearing + np.pi) % (2 * np.pi) - np.pi) < 0.1
                 hidden = abs(off) > limit[1] - aside or bool((ranges[beside] < away - 0.2).any())
                 known = thing.times > KNOWN_TIMES or away < PARTING
-                known = known and (hidden or away < GATE)
+                known = known and (hidden or away < JOIN_DISTANCE)
                 patience = MEMORY_TIME if known else UNSEEN_TIME
                 if known and hidden:
                     age = now - max(thing.seen, thing.heard)

@@ -193,10 +193,8 @@ def _cheapest(costs: Float32, row: int, column: int) -> Float32:
 
 def _fits(costs: CostMap, points: Float) -> Bool:
     """Return whether the robot fits at each of `points` (N, 2) [m], less half a cell."""
-    raster = costs.raster
-    columns, rows = np.floor(raster.in_cells(points)).astype(int).T
-    columns, rows = columns.clip(0, raster.width - 1), rows.clip(0, raster.height - 1)
-    enough = costs.clearance[rows, columns] >= costs.needed - raster.cell / 2
+    rows, columns, _ = costs.raster.cells_of(points)
+    enough = costs.clearance[rows, columns] >= costs.needed - costs.raster.cell / 2
     fits: Bool = enough & ~costs.closed[rows, columns]
     return fits
 

@@ -6,7 +6,7 @@ from typing import Self
 
 import numpy as np
 
-from pioneer3.arrays import Float, Float32
+from pioneer3.arrays import Bool, Float, Float32, Int
 from pioneer3.errors import ConfigError
 from pioneer3.jit import fast
 from pioneer3.maps import Extent
@@ -58,6 +58,16 @@ class Raster:
         """Return `points` (N, 2) [m] in cells from the lower left corner."""
         scaled: Float = (points - (self.x, self.y)) / self.cell
         return scaled
+
+    def cells_of(self, points: Float) -> tuple[Int, Int, Bool]:
+        """Return rows and columns of points (..., 2) [m], the nearest ones of those outside.
+
+        The last array tells which are inside.
+        """
+        at = np.floor(self.in_cells(points)).astype(np.int64)
+        columns, rows = at[..., 0], at[..., 1]
+        inside = (columns >= 0) & (columns < self.width) & (rows >= 0) & (rows < self.height)
+        return rows.clip(0, self.height - 1), columns.clip(0, self.width - 1), inside
 
     def cell_of(self, x: float, y: float) -> tuple[int, int] | None:
         """Return row and column of a point [m], or `None` outside."""

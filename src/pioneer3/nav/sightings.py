@@ -10,8 +10,8 @@ from pioneer3.geometry import Pose2, wrap
 from pioneer3.jit import fast
 from pioneer3.nav.beams import Beams
 from pioneer3.nav.clusters import has_company
-from pioneer3.nav.costs import CostMap
-from pioneer3.nav.echoes import BODY_RADIUS, UNSURE_END, WALL_ECHO, Echoes
+from pioneer3.nav.costs import COST_CELL, CostMap
+from pioneer3.nav.echoes import BODY_RADIUS, ECHO_DOUBT, UNSURE_END, WALL_ECHO, Echoes
 from pioneer3.nav.kernels import CACHE
 from pioneer3.nav.kernels.rays import clear_beams, mark_echoes, thin_points
 from pioneer3.nav.mover import COASTING_TIME, OFTEN
@@ -26,8 +26,6 @@ from pioneer3.nav.particles import moved_by
 
 LOOK = 2.0
 """Distance within which things steer a robot [m]."""
-THINNED_CELL = 0.05
-"""Side of the cells of which one point steers it [m]."""
 SEEN_RANGE = 6.0
 """Range beyond which things are not noted [m]."""
 PASSING_TIME = 5.0
@@ -38,8 +36,6 @@ ODOMETRY_DELAY = 0.05
 """Delay of odometry at most [s]: echoes are off while the robot turns."""
 TURNING_DOUBT = 0.08
 """Error of echoes while the robot turns at most, by their range [m/m]."""
-ECHO_DOUBT = 0.1
-"""Distance within which echoes are of the same thing [m]."""
 WALL_DOUBT = 0.05
 """Error of a wall's place for each metre from the laser, which makes it no walker [m/m]."""
 COMING_WAY = 4.0
@@ -154,12 +150,9 @@ class Sightings:
 
     def _follow(self, beams: Beams, robot_in_map: Pose2, echoes: Float, from_laser: Float) -> Int:
         """Follow all that moves; return the indices of the echoes of walkers."""
-        raster = self._raster
-        columns, rows = np.floor(raster.in_cells(echoes)).astype(int).T
-        inside = (columns >= 0) & (columns < raster.width) & (rows >= 0) & (rows < raster.height)
-        apart = np.zeros(len(echoes))
-        apart[inside] = self._clearance[rows[inside], columns[inside]]
-        unknown = np.flatnonzero(apart > WALL_ECHO + WALL_DOUBT * from_laser)
+        rows, columns, inside = self._raster.cells_of(echoes)
+        apart = self._clearance[rows, columns] > WALL_ECHO + WALL_DOUBT * from_laser
+        unknown = np.flatnonzero(inside & apart)
         walked = {id(thing) for thing in self.movers.things if thing.walks}
         own = self.movers.take(
             echoes[unknown],
@@ -263,9 +256,9 @@ class Sightings:
         shape (any, 2).
         """
         discs = self.movers.discs(now)[:, [0, 1, 4]] + (0.0, 0.0, ECHO_DOUBT)
-        side = 2 * round(LOOK / THINNED_CELL) + 3
+        side = 2 * round(LOOK / COST_CELL) + 3
         taken, out, count = np.zeros((side, side), np.uint8), np.empty((side * side, 2)), 0
-        place = np.array([x, y, THINNED_CELL])
+        place = np.array([x, y, COST_CELL])
         near = self.near(x, y, LOOK, now)
         for points, within in ((walls, LOOK), (near, inf), (seen, LOOK)):
             there = np.ascontiguousarray(points), place, within, np.ascontiguousarray(discs)

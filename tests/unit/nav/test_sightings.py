@@ -8,17 +8,16 @@ from numpy.typing import NDArray
 
 from pioneer3.geometry import Pose2
 from pioneer3.nav.beams import Beams
-from pioneer3.nav.echoes import BODY_RADIUS, ECHO_AGE, HEARD_AMONG_PEOPLE
+from pioneer3.nav.costs import COST_CELL
+from pioneer3.nav.echoes import BODY_RADIUS, ECHO_AGE, ECHO_DOUBT
 from pioneer3.nav.mover import OFTEN, Mover
 from pioneer3.nav.moving import PEOPLE_TIME, PERSON_RADIUS
 from pioneer3.nav.sightings import (
     COMING_WAY,
-    ECHO_DOUBT,
     LEAST_ROOM,
     LOOK,
     PASSING_TIME,
     STANDING_TIME,
-    THINNED_CELL,
     Sightings,
 )
 from tests.unit.nav.offices import costs, room
@@ -205,10 +204,10 @@ def test_where_people_are_a_near_echo_may_be_of_a_body(sightings: Sightings, peo
 def test_plans_forget_what_sonars_heard_sooner_where_people_are(sightings: Sightings) -> None:
     for now in (5.0, 5.1, 5.2):
         hear(sightings, 0.8, HERE, now)
-    assert len(sightings.points(5.2 + 2 * HEARD_AMONG_PEOPLE))
+    assert len(sightings.points(5.2 + 2 * ECHO_AGE))
     sightings.movers.met = 5.2
-    assert not len(sightings.points(5.2 + 2 * HEARD_AMONG_PEOPLE))
-    assert len(sightings.points(5.2 + HEARD_AMONG_PEOPLE / 2))
+    assert not len(sightings.points(5.2 + 2 * ECHO_AGE))
+    assert len(sightings.points(5.2 + ECHO_AGE / 2))
 
 
 def test_who_walks_leaves_nothing_behind_that_plans_avoid(sightings: Sightings) -> None:
@@ -336,7 +335,7 @@ def test_what_steers_a_robot_is_one_point_of_each_cell_but_none_of_people() -> N
     points = np.concatenate([walls, seen])
     points = points[np.hypot(*(points - (x, y)).T) < LOOK]
     apart = np.hypot(*(points - (3.5, 2.5)).T) > PERSON_RADIUS + ECHO_DOUBT
-    cells = np.round((points[apart] - (x, y)) / THINNED_CELL).astype(int)
+    cells = np.round((points[apart] - (x, y)) / COST_CELL).astype(int)
     _, first = np.unique(cells, axis=0, return_index=True)
     expected = points[apart][np.sort(first)]
     assert found[:-1, :2] == pytest.approx(expected, abs=0.0)
