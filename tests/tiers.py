@@ -137,6 +137,21 @@ PARTS: Mapping[str, Part] = {
             "test_no_mode_touches_a_wall_of_the_map": "safety",
         },
     ),
+    "tests/e2e/test_twin.py": Part(
+        "a robot that drives for long",
+        {
+            "test_a_log_without_a_place_on_a_map_says_that_it_tells_nothing": "the other way out",
+            "test_a_robot_is_simulated_by_its_own_file": "the joint",
+        },
+    ),
+    "tests/e2e/test_calibrated.py": Part(
+        "squares, both ways",
+        {
+            "test_a_square_ends_where_its_odometry_says[errors0-p3dx-sh-planar]": "the joint",
+            "test_it_drives_straight_and_turns_as_much_as_is_asked": "commands",
+            "test_the_speed_that_is_measured_is_the_true_one": "the other way",
+        },
+    ),
     "tests/e2e/test_simulated_time.py": Part(
         "worlds that are faster than hosts",
         {

@@ -4,6 +4,7 @@
 module           contents
 ===============  ==============================================================================
 why              the reason that a robot stood or moved at a time
+twin             errors of a robot's odometry, and where its simulated twin ends a drive
 stats            figures of a run: way, time under way, stops, latencies
 anonymous        a log without names, addresses and serial numbers
 anonymous_bytes  its part for the bytes of a robot, in frames that stay valid

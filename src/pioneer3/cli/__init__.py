@@ -47,6 +47,7 @@ goto              `pioneer3 goto` and `patrol`: to places of the map by their na
 places            places of a map on the command line: a name, or numbers
 drive             `pioneer3 drive`
 sim               `pioneer3 sim`
+sim_like          the robot of `sim --like`, found by its own file or a log
 run               `pioneer3 run`
 motion            `pioneer3 move` and `turn`, and a command for each mode
 live              shows a robot while a motion or mode drives it

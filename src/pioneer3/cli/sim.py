@@ -6,7 +6,7 @@ Options that are wrong, or contradict each other, raise :exc:`ConfigError`.
 import logging
 import os
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import AsyncExitStack
+from contextlib import AsyncExitStack, ExitStack
 from dataclasses import dataclass
 from math import inf
 from pathlib import Path
@@ -289,6 +289,7 @@ MAP, DEFAULT_WORLD, DEFAULT_PORTS, DEFAULT_TIME = (
 )
 DEFAULT_ERRORS, DEFAULT_MOBILESIM = ErrorOptions(), MobileSimOptions()
 MANY = Parameter(negative=(), show_default=False)
+LikeOption = Annotated[str | None, Parameter(name="--like", metavar="FILE")]
 FleetOption = Annotated[Path | None, Parameter(name="--fleet", metavar="FILE")]
 
 
@@ -298,6 +299,7 @@ def sim(
     number: RobotNumber = None,
     robot_factory: Annotated[str, Parameter(name=["--robot-factory", "-R"]), MANY] = "",
     fleet: FleetOption = None,
+    like: LikeOption = None,
     map_: MapOptions = MAP,
     world: WorldOptions = DEFAULT_WORLD,
     ports: PortOptions = DEFAULT_PORTS,
@@ -316,12 +318,14 @@ def sim(
     own name: ARIA takes it for a real robot, and opens the port of its laser.
 
     Example: pioneer3 sim -m lab -r p3at -r p3dx:bob --start random
+    Example: pioneer3 sim --like rosie
 
     Args:
         robot: MODEL[:NAME], such as p3dx:bob; once for each. MODEL may be a .toml or .p file.
         number: So many of each --robot, or of the usual one, such as 10.
         robot_factory: MODEL of which each client of the first port gets a robot while it stays.
         fleet: File of a fleet: a robot for each row, with its name, model and TCP port.
+        like: A real robot's own file or name, or a log of it: a robot with its measured errors.
         map_: What stands there.
         world: How it begins.
         ports: Where robots are met.
@@ -346,18 +350,27 @@ def sim(
         from pioneer3.fleet.simulated import simulated
 
         robots = simulated(read_fleet(fleet), ports.bind, network=ports.bind not in LOOPBACK)
-    simulation = simulator(
-        map_name=map_.name(),
-        overrides=world.overrides(robots, factory=robot_factory, own_ports=ports.port is None),
-        port=ports.first,
-        host=ports.bind,
-        ptys=ports.pty,
-        acts=ports.acts,
-        realism=errors.realism(),
-        pace=time.pace(),
-        faults=errors.faults(),
-    )
-    return run_until_told_to_leave(_simulate(simulation, announce=not ports.no_announce))
+    realism = errors.realism()
+    with ExitStack() as stack:
+        if like is not None:
+            if robots or robot_factory:
+                raise ConfigError("--like gives the robot; leave the other robots out")
+            from pioneer3.cli.sim_like import robot_like
+
+            found = stack.enter_context(robot_like(like, realism))
+            robots, realism = [found.robot], found.realism
+        simulation = simulator(
+            map_name=map_.name(),
+            overrides=world.overrides(robots, factory=robot_factory, own_ports=ports.port is None),
+            port=ports.first,
+            host=ports.bind,
+            ptys=ports.pty,
+            acts=ports.acts,
+            realism=realism,
+            pace=time.pace(),
+            faults=errors.faults(),
+        )
+        return run_until_told_to_leave(_simulate(simulation, announce=not ports.no_announce))
 
 
 async def _simulate(

@@ -211,7 +211,7 @@ class RobotModel:
         request_io: Whether to ask for IO packets on connecting.
         request_encoders: Whether to ask for ENCODER packets on connecting.
         switch_speed: Line speed to change to after connecting [baud]; 0 never.
-        odometry: What was measured of this robot's odometry, and the driver corrects.
+        odometry: Measured errors of this robot's odometry, which the driver corrects.
 
     Raises:
         ConfigError: A number is out of its range.

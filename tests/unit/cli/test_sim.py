@@ -11,6 +11,7 @@ import pytest
 from pioneer3.cli import sim as sim_module
 from pioneer3.cli.main import execute
 from pioneer3.geometry import Pose2
+from pioneer3.models.own import own_folder
 from pioneer3.sim.equipment import EquipmentOptions
 from pioneer3.sim.realism import Realism
 from pioneer3.sim.worldfile import RobotSpec
@@ -111,6 +112,15 @@ def test_time_passes_as_told(simulated: Seen) -> None:
     assert given("--speed 10", simulated)["pace"].speed == 10.0
     assert given("--fast", simulated)["pace"].speed == inf
     assert given("--lock-step", simulated)["pace"].lock_step
+
+
+def test_a_robot_is_like_one_with_a_file_of_its_own(simulated: Seen) -> None:
+    own_folder().mkdir(parents=True)
+    (own_folder() / "rosie.toml").write_text('like = "p3dx-sh"\n[odometry]\nscale = 1.02')
+    (robot,) = overrides("--like rosie", simulated).robots
+    assert (robot.name, robot.model) == ("rosie", str(own_folder() / "rosie.toml"))
+    assert execute(["sim", "--like", "rosie", "-r", "p3at"]) == 2
+    assert execute(["sim", "--like", "nobody"]) != 0
 
 
 def test_errors_can_be_chosen(simulated: Seen) -> None:
