@@ -59,6 +59,7 @@ def run(
     world: WorldOptions = AS_USUAL,
     lasers: LaserOptions = NO_LASERS,
     camera: CameraUrl = None,
+    shadow: Flag = False,
     sim_port: TcpPort = 8101,
     web_port: TcpPort = 8080,
     lan: Flag = False,
@@ -90,6 +91,8 @@ def run(
         world: How the simulated world begins.
         lasers: Of the robot.
         camera: Of the robot: http://HOST[:PORT]/PATH of an MJPEG stream.
+        shadow: Beside each robot at --port drives a simulated twin; the page shows where they
+            part, and why.
         sim_port: TCP port of the first simulated robot, the others have the next; 0: free ones.
         web_port: TCP port of the page; https takes the next free one with --lan; 0: any free.
         lan: Let other devices in, who must pair first: shows a QR code to scan.
@@ -128,6 +131,8 @@ def run(
     _refuse_nonsense(port, robots, simulated=ideal or world != AS_USUAL)
     if len(port) > 1 and lasers != NO_LASERS:
         raise ConfigError("--laser: of one robot only; run one `pioneer3 run` for each robot")
+    if shadow and not port:
+        raise ConfigError("--shadow: of robots at --port only; a simulated robot is its own twin")
     served_at = "0.0.0.0" if lan and host == "127.0.0.1" else host
     options = RunOptions(
         ports=port,
@@ -146,6 +151,7 @@ def run(
         record=log.where(),
         lasers=lambda: lasers.specs(port),
         camera=camera,
+        shadow=shadow,
         camera_if_one=camera == os.environ.get(CAMERA_VARIABLE),
         cameras=cameras,
         models=models,

@@ -16,7 +16,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from math import inf
 from pathlib import Path
-from typing import Final
+from typing import Final, Protocol
 
 from pioneer3.errors import ConfigError, RecordingOverError
 from pioneer3.links.base import Link, Opener
@@ -26,6 +26,8 @@ from pioneer3.log.topics import MICRO, LogTopic
 from pioneer3.log.writer import LogWriter
 
 FROM_HOST, FROM_ROBOT = "C>S", "S>C"
+OPEN: Final = "open: "
+"""Begin of the words about a link that was opened."""
 WAYS: Final = {FROM_ROBOT: "in", FROM_HOST: "out"}
 """Directions, and the ends of their topics."""
 ROBOT: Final = "robot"
@@ -45,6 +47,28 @@ class Chunk:
 
 def _size(data: bytes) -> int:
     return OF_CHUNK + len(data)
+
+
+class WireTap(Protocol):
+    """Takes the bytes of a link, and its events."""
+
+    def now(self) -> float:
+        """Return the time [s]."""
+
+    def note(self, way: str, data: bytes, now: float) -> None:
+        """Take bytes that pass `now`, in the direction :data:`FROM_HOST` or :data:`FROM_ROBOT`."""
+
+    def remark(self, words: str) -> None:
+        """Take an event of the link, in words."""
+
+
+def tapped(opener: Opener, tap: WireTap) -> Opener:
+    """Return an opener of the same links, whose bytes the tap takes."""
+
+    async def open_link() -> Link:
+        return TapLink(await opener(), tap)
+
+    return open_link
 
 
 class WireRecording:
@@ -73,50 +97,42 @@ class WireRecording:
         """Put an event of the link, in words."""
         self._log.event("link", f"{self.name}: {words}")
 
-    def opener(self, opener: Opener) -> Opener:
-        """Return an opener of the same links, which are recorded."""
-
-        async def open_link() -> Link:
-            return TapLink(await opener(), self)
-
-        return open_link
-
 
 class TapLink:
-    """A host's link that records all bytes; same contract as the link inside."""
+    """A host's link whose bytes a tap takes; same contract as the link inside."""
 
-    def __init__(self, link: Link, recording: WireRecording) -> None:
+    def __init__(self, link: Link, tap: WireTap) -> None:
         self.url = link.url
         self.speeds = link.speeds
         self.round_trip = link.round_trip
         self.read_at = -inf
         self._link = link
-        self._recording = recording
-        self._recording.remark(f"open: {without_secrets(link.url)}")
+        self._tap = tap
+        self._tap.remark(f"{OPEN}{without_secrets(link.url)}")
 
     async def read(self) -> bytes:
         """Read from the link inside."""
         data = await self._link.read()
-        self.read_at = now = self._recording.now()
-        self._recording.note(FROM_ROBOT, data, now)
+        self.read_at = now = self._tap.now()
+        self._tap.note(FROM_ROBOT, data, now)
         return data
 
     async def write(self, data: bytes) -> None:
-        """Write to the link inside, then record it: what moves a robot does not wait for that."""
-        now = self._recording.now()
+        """Write to the link inside, then tell it: what moves a robot does not wait for that."""
+        now = self._tap.now()
         try:
             await self._link.write(data)
         finally:
-            self._recording.note(FROM_HOST, data, now)
+            self._tap.note(FROM_HOST, data, now)
 
     async def set_speed(self, baud: int) -> None:
         """Change the speed of the link inside."""
-        self._recording.remark(f"{baud} baud")
+        self._tap.remark(f"{baud} baud")
         await self._link.set_speed(baud)
 
     async def close(self) -> None:
         """Close the link inside; the recording goes on."""
-        self._recording.remark("closed")
+        self._tap.remark("closed")
         await self._link.close()
 
 

@@ -50,6 +50,11 @@ class BlockingRobot(BlockingConnection):
         return adapted(self._target.navigator, self._thread)
 
     @property
+    def shadow(self) -> Any:
+        """Its simulated twin, as a facade; `None` where none was asked for."""
+        return adapted(self._target.shadow, self._thread)
+
+    @property
     def laser(self) -> Any:
         """The first of :attr:`lasers`."""
         return self.lasers[0]

@@ -48,6 +48,7 @@ async def connect_async(
     timing: Timing | None = None,
     lasers: "Sequence[LaserSpec | str]" = (),
     camera: str | None = None,
+    shadow: bool = False,
     line_map: "LineMap | str | Path | None" = None,
     start: Pose2 | str | None = None,
     settings: NavigationSettings = AS_SHIPPED,
@@ -72,6 +73,8 @@ async def connect_async(
         lasers: Laser range finders at the computer, such as `/dev/ttyACM0`. They may come later,
             and may be lost and found again.
         camera: URL of the MJPEG stream of a camera on the robot; it may come and go too.
+        shadow: Whether a simulated twin gets the same commands: `robot.shadow.parting` tells where
+            the robot differs from it, and why.
         line_map: The map to navigate on, its file, or the name of one that ships; `"simulator"`
             asks the simulator for its own; needs a laser.
         start: Where the robot is on the map: a pose, the name of a place, `"unknown"`, or `None`
@@ -96,6 +99,7 @@ async def connect_async(
         timing=timing,
         lasers=lasers,
         camera=camera,
+        shadow=shadow,
     )
     async with connection as robot:
         robot.settings = settings
@@ -103,6 +107,8 @@ async def connect_async(
             yield robot
             return
         navigator = robot.navigator = await _navigator(robot, line_map, start)
+        if robot.shadow is not None:
+            robot.shadow.odom_in_map = lambda: navigator.sure_odom_in_map
         async with running(navigator.run()):
             yield robot
 
@@ -118,6 +124,7 @@ def connect(
     record: Record = None,
     lasers: "Sequence[LaserSpec | str]" = (),
     camera: str | None = None,
+    shadow: bool = False,
     line_map: "LineMap | str | Path | None" = None,
     start: Pose2 | str | None = None,
     settings: NavigationSettings = AS_SHIPPED,
@@ -140,6 +147,7 @@ def connect(
             record=record,
             lasers=lasers,
             camera=camera,
+            shadow=shadow,
             line_map=line_map,
             start=start,
             settings=settings,

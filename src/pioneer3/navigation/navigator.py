@@ -133,6 +133,11 @@ class Navigator:
         return navigator
 
     @property
+    def sure_odom_in_map(self) -> Pose2 | None:
+        """The pose of odometry's frame on the map [m, rad], `None` while that is not sure."""
+        return self.estimate.odom_in_map if self.estimate.sure else None
+
+    @property
     def estimate(self) -> Estimate:
         """Where the robot is."""
         return self._localization.estimate

@@ -6,6 +6,7 @@ module        contents
 connect       connecting, and every way of leaving
 robot         `Robot`, as programs see it
 recording     the log of a robot: snapshots and scans, commands, decisions
+shadow        a simulated twin of a robot, and where the two part
 verification  today's driver over the bytes of a log, compared with what was seen then
 driven        the commands and snapshots of a robot that programs get, at a cable or over topics
 arbiter       asks all actions, sends one velocity command, tells the reason to stand still

@@ -4,6 +4,7 @@ import asyncio
 from collections.abc import AsyncIterator, Coroutine, Iterator, Sequence
 from contextlib import ExitStack, asynccontextmanager
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,6 +12,7 @@ from pioneer3.arcos.host_events import Timing
 from pioneer3.errors import ConfigError
 from pioneer3.limits import Limits
 from pioneer3.links import Opener, opener
+from pioneer3.links.tap import tapped
 from pioneer3.links.urls import split_url
 from pioneer3.models import GivenModel, load_model
 from pioneer3.models.own import wrong_in_own
@@ -46,6 +48,7 @@ async def connect_robot(
     timing: Timing | None = None,
     lasers: "Sequence[LaserSpec | str]" = (),
     camera: str | None = None,
+    shadow: bool = False,
 ) -> AsyncIterator[Robot]:
     """Connect to a robot or simulator; stop it and close the session on every way out.
 
@@ -58,6 +61,12 @@ async def connect_robot(
     if record is None and isinstance(url, str) and split_url(url)[0] == "replay":
         record = False
     open_ = url if callable(url) else opener(url, baud=baud)
+    twin = None
+    if shadow:
+        from pioneer3.runtime.shadow import Shadow  # the simulator loads slowly
+
+        twin = Shadow(asyncio.get_running_loop().time)
+        open_ = tapped(open_, twin)
     with ExitStack() as stack:
         robot_log = stack.enter_context(recorded(record, asyncio.get_running_loop().time))
         if robot_log is not None:
@@ -72,6 +81,8 @@ async def connect_robot(
         load_model(USUAL)  # the reader of models loads slowly, and a robot that waits is lost
         stack.enter_context(StopOnSignals(asyncio.get_running_loop(), arbiter.stop))
         notes = [] if robot_log is None else [robot_log.follow(supervisor)]
+        if twin is not None:
+            notes.append(twin.follow(supervisor, partial(_part, robot_log)))
         async with running(supervisor.run(), *notes, *_runs(drivers, eyes, robot_log)):
             if await anext(supervisor.snapshots.values(), None) is None:
                 await asyncio.get_running_loop().create_future()  # its end cancels this
@@ -87,8 +98,15 @@ async def connect_robot(
                 robot = Robot(
                     supervisor, arbiter, drivers + own_drivers, next(iter(eyes + own_eyes), None)
                 )
+                robot.shadow = twin
                 with robot.started:
                     yield robot
+
+
+def _part(robot_log: RobotLog | None, words: str) -> None:
+    """Log that a robot parts from its twin."""
+    if robot_log is not None:
+        robot_log.event("shadow", words)
 
 
 @asynccontextmanager

@@ -16,7 +16,7 @@ from pioneer3.clock import Clock
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import STILL, Pose2, Twist2
 from pioneer3.links import Opener
-from pioneer3.links.tap import ROBOT, WireRecording
+from pioneer3.links.tap import ROBOT, WireRecording, tapped
 from pioneer3.log.command_line import without_secrets
 from pioneer3.log.output import refuse_taken
 from pioneer3.log.topics import LogTopic
@@ -135,7 +135,7 @@ class RobotLog:
 
     def opener(self, opener: Opener, link: str = ROBOT) -> Opener:
         """Return an opener of the same links, which are recorded."""
-        return WireRecording(self.log, self._prefix + link).opener(opener)
+        return tapped(opener, WireRecording(self.log, self._prefix + link))
 
     def snapshot(self, snapshot: Snapshot, scans: Iterable[Scan] = ()) -> None:
         """Take a snapshot, and scans that came before it, unless they are known."""

@@ -22,6 +22,7 @@ from pioneer3.runtime.motions import StartedMotion, carry_out, lost_as_motion_er
 
 if TYPE_CHECKING:
     from pioneer3.navigation.navigator import Navigator
+    from pioneer3.runtime.shadow import Shadow
 
 MOTOR_PATIENCE = 4.0
 """Longest wait for the motors to come on [s]."""
@@ -37,6 +38,7 @@ class Robot(Driven):
         lasers: The laser range finders at the computer, each on a link of its own; without any,
             that of a simulator, in the robot's own stream.
         started: The motion that goes on while the program does something else.
+        shadow: Its simulated twin, where one was asked for.
         navigator: Knows where it is on a map; `None` without a map, and where a page makes its own.
     """
 
@@ -51,6 +53,7 @@ class Robot(Driven):
         self.arbiter = arbiter
         self.devices = Devices(supervisor, pictures)
         self.lasers: tuple[LaserSource, ...] = (*lasers,) or (self.devices.laser,)
+        self.shadow: Shadow | None = None
         self.navigator: Navigator | None = None
         self.settings = AS_SHIPPED
         self.started = StartedMotion(arbiter, supervisor)

@@ -3,7 +3,7 @@
 import asyncio
 from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pioneer3.arcos.commands import IoRequest, RequestMode
 from pioneer3.arcos.reports import Io, Report
@@ -21,6 +21,9 @@ from pioneer3.state import Snapshot
 from pioneer3.web import messages
 from pioneer3.web.broadcast import RetainedChannel, Subscriber
 from pioneer3.web.scene import RobotScene
+
+if TYPE_CHECKING:
+    from pioneer3.runtime.shadow import Shadow
 
 PERIOD = 0.5
 """Between two messages [s]."""
@@ -113,7 +116,11 @@ class RobotDetails:
         return details_of(
             self._number,
             snapshot,
-            findings=(*self._findings(now), *laser_findings(self._robot.lasers)),
+            findings=(
+                *self._findings(now),
+                *shadow_findings(self._robot.shadow),
+                *laser_findings(self._robot.lasers),
+            ),
             baud=info.speed,
             read=self._fresh_lines(now),
             sensors=tuple(map(_sensor, self._robot.devices.sensors)),
@@ -175,6 +182,21 @@ def details_of(
         ),
         sensors=sensors,
     )
+
+
+def shadow_findings(shadow: "Shadow | None") -> Iterator[Finding]:
+    """Yield whether the robot does what its twin does."""
+    if shadow is None:
+        return
+    if (parting := shadow.parting) is None:
+        yield Finding(check="twin", level=Level.OK, found="it does what its twin does")
+    else:
+        yield Finding(
+            check="twin",
+            level=Level.WARN,
+            found=parting.text,
+            meaning="A simulated twin that is told the same is elsewhere: it is drawn on the map.",
+        )
 
 
 def laser_findings(lasers: Iterable[LaserSource]) -> Iterator[Finding]:

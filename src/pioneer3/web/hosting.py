@@ -49,6 +49,7 @@ class ConnectTarget:
     timing: Timing | None = None
     lasers: tuple[LaserSpec, ...] = ()
     camera: str | None = None
+    shadow: bool = False
     settings: NavigationSettings = AS_SHIPPED
 
 
@@ -150,6 +151,7 @@ class RobotConnection:
                 timing=target.timing,
                 lasers=target.lasers,
                 camera=target.camera,
+                shadow=target.shadow,
                 settings=target.settings,
             ) as robot,
             self._in_scene(robot) as scene,

@@ -52,8 +52,9 @@ class RunOptions:
     the output of `tell` is not stored, and may show them. `record` is where the
     log of all is, as for :func:`connect_async`. `lasers` looks for those of the
     only robot, and `camera` is its; several robots leave that out or refuse it. `cameras`, `models`
-    and `settings` are one for each robot, or empty or one for all. `announced` lets others find the
-    page in the network while the block lasts; it is not called for one on loopback.
+    and `settings` are one for each robot, or empty or one for all. With `shadow` each has a twin.
+    `announced` lets others find the page in the network while the block lasts; it is not called for
+    one on loopback.
     """
 
     ports: tuple[str, ...] = ()
@@ -75,6 +76,7 @@ class RunOptions:
     camera_if_one: bool = False
     cameras: tuple[str | None, ...] = ()
     models: tuple[GivenModel, ...] = ()
+    shadow: bool = False
     settings: tuple[NavigationSettings, ...] = (AS_SHIPPED,)
     announced: Callable[[Served], AbstractAsyncContextManager[None]] | None = None
 
@@ -205,6 +207,7 @@ def _with_options(
             target,
             baud=options.baud,
             max_speed=options.max_speed,
+            shadow=options.shadow,
             lasers=(*lasers, *target.lasers),
             camera=camera or target.camera,
             settings=own,

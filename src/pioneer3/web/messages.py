@@ -176,12 +176,20 @@ class Target(Part, frozen=True):
     person: bool
 
 
+class PartingState(Part, frozen=True):
+    """The reason that a robot does not do what its simulated twin does, and where that is."""
+
+    why: str
+    twin_in_map: Pose2
+
+
 class SnapshotMessage(Part, frozen=True):
     """A snapshot of a robot, ten times a second.
 
     `why` is the reason for the robot to stand still, `standing` the kind of that reason, and
     `symptom` the page of the book about it. Where something stopped it, `stop` says what, briefly.
     `decided` says which action of the `mode` decides what; `commanded` is the last command sent.
+    `parting` is null while a robot does what its twin does, and of a robot without one.
     """
 
     robot: int
@@ -206,6 +214,7 @@ class SnapshotMessage(Part, frozen=True):
     ended: ModeEnd | None
     commanded: Twist2 | None
     target: Target | None
+    parting: PartingState | None = None
 
 
 class PlannedWay(Message, tag="way", frozen=True):

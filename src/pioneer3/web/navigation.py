@@ -364,6 +364,8 @@ class RobotNavigation:
             begun = home(known)
             navigator.place_as_remembered(begun and begun @ now.odometry.robot_in_odom)
         self._scene.located.odom_in_map = lambda: navigator.estimate.odom_in_map
+        if (shadow := self._robot.shadow) is not None:
+            shadow.odom_in_map = lambda: navigator.sure_odom_in_map
         self._scene.located.unsure = lambda: _unsure(navigator)
         return navigator
 

@@ -133,6 +133,15 @@ class RobotView:
             emergency_stop=pilot.emergency,
             driver=_driver(self.control.who_drives(), clients),
             target=self._target(arbiter.mode.goal, odom) if arbiter.mode else None,
+            parting=self._parting(odom),
+        )
+
+    def _parting(self, odom: Pose2) -> messages.PartingState | None:
+        shadow = self.robot.shadow
+        if shadow is None or (found := shadow.parting) is None:
+            return None
+        return messages.PartingState(
+            found.text, self.scene.odom_in_map_now(odom) @ found.twin_in_odom
         )
 
     def _target(self, goal: Goal | None, odom: Pose2) -> messages.Target | None:
@@ -196,6 +205,7 @@ def snapshot_part(
     stop: str | None = None,
     commanded: Twist2 | None = None,
     target: messages.Target | None = None,
+    parting: messages.PartingState | None = None,
 ) -> messages.SnapshotMessage:
     """Return the message part for a snapshot; the last `stop` may be what keeps it standing."""
     motors = now.motors
@@ -224,6 +234,7 @@ def snapshot_part(
         ended=mode.ended,
         commanded=commanded,
         target=target,
+        parting=parting,
     )
 
 

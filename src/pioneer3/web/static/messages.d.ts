@@ -99,7 +99,7 @@ export interface Robots {
   snapshots: SnapshotMessage[];
 }
 
-/** A snapshot of a robot, ten times a second. `why` is the reason for the robot to stand still, `standing` the kind of that reason, and `symptom` the page of the book about it. Where something stopped it, `stop` says what, briefly. `decided` says which action of the `mode` decides what; `commanded` is the last command sent. */
+/** A snapshot of a robot, ten times a second. `why` is the reason for the robot to stand still, `standing` the kind of that reason, and `symptom` the page of the book about it. Where something stopped it, `stop` says what, briefly. `decided` says which action of the `mode` decides what; `commanded` is the last command sent. `parting` is null while a robot does what its twin does, and of a robot without one. */
 export interface SnapshotMessage {
   robot: number;
   sequence: number;
@@ -123,6 +123,7 @@ export interface SnapshotMessage {
   ended: ModeEnd | null;
   commanded: Twist2 | null;
   target: Target | null;
+  parting: PartingState | null;
 }
 
 /** Position [m] and heading [rad] in some frame. */
@@ -204,6 +205,12 @@ export interface Target {
   y: number;
   heading: number | null;
   person: boolean;
+}
+
+/** The reason that a robot does not do what its simulated twin does, and where that is. */
+export interface PartingState {
+  why: string;
+  twin_in_map: Pose2;
 }
 
 /** New sweeps, of one or several lasers, for clients that subscribed to them. */

@@ -45,6 +45,7 @@ export function drawRobots(context, view, palette, placed, { selected, chosen, s
     drawRobot(context, view, colours, { robot: robot.shape, bumpers }, sprites, scale);
     context.restore();
   };
+  for (const [robot] of placed) if (robot.snapshot?.parting && isLive(robot)) drawTwin(context, view, palette, robot);
   for (const [robot, pose] of placed) {
     if (robot === selected) continue;
     if (chosen.includes(robot)) drawSelectionRing(context, view, palette, robot, pose, [6, 4]);
@@ -55,6 +56,20 @@ export function drawRobots(context, view, palette, placed, { selected, chosen, s
     if (several) drawSelectionRing(context, view, palette, robot, pose);
     one(robot, pose, palette);
   }
+}
+
+/** The outline of the simulated twin that a robot differs from, dashed. */
+function drawTwin(context, view, palette, { shape, snapshot }) {
+  const { length_front: front, length_rear: rear, width } = shape ?? GENERIC;
+  const { x, y, theta } = snapshot.parting.twin_in_map;
+  context.save();
+  context.translate(x, y);
+  context.rotate(theta);
+  context.strokeStyle = palette.gone;
+  context.lineWidth = 2 / view.scale;
+  context.setLineDash([5 / view.scale, 4 / view.scale]);
+  context.strokeRect(-rear, -width / 2, front + rear, width);
+  context.restore();
 }
 
 /** @param dashes of the line [px]; none for the selected robot */

@@ -100,13 +100,13 @@ export function showUsable(usable) {
  * Shows why the robot stands, in the colour of a warning only for a fault.
  * @param hint shown while the robot has nothing to do, or something has stopped it
  */
-export function showWhy({ why, standing, symptom, mode, faults }, hint) {
+export function showWhy({ why, standing, symptom, mode, faults, parting }, hint) {
   const text = standing === "idle" || standing === "stopped" ? hint : standing === "normal" && mode ? "" : why ?? ""; // the card of the mode says it
   if (text !== shown.why) shown = { why: text, since: performance.now() };
   const brief = standing === "normal" && performance.now() - shown.since < BRIEF;
   putHelp(byId("why"), brief ? "" : text, standing === "fault" ? symptom : null);
   byId("why").classList.toggle("fault", standing === "fault");
-  putLines(byId("faults"), faults);
+  putLines(byId("faults"), parting ? [...faults, `Not as its twin: ${parting.why}`] : faults);
 }
 
 /** Shows that simulated time is paused, in place of any other reason. */

@@ -1,0 +1,372 @@
+"""A digital shadow: a simulated twin that is told what a robot is told, and where the two part.
+
+The twin gets the very bytes that the robot gets, so that ramps, limits and the watchdog are those
+of the robot. Only the ways of the last seconds are compared: errors of older ones do not add up.
+What the wheels did is compared with what they were told, and where the robot is known on a map,
+the way over the ground with that of the wheels.
+"""
+
+from collections import deque
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from itertools import pairwise
+from math import cos, hypot, inf, pi, radians, sin
+
+from pioneer3.arcos.device import Commanded, Device, SessionClosed, WatchdogExpired, WatchdogFed
+from pioneer3.geometry import ORIGIN, Pose2, wrap
+from pioneer3.links.tap import FROM_HOST, OPEN
+from pioneer3.models import RobotModel
+from pioneer3.robot.pilot import stands
+from pioneer3.robot.supervisor import Supervisor
+from pioneer3.sim.body import Body
+from pioneer3.sim.firmware.steering import steer
+from pioneer3.sim.world import World
+from pioneer3.state import Identity, Snapshot
+
+WINDOW = 5.0
+"""Ways of so long are compared [s]."""
+LAGS = 6
+"""A robot's reports are behind its twin by less than so many reports: by links, loops, reports."""
+JITTER = 0.1
+"""They come so irregularly [s]."""
+LEAST = 0.03
+"""Ways of wheels that differ by less agree [m]."""
+SHARE = 0.05
+"""So do those that differ by less than this share."""
+GROUND_LEAST = 0.025
+"""Ways over the ground and of the wheels that differ by less agree [m]."""
+GROUND_SHARE = 0.02
+"""So do those that differ by less than this share: odometry that was never calibrated is so wrong,
+and a place on a map is known to a centimetre or two."""
+SKID = 0.1
+"""Share of the way of its sides around each other that a skid-steered robot may lose besides."""
+STANDS = 0.15
+"""Wheels that went less than this share of the way that they should have gone stand."""
+ALIKE = 0.5
+"""Both sides are slow if the better one lacks at least this share of what the other lacks."""
+LASTS = 1.0
+"""A difference that lasts for so long is believed [s]: on hard turns wheels lag behind for less."""
+READ = 2.0
+"""Shortest time for which it is told [s]."""
+NEAR = 0.3
+"""An echo so near ahead of a sonar is of something in the way [m]."""
+AHEAD = radians(60)
+"""Directions that count as ahead, to both sides [rad]."""
+MOST = 1 << 16
+"""Bytes from before the robot said what it is that are kept for its twin."""
+
+
+class Cause(StrEnum):
+    """The reason that fits best where a robot does not do what its twin does."""
+
+    IN_THE_WAY = "something is in the way"
+    HELD = "its wheels do not turn: it is held, braked, or stands against something low"
+    BATTERY = "it is slow, and its battery is low"
+    SLOW = "both sides are slow: a load, a slope, or weak motors"
+    LEFT_DRAGS = "its left side drags"
+    RIGHT_DRAGS = "its right side drags"
+    PUSHED = "it is pushed, or rolls"
+    SLIPS = "its wheels slip"
+    SPINS = "its wheels turn, and it does not move: it is held, lifted, or stuck"
+
+
+@dataclass(frozen=True, slots=True)
+class Parting:
+    """The difference between a robot and its twin, and the reason for it that fits best.
+
+    `lacks` is the share of the way that the robot did not go, negative for too much; `twin_in_odom`
+    is where a twin is now that was beside the robot when the compared time began [m, rad].
+    """
+
+    cause: Cause
+    lacks: float
+    twin_in_odom: Pose2
+
+    @property
+    def text(self) -> str:
+        """The sentence for people."""
+        if self.cause in {Cause.PUSHED, Cause.HELD, Cause.IN_THE_WAY}:
+            return self.cause
+        return f"{self.cause} ({100 * self.lacks:.0f} % of the way are missing)"
+
+
+@dataclass(frozen=True, slots=True)
+class _Moment:
+    """The state at a report: ways of the wheels since the beginning [m], left, then right.
+
+    `wheels` are by the counters, `spun` by the speeds that the robot reports. `robot_in_map` is
+    `None` while its place is not sure.
+    """
+
+    stamp: float
+    wheels: tuple[float, float]
+    spun: tuple[float, float]
+    twin: tuple[float, float]
+    twin_speeds: tuple[float, float]
+    robot_in_odom: Pose2
+    robot_in_map: Pose2 | None
+
+
+class Twin:
+    """A robot of a model without errors on an empty plane, which obeys the bytes of a host."""
+
+    def __init__(self, model: RobotModel, now: float) -> None:
+        self.body = Body(model)
+        self._world = World(robots=[self.body])
+        self._device = Device(Identity(name="", family=model.family, model=model.name))
+        self._now = now
+
+    def receive(self, data: bytes, now: float) -> None:
+        """Obey what the host sends at `now` [s]."""
+        self.go_on(now)
+        for event in self._device.receive(data, now):
+            self._obey(event)
+        self._device.outgoing()
+
+    def go_on(self, now: float) -> None:
+        """Move until `now` [s]."""
+        if now <= self._now:
+            return
+        for event in self._device.tick(now):
+            self._obey(event)
+        self._world.step(now - self._now)
+        self._now = now
+
+    def _obey(self, event: object) -> None:
+        match event:
+            case Commanded(command):
+                steer(self.body, command)
+            case WatchdogExpired():
+                self.body.drive.held = True
+            case WatchdogFed():
+                self.body.drive.held = False
+            case SessionClosed():
+                self.body.session_ended()
+
+
+class Shadow:
+    """The twin of one robot: give it the robot's link and its snapshots; read `parting`.
+
+    Attributes:
+        parting: Where the robot differs now; `None` while it does what it should.
+        odom_in_map: Returns the pose of odometry's frame on the map [m, rad], `None` while that is
+            not sure.
+    """
+
+    def __init__(self, clock: Callable[[], float]) -> None:
+        self.parting: Parting | None = None
+        self.odom_in_map: Callable[[], Pose2 | None] = lambda: None
+        self._clock = clock
+        self._twin: Twin | None = None
+        self._unheard: list[tuple[float, bytes]] = []
+        self._moments: deque[_Moment] = deque()
+        self._encoder = ORIGIN
+        self._since, self._until = inf, -inf
+
+    def now(self) -> float:
+        """Return the time [s]."""
+        return self._clock()
+
+    def remark(self, words: str) -> None:
+        """Begin anew with each connection."""
+        if words.startswith(OPEN):
+            self._twin, self.parting = None, None
+            self._unheard.clear()
+            self._moments.clear()
+
+    def note(self, way: str, data: bytes, now: float) -> None:
+        """Take bytes that pass `now` [s]; the twin gets those from the host."""
+        if way != FROM_HOST:
+            return
+        if self._twin is not None:
+            self._twin.receive(data, now)
+        elif sum(len(each) for _, each in self._unheard) < MOST:
+            self._unheard.append((now, data))
+
+    async def follow(self, supervisor: Supervisor, tell: Callable[[str], None]) -> None:
+        """Take the snapshots of a robot until cancelled; tell in words what changes."""
+        told: Cause | None = None
+        async for snapshot in supervisor.snapshots.values():
+            assert supervisor.info is not None
+            parting = self.take(snapshot, supervisor.info.model)
+            cause = parting.cause if parting else None
+            if cause is not told:
+                tell(parting.text if parting else "it does again what its twin does")
+                told = cause
+
+    def take(self, snapshot: Snapshot, model: RobotModel) -> Parting | None:
+        """Take the next snapshot; return where the robot differs now."""
+        twin = self._twin_of(model, snapshot.stamp)
+        twin.go_on(snapshot.stamp)
+        self._add(snapshot, twin.body)
+        here = snapshot.odometry.robot_in_encoder
+        twin.body.reset_odometry(here)  # both mean the same by a heading
+        self._encoder = here
+        if not snapshot.motors.enabled or snapshot.motors.stop_button:
+            self._moments.clear()  # it stands, whatever it was told before
+        self._decide(self._judge(snapshot, model) if len(self._moments) > 1 else None, snapshot)
+        return self.parting
+
+    def _decide(self, found: Parting | None, snapshot: Snapshot) -> None:
+        """Believe what lasts, and keep it for as long as people need to read it."""
+        now = snapshot.stamp
+        if found is None:
+            self._since = inf
+            if now - self._until > 0:
+                self.parting = None
+            return
+        self._since = min(self._since, now)
+        if now - self._since >= LASTS or _is_blocked(snapshot):
+            self.parting, self._until = found, now + READ
+
+    def _twin_of(self, model: RobotModel, now: float) -> Twin:
+        if self._twin is None:
+            self._twin = Twin(model, self._unheard[0][0] if self._unheard else now)
+            for at, data in self._unheard:
+                self._twin.receive(data, at)
+            self._unheard.clear()
+        return self._twin
+
+    def _add(self, snapshot: Snapshot, body: Body) -> None:
+        odometry, odom_in_map = snapshot.odometry, self.odom_in_map()
+        wheels = spun = (0.0, 0.0)
+        if self._moments:
+            before = self._moments[-1]
+            passed = snapshot.stamp - before.stamp
+            spun = (
+                before.spun[0] + odometry.left_speed * passed,
+                before.spun[1] + odometry.right_speed * passed,
+            )
+            step = self._encoder.inverse() @ odometry.robot_in_encoder
+            way = hypot(step.x, step.y) * (1 if step.x >= 0 else -1)
+            aside = step.theta * body.track / 2
+            wheels = before.wheels[0] + way - aside, before.wheels[1] + way + aside
+        v, w = body.speeds
+        aside = w * body.track / 2
+        moment = _Moment(
+            stamp=snapshot.stamp,
+            wheels=wheels,
+            spun=spun,
+            twin=body.wheel_travel,
+            twin_speeds=(v - aside, v + aside),
+            robot_in_odom=odometry.robot_in_odom,
+            robot_in_map=odom_in_map and odom_in_map @ odometry.robot_in_odom,
+        )
+        self._moments.append(moment)
+        while self._moments[0].stamp < snapshot.stamp - WINDOW:
+            self._moments.popleft()
+
+    def _judge(self, snapshot: Snapshot, model: RobotModel) -> Parting | None:
+        lags = range(min(LAGS, len(self._moments) - 1))
+        lacks = min(map(self._lacks, lags), key=lambda both: max(each.excess for each in both))
+        if any(each.excess > 0 for each in lacks) or _is_blocked(snapshot):
+            cause = _cause(lacks, snapshot, model)
+            return self._parting(cause, max(each.share for each in lacks))
+        return self._judge_ground(model)
+
+    def _lacks(self, lag: int) -> "list[_Lack]":
+        """Compare with the twin of so many reports before."""
+        moments = list(self._moments)
+        real, twin = moments[lag:], moments[: len(moments) - lag]
+        lacks = []
+        for side in (0, 1):
+            told = twin[-1].twin[side] - twin[0].twin[side]
+            went = min(
+                real[-1].wheels[side] - real[0].wheels[side],
+                real[-1].spun[side] - real[0].spun[side],  # counters of a simulator may come late
+                key=lambda way: abs(told - way),
+            )
+            speeds = [each.twin_speeds[side] for each in twin]
+            allowed = LEAST + SHARE * abs(told) + JITTER * (max(speeds) - min(speeds))
+            lacks.append(_Lack(told, told - went, allowed))
+        return lacks
+
+    def _judge_ground(self, model: RobotModel) -> Parting | None:
+        """Compare the way over the ground with that of the wheels."""
+        known = [each for each in self._moments if each.robot_in_map is not None]
+        if not known:
+            return None
+        first, last = known[0], known[-1]
+        assert first.robot_in_map is not None
+        assert last.robot_in_map is not None
+        rolled = _distance(first.robot_in_odom, last.robot_in_odom)
+        went = _distance(first.robot_in_map, last.robot_in_map)
+        allowed = GROUND_LEAST + GROUND_SHARE * rolled
+        if model.drive == "skid":
+            aside = [each.wheels[1] - each.wheels[0] for each in known]
+            allowed += SKID / 2 * sum(abs(b - a) for a, b in pairwise(aside))
+        if rolled - went <= allowed:
+            return None
+        cause = Cause.SPINS if went < STANDS * rolled else Cause.SLIPS
+        return self._parting(cause, 1 - went / rolled)
+
+    def _parting(self, cause: Cause, lacks: float) -> Parting:
+        """Return the difference, with the twin that began beside the robot."""
+        assert self._twin is not None
+        pose = self._moments[0].robot_in_odom
+        for before, after in pairwise(self._moments):
+            left, right = (b - a for a, b in zip(before.twin, after.twin, strict=True))
+            pose = pose @ moved((left + right) / 2, (right - left) / self._twin.body.track)
+        return Parting(cause, lacks, pose)
+
+
+@dataclass(frozen=True, slots=True)
+class _Lack:
+    """The way that a side was told to go, what it lacks of it, and how much may be lacking [m]."""
+
+    told: float
+    missing: float
+    allowed: float
+
+    @property
+    def share(self) -> float:
+        """The missing share of the way; 0 where there was none to go."""
+        return self.missing / self.told if abs(self.told) > LEAST else 0.0
+
+    @property
+    def excess(self) -> float:
+        """How much more than allowed is missing, or too much [m]; positive if that is wrong."""
+        return abs(self.missing) - self.allowed
+
+    @property
+    def slow(self) -> bool:
+        """Whether too much is missing."""
+        return self.excess > 0 and self.share > 0
+
+
+def _cause(lacks: Sequence[_Lack], snapshot: Snapshot, model: RobotModel) -> Cause:
+    """Return why the wheels differ from what they were told."""
+    shares = [each.share for each in lacks]
+    if _is_blocked(snapshot) or min(shares) > 1 - STANDS:
+        is_met = any((*snapshot.bumpers.front, *snapshot.bumpers.rear))
+        back = sum(each.told for each in lacks) < 0
+        return Cause.IN_THE_WAY if is_met or _is_near(snapshot, model, back=back) else Cause.HELD
+    if not any(each.slow for each in lacks):
+        return Cause.PUSHED
+    if min(shares) < ALIKE * max(shares):
+        return Cause.LEFT_DRAGS if shares[0] > shares[1] else Cause.RIGHT_DRAGS
+    return Cause.BATTERY if snapshot.battery.low else Cause.SLOW
+
+
+def _is_blocked(snapshot: Snapshot) -> bool:
+    """Whether the motors push, and nothing turns; on hard turns they may push hard, too."""
+    return snapshot.motors.stalled and stands(snapshot)
+
+
+def _is_near(snapshot: Snapshot, model: RobotModel, *, back: bool) -> bool:
+    """Whether something echoes close ahead, or behind."""
+    pairs = zip(model.sonars, snapshot.sonar.ranges, strict=False)
+    return any(
+        heard < NEAR and abs(wrap(mount.theta + (pi if back else 0.0))) < AHEAD
+        for mount, heard in pairs
+    )
+
+
+def moved(way: float, turn: float) -> Pose2:
+    """Return the pose after a way [m] along an arc that turns by `turn` [rad], along its chord."""
+    return Pose2(way * cos(turn / 2), way * sin(turn / 2), turn)
+
+
+def _distance(one: Pose2, other: Pose2) -> float:
+    return hypot(other.x - one.x, other.y - one.y)

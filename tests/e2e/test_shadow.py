@@ -1,0 +1,178 @@
+"""A robot beside its simulated twin: where they part, and the reason that is found."""
+
+import asyncio
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager, suppress
+from dataclasses import replace
+from random import Random
+
+import pytest
+
+from pioneer3 import connect_async
+from pioneer3.errors import MotionError
+from pioneer3.geometry import Pose2
+from pioneer3.runtime.robot import Robot
+from pioneer3.runtime.shadow import Cause, Shadow
+from pioneer3.sim.kernels.drives import STALLED, TARGET, VELOCITY
+from pioneer3.sim.realism import OdometryErrors, Realism
+from pioneer3.sim.worldfile import load_map
+from tests.support import SimulatedRobot
+
+SPEEDS = (-0.2, 0.0, 0.1, 0.2, 0.3, 0.5, 0.7)
+TURN_RATES = (0.0, 0.0, 0.3, -0.5, 0.8, -1.0)
+RAMP = 0.02
+"""More than a wheel's speed changes in a tick [m/s]."""
+WITHIN = 5.0
+"""A fault is named after at most so long [s]."""
+SLIPPERY = OdometryErrors(mode="constant", scale=0.95, base_ratio=1.0, wheel_ratio=1.0)
+
+
+@asynccontextmanager
+async def shadowed(simulated: SimulatedRobot) -> AsyncIterator[tuple[Robot, Shadow]]:
+    """Connect to a robot that has a shadow, whose place is always known."""
+    async with simulated, connect_async(simulated.open, record=False, shadow=True) as robot:
+        assert robot.shadow is not None
+        body = simulated.body
+        robot.shadow.odom_in_map = lambda: body.robot_in_world @ odometry_of(robot).inverse()
+        yield robot, robot.shadow
+
+
+def odometry_of(robot: Robot) -> Pose2:
+    assert robot.snapshot is not None
+    return robot.snapshot.odometry.robot_in_odom
+
+
+async def drive(robot: Robot, speed: float, turn_rate: float, seconds: float) -> list[Cause]:
+    """Hold a stick; return the causes that were told meanwhile."""
+    told = []
+    assert robot.shadow is not None
+    for _ in range(round(10 * seconds)):
+        with suppress(MotionError):
+            robot.drive(speed, turn_rate)
+        await asyncio.sleep(0.1)
+        if robot.shadow.parting is not None:
+            told.append(robot.shadow.parting.cause)
+    return told
+
+
+def weakened(simulated: SimulatedRobot, left: float, right: float) -> Callable[[], None]:
+    """Return a step after which wheels have no more than a share of the speed wanted of them."""
+    axes, half = simulated.body.drives.axes, simulated.body.track / 2
+
+    def wheels(row: int) -> tuple[float, float]:
+        v, w = axes[row, :, 0]
+        return v - w * half, v + w * half
+
+    def step() -> None:
+        wanted = zip(wheels(VELOCITY), wheels(TARGET), (left, right), strict=True)
+        slow_left, slow_right = (
+            share * top if abs(now) > abs(share * top) - RAMP else now for now, top, share in wanted
+        )
+        axes[VELOCITY, :, 0] = (slow_left + slow_right) / 2, (slow_right - slow_left) / (2 * half)
+
+    return step
+
+
+@pytest.mark.parametrize("model", ["p3dx-sh", "p3at-sh"])
+@pytest.mark.parametrize("latency", [0.0, 0.2])
+async def test_a_sound_robot_does_what_its_twin_does(model: str, latency: float) -> None:
+    random = Random(7)
+    simulated = SimulatedRobot(model=model, realism=Realism())
+    simulated.latency = latency
+    async with shadowed(simulated) as (robot, shadow):
+        if latency:
+            shadow.odom_in_map = lambda: None  # the truth of now is not that of the report
+        for _ in range(60):
+            speed, turn_rate = random.choice(SPEEDS), random.choice(TURN_RATES)
+            assert await drive(robot, speed, turn_rate, random.uniform(0.5, 4.0)) == []
+
+
+@pytest.mark.parametrize("speed", [0.25, 0.5])
+async def test_slip_is_named(speed: float) -> None:
+    simulated = SimulatedRobot(model="p3dx-sh", realism=replace(Realism(), odometry=SLIPPERY))
+    async with shadowed(simulated) as (robot, _):
+        assert await drive(robot, speed, 0.0, WITHIN + 0.5) != []
+        assert set(await drive(robot, speed, 0.0, 5.0)) == {Cause.SLIPS}
+
+
+@pytest.mark.parametrize(
+    ("left", "right", "cause"),
+    [
+        (0.8, 1.0, Cause.LEFT_DRAGS),
+        (1.0, 0.8, Cause.RIGHT_DRAGS),
+        (0.8, 0.8, Cause.SLOW),
+        (0.0, 0.0, Cause.HELD),
+    ],
+)
+async def test_slow_wheels_are_named(left: float, right: float, cause: Cause) -> None:
+    simulated = SimulatedRobot(model="p3dx-sh")
+    async with shadowed(simulated) as (robot, _):
+        assert await drive(robot, 0.3, 0.0, 6.0) == []
+        simulated.stepped = weakened(simulated, left, right)
+        await drive(robot, 0.3, 0.0, WITHIN)
+        assert set(await drive(robot, 0.3, 0.0, 1.0)) == {cause}
+
+
+async def test_an_empty_battery_is_the_reason_for_slow_wheels() -> None:
+    simulated = SimulatedRobot(model="p3dx-sh")
+    simulated.body.battery.fixed = 11.2
+    simulated.stepped = weakened(simulated, 0.8, 0.8)
+    async with shadowed(simulated) as (robot, _):
+        await drive(robot, 0.3, 0.0, WITHIN)
+        assert set(await drive(robot, 0.3, 0.0, 1.0)) == {Cause.BATTERY}
+
+
+async def test_wheels_that_stall_in_the_open_are_held() -> None:
+    simulated = SimulatedRobot(model="p3dx-sh")
+
+    def held() -> None:
+        simulated.body.drives.axes[VELOCITY, :, 0] = 0.0
+        simulated.body.drives.flags[STALLED] = 1
+
+    async with shadowed(simulated) as (robot, _):
+        assert await drive(robot, 0.3, 0.0, 6.0) == []
+        simulated.stepped = held
+        assert set(await drive(robot, 0.3, 0.0, 1.0)) == {Cause.HELD}
+
+
+async def test_wheels_that_stall_at_a_wall_met_something() -> None:
+    simulated = SimulatedRobot(load_map("office"), home=Pose2(3.0, 3.1, -1.57))
+    async with shadowed(simulated) as (robot, _):
+        assert set(await drive(robot, 0.3, 0.0, 12.0)) == {Cause.IN_THE_WAY}
+
+
+async def test_wheels_that_spin_are_named() -> None:
+    simulated = SimulatedRobot(model="p3dx-sh")
+    async with shadowed(simulated) as (robot, _):
+        assert await drive(robot, 0.3, 0.0, 6.0) == []
+        here = simulated.body.robot_in_world
+
+        def stuck() -> None:
+            simulated.body.robot_in_world = here
+
+        simulated.stepped = stuck
+        await drive(robot, 0.3, 0.0, 6.0)
+        assert set(await drive(robot, 0.3, 0.0, 1.0)) == {Cause.SPINS}
+
+
+async def test_a_new_session_begins_with_a_new_twin() -> None:
+    simulated = SimulatedRobot(model="p3dx-sh")
+    async with shadowed(simulated) as (robot, _):
+        await drive(robot, 0.3, 0.2, 3.0)
+        await simulated.unplug()
+        simulated.power_cycle()
+        await asyncio.sleep(4.0)
+        simulated.plugged = True
+        await asyncio.sleep(8.0)
+        assert robot.snapshot is not None
+        assert await drive(robot, 0.3, -0.2, 6.0) == []
+
+
+async def test_the_twin_begins_beside_the_robot_and_goes_on_alone() -> None:
+    simulated = SimulatedRobot(model="p3dx-sh")
+    simulated.stepped = weakened(simulated, 0.0, 0.0)
+    async with shadowed(simulated) as (robot, shadow):
+        await drive(robot, 0.2, 0.0, 10.0)
+        assert shadow.parting is not None
+        assert shadow.parting.twin_in_odom.x == pytest.approx(1.0, abs=0.05)
+        assert "wheels do not turn" in shadow.parting.text
