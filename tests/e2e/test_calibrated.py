@@ -12,10 +12,12 @@ from pioneer3.models import OdometryCorrection
 from pioneer3.models.odometry import UNCORRECTED
 from pioneer3.models.own import own_folder
 from pioneer3.navigation.connect import connect_async
+from pioneer3.ros.messages.motion import odometry
 from pioneer3.runtime.robot import Robot
 from pioneer3.sim.realism import OdometryErrors, Realism
 from pioneer3.sim.worldfile.spec import Physics
 from tests.support import SimulatedRobot
+from tests.unit.ros.support import Blank, update
 
 WRONG = OdometryErrors(mode="constant", scale=1.02, base_ratio=0.975, wheel_ratio=1.015, slip=0.0)
 OTHER = replace(WRONG, scale=0.96, base_ratio=1.03, wheel_ratio=0.99)
@@ -113,11 +115,11 @@ async def test_the_speed_that_is_measured_is_the_true_one() -> None:
     async with robot_with(WRONG) as sim, connect_async(sim.open) as driver:
         await hold(driver, 0.2, 0.3, 2.0)
         assert driver.snapshot is not None
-        odometry = driver.snapshot.odometry
-        assert odometry.twist.v == pytest.approx(0.2, abs=0.003)
-        assert odometry.twist.w == pytest.approx(0.3, abs=radians(1.1))
-        across = odometry.twist.w * driver.info.model.true_base
-        assert odometry.right_speed - odometry.left_speed == pytest.approx(across, abs=0.01)
+        measured = driver.snapshot.odometry
+        assert measured.twist.v == pytest.approx(0.2, abs=0.003)
+        assert measured.twist.w == pytest.approx(0.3, abs=radians(1.1))
+        across = measured.twist.w * driver.info.model.true_base
+        assert measured.right_speed - measured.left_speed == pytest.approx(across, abs=0.01)
 
 
 async def hold(driver: Robot, speed: float, turn_rate: float, seconds: float) -> None:
@@ -125,3 +127,18 @@ async def hold(driver: Robot, speed: float, turn_rate: float, seconds: float) ->
     for _ in range(round(seconds / 0.1)):
         driver.drive(speed, turn_rate)
         await asyncio.sleep(0.1)
+
+
+async def test_modes_and_ros_take_the_corrected_pose() -> None:
+    calibrate(OTHER)
+    async with robot_with(OTHER) as sim, connect_async(sim.open) as driver:
+        await driver.goto(3.0, -1.5, 1.0)
+        await asyncio.sleep(0.5)
+        there = sim.body.robot_in_world
+        assert hypot(there.x - 3.0, there.y + 1.5) < 0.1
+        assert there.theta == pytest.approx(1.0, abs=0.06)
+        message = Blank()
+        assert driver.snapshot is not None
+        odometry(message, update(driver.snapshot))
+        place = message.pose.pose.position
+        assert (place.x, place.y) == pytest.approx((there.x, there.y), abs=0.003)
