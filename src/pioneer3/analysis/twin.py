@@ -101,7 +101,7 @@ class DrivePiece:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Twin:
+class FittedTwin:
     """A robot as a log tells it: its type, the errors of its odometry, and how sure they are.
 
     Attributes:
@@ -191,7 +191,7 @@ def read_drive(log: OpenLog) -> RecordedDrive:
     )
 
 
-def twin_of(drive: RecordedDrive) -> Twin:
+def twin_of(drive: RecordedDrive) -> FittedTwin:
     """Return what a drive tells of its robot.
 
     Raises:
@@ -210,10 +210,10 @@ def twin_of(drive: RecordedDrive) -> Twin:
     ratios, covariance, noise = _fitted(pieces, width)
     bounded = np.clip(ratios, LEAST_RATIO, GREATEST_RATIO).tolist()
     measured = replace(drive.model, odometry=OdometryCorrection(*bounded))
-    return Twin(model=measured, covariance=covariance, noise=noise, pieces=len(pieces))
+    return FittedTwin(model=measured, covariance=covariance, noise=noise, pieces=len(pieces))
 
 
-def likeness(drive: RecordedDrive, twin: Twin, seed: int = 0) -> Likeness:
+def likeness(drive: RecordedDrive, twin: FittedTwin, seed: int = 0) -> Likeness:
     """Drive the twin by the bytes that the robot was sent, many times, and compare the ends.
 
     The runs differ by the noise, and by what is not known of the ratios. Nothing is in their way.

@@ -13,7 +13,7 @@ from pioneer3.errors import ConfigError
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from pioneer3.analysis.twin import Likeness, Twin
+    from pioneer3.analysis.twin import FittedTwin, Likeness
     from pioneer3.models.model import OwnFile
     from pioneer3.sim.realism import Realism
     from pioneer3.sim.worldfile import RobotSpec
@@ -103,7 +103,7 @@ def _of_log(name: str, folder: Path, realism: "Realism") -> Like:
     return Like(RobotSpec(model=str(own)), twin.realism(realism))
 
 
-def _ratios(twin: "Twin") -> "Table":
+def _ratios(twin: "FittedTwin") -> "Table":
     """Return the errors of the odometry, and how sure they are."""
     table = _table("odometry", "value", "standard error", "")
     for field, unsure in zip(fields(twin.model.odometry), twin.unsure, strict=True):
