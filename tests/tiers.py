@@ -85,6 +85,14 @@ PARTS: Mapping[str, Part] = {
             "test_followers_of_a_leader_that_is_lost_stand_and_end": "safety",
         },
     ),
+    "tests/e2e/test_calibrate.py": Part(
+        "robots that drive squares for long",
+        {
+            "test_every_way_out_of_a_step_stops_the_robot": "safety",
+            "test_nothing_is_driven_where_something_is_near": "safety",
+            "test_what_comes_in_the_way_ends_a_step": "safety",
+        },
+    ),
     "tests/e2e/test_traffic.py": Part(
         "robots that make way for each other",
         {"test_two_robots_that_meet_in_a_door_let_each_other_pass": "the joint"},

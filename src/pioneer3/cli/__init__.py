@@ -20,6 +20,7 @@ fleet_output      output of work on many robots: lines that begin with a robot's
 fleet_discover    `pioneer3 fleet discover`
 monitor           `pioneer3 monitor`
 screen            the monitor's screen
+calibrate         `pioneer3 calibrate`: the errors of odometry and of a laser's place
 map               `pioneer3 map`: make maps, look at maps and worlds, check them, convert them
 map_build         `pioneer3 map build`
 map_drawing       a map as characters: braille dots for lines, signs and names for places

@@ -15,6 +15,7 @@ from pioneer3 import __version__
 from pioneer3.cli.access import access_app
 from pioneer3.cli.aria_options import in_our_words
 from pioneer3.cli.bridge import bridge
+from pioneer3.cli.calibrate import calibrate
 from pioneer3.cli.classroom import class_
 from pioneer3.cli.config import config_app
 from pioneer3.cli.demo import demo
@@ -90,6 +91,7 @@ GROUPS: dict[str, tuple[Callable[..., object], ...]] = {
         map_app,
         model_app,
         robot_app,
+        calibrate,
         ros1_app,
         ros2_app,
         access_app,

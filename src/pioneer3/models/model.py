@@ -293,9 +293,14 @@ class RobotModel:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OwnLaser:
-    """A laser range finder of one robot: its port as for `--laser`, and its place."""
+    """A laser range finder of one robot: its port as for `--laser`, and its place.
+
+    Attributes:
+        delay: Time by which its scans are stamped too late [s].
+    """
 
     port: str
+    delay: Annotated[float, Meta(ge=-0.25, le=0.25)] = 0.0
     mount: Annotated[LaserMount, FieldForm(type=LaserMount, spread=True)]
 
 

@@ -127,7 +127,7 @@ def own_lasers(own: OwnFile, robots: Iterable[str] = ()) -> tuple[LaserSpec, ...
             raise wrong_in_own(own, f"lasers[{number}].port", error) from None
     specs = parse_lasers(urls)
     return tuple(
-        replace(spec, mounting=mounting_of(laser.mount))
+        replace(spec, mounting=mounting_of(laser.mount), time_offset=-laser.delay)
         for spec, laser in zip(specs, own.lasers, strict=True)
     )
 

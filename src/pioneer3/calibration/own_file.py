@@ -1,0 +1,149 @@
+"""Writes what was measured into the robot's own file; comments and all else in it stay."""
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import degrees
+from pathlib import Path
+
+from pioneer3.calibration.estimate import NAMES
+from pioneer3.errors import ConfigError
+from pioneer3.geometry import Pose2
+from pioneer3.models import OdometryCorrection, RobotModel, find_model
+from pioneer3.models.catalog import parse_own, read_model_text
+from pioneer3.models.own import ARIA, ODOMETRY_EXAMPLE, TOML, new_own_text, own_path
+from pioneer3.robot.supervisor import RobotInfo
+from pioneer3.tables import Source, load, written
+from pioneer3.text import shown, write_bytes
+
+OLD = ".old"
+"""Ending of the copy of the file as it was before."""
+HEADING = re.compile(r"\s*\[")
+ODOMETRY = re.compile(r"\s*\[\s*odometry\s*\]\s*(#.*)?$")
+LASER = re.compile(r"\s*\[\[\s*lasers\s*\]\]\s*(#.*)?$")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Numbers:
+    """Numbers for a robot's own file.
+
+    Attributes:
+        odometry: Correction of its odometry.
+        laser: Place of its first laser; `None` to leave it.
+        delay: Time by which the scans of that are late [s]; `None` to leave it.
+    """
+
+    odometry: OdometryCorrection
+    laser: Pose2 | None = None
+    delay: float | None = None
+
+    @property
+    def of_odometry(self) -> dict[str, float]:
+        """The keys of the table of odometry."""
+        return {name: round(getattr(self.odometry, name), 5) for name in NAMES}
+
+    @property
+    def of_laser(self) -> dict[str, float]:
+        """The keys of a laser."""
+        keys: dict[str, float] = {}
+        if self.laser is not None:
+            keys["x"], keys["y"] = round(self.laser.x, 4), round(self.laser.y, 4)
+            keys["theta_deg"] = round(degrees(self.laser.theta), 2)
+        if self.delay is not None:
+            keys["delay"] = round(self.delay, 3)
+        return keys
+
+    @property
+    def text(self) -> str:
+        """The tables as they stand in a file."""
+        tables = written({"odometry": self.of_odometry})
+        return tables + (f"\n{written({'lasers': [self.of_laser]})}" if self.of_laser else "")
+
+
+def file_of(info: RobotInfo) -> Path:
+    """Return the own file of a robot: the one that it has, or that by its name.
+
+    Raises:
+        ConfigError: It is ARIA's, or no file can have the robot's name.
+    """
+    path = info.own.path if info.own is not None else own_path(info.identity.name)
+    if path is None:
+        raise ConfigError(f"{shown(info.identity.name)}: no file can have the name of this robot")
+    if path.suffix == ARIA:
+        own = path.with_suffix(TOML)
+        raise ConfigError(
+            f"{path} is ARIA's, which has no place for these numbers: make {own.name} beside it by "
+            "pioneer3 robot init --force, which counts before it; write into it what your file of "
+            "ARIA has beyond the robot's type, and calibrate again"
+        )
+    return path
+
+
+def write_numbers(info: RobotInfo, numbers: Numbers) -> tuple[Path, Path | None]:
+    """Write numbers into the own file of a robot; return it, and the copy of the one before.
+
+    Raises:
+        ConfigError: It cannot be written, or not without changing more than the numbers.
+    """
+    path = file_of(info)
+    old = read_model_text(path) if path.exists() else None
+    text = old
+    if text is None:
+        new_text = new_own_text(info.identity.name, info.identity.model, (), None)
+        text = new_text.replace(ODOMETRY_EXAMPLE, "")
+    kin = find_model(info.identity.model) or info.model
+    new = with_numbers(text, numbers, path, kin)
+    before = path.with_name(path.name + OLD) if old is not None else None
+    if before is not None and old is not None:
+        write_bytes(before, old.encode())
+    else:
+        path.parent.mkdir(parents=True, exist_ok=True)
+    write_bytes(path, new.encode())
+    return path, before
+
+
+def with_numbers(text: str, numbers: Numbers, path: Path, kin: RobotModel | None = None) -> str:
+    """Return the text of an own file with numbers; those of a laser only if it has one.
+
+    Raises:
+        ConfigError: It would not be read as it is now, with the numbers.
+    """
+    new = _with_keys(text, ODOMETRY, numbers.of_odometry, "[odometry]")
+    expected = load(Source.of(path, text))
+    expected["odometry"] = {**expected.get("odometry", {}), **numbers.of_odometry}
+    if numbers.of_laser and expected.get("lasers"):
+        new = _with_keys(new, LASER, numbers.of_laser, None)
+        expected["lasers"][0].update(numbers.of_laser)
+    try:
+        fits = load(Source.of(path, new)) == expected
+        parse_own(new, str(path), kin)
+    except ConfigError:
+        fits = False
+    if not fits:
+        raise ConfigError(f"{path}: has a form of its own; write into it yourself:\n{numbers.text}")
+    return new
+
+
+def _with_keys(
+    text: str, heading: re.Pattern[str], keys: Mapping[str, float], new: str | None
+) -> str:
+    """Return a text with keys in its first table of a heading, or in a `new` one at its end."""
+    lines = text.splitlines()
+    at = next((number for number, line in enumerate(lines) if heading.match(line)), None)
+    if at is None:
+        if new is None:
+            return text
+        return "\n".join([*lines, "", new, *(f"{k} = {v!r}" for k, v in keys.items()), ""])
+    end = next((n for n in range(at + 1, len(lines)) if HEADING.match(lines[n])), len(lines))
+    left = dict(keys)
+    last = at
+    for number in range(at + 1, end):
+        entry = re.match(r"(\s*)(\w+)(\s*=\s*)([^#\s]+)(.*)$", lines[number])
+        if entry is None:
+            continue
+        last = number
+        if entry[2] in left:
+            value = left.pop(entry[2])
+            lines[number] = f"{entry[1]}{entry[2]}{entry[3]}{value!r}{entry[5]}"
+    lines[last + 1 : last + 1] = [f"{key} = {value!r}" for key, value in left.items()]
+    return "\n".join(lines) + "\n"
