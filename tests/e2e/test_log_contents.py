@@ -16,12 +16,14 @@ from pioneer3.geometry import Pose2
 from pioneer3.links import Link
 from pioneer3.links.memory import null_modem
 from pioneer3.log.reader import open_log
+from pioneer3.log.topics import LogTopic
 from pioneer3.maps.write import write_aria_map
 from pioneer3.nav.places import Destination
 from pioneer3.navigation.connect import connect_async
 from pioneer3.navigation.goals import GoalChanged
 from pioneer3.navigation.navigator import Navigator
 from pioneer3.navigation.recording import KINDS, EstimateMade, MapUsed, kind_of
+from pioneer3.runtime.recording import CommandGiven
 from pioneer3.sim.worldfile import load_map
 from pioneer3.tasks import running
 from pioneer3.web.app import make_app
@@ -195,3 +197,21 @@ async def test_of_a_map_that_is_made_the_log_has_where_the_robot_was_on_it(tmp_p
     assert len(found["way"][0][1].points) > 1
     assert found["way"][-1][1].points == ()
     assert "map" not in found
+
+
+async def test_what_is_asked_is_told_after_it_is_sent_and_at_the_end_of_the_program_too(
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / "a.mcap"
+    async with SimulatedRobot() as sim, connect_async(sim.open, record=path) as robot:
+        await robot.motors(True)
+        log = robot.arbiter.log
+        assert log is not None
+        log.tell()
+        waits = len(log.log._queue)
+        began = log.log.clock()
+        robot.drive(0.2)
+        assert len(log.log._queue) == waits
+    *_, (time, last) = open_log(path).of(LogTopic("command", CommandGiven))
+    assert (last.command, last.twist.v) == ("drive", 0.2)
+    assert time == pytest.approx(log.log._ns(began), abs=1e7)

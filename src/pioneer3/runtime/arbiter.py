@@ -5,6 +5,7 @@ import logging
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
+from functools import partial
 from math import inf
 from typing import Protocol
 
@@ -202,7 +203,8 @@ class Arbiter:
         except ActionError as error:
             return self._fail(error)
         if self.log is not None:
-            self.log.decided(self.mode.name if self.mode else "", decision)
+            mode = self.mode.name if self.mode else ""
+            self.log.soon(partial(self.log.decided, mode, decision, situation.now))
         if why_it_ends := self._why_mode_ends(decision):
             self._forget_mode(why_it_ends)
             self.decide()
@@ -360,8 +362,7 @@ class Arbiter:
             self.end_mode(failed)
         self._check_knowledge()
         self._check_progress(snapshot)
-        if self.log is not None:
-            self.log.stands(self.why_not_moving())
+        self._tell_standing()
 
     def _check_progress(self, snapshot: Snapshot) -> None:
         """End a mode that goes somewhere and does not get there."""
@@ -392,9 +393,15 @@ class Arbiter:
         """Put a command into the log; return its refusal."""
         if self.log is not None:
             why = refused.text if refused else ""
-            self.log.asked(CommandGiven(by, command, twist, seconds, why))
-            self.log.stands(self.why_not_moving())
+            given = CommandGiven(by, command, twist, seconds, why)
+            self.log.soon(partial(self.log.asked, given, self._clock()))
+        self._tell_standing()
         return refused
+
+    def _tell_standing(self) -> None:
+        if self.log is not None:
+            reason = self.why_not_moving()
+            self.log.soon(partial(self.log.stands, reason, self._clock()))
 
     def _fail(self, error: ActionError) -> Refusal:
         """End the stack of an action that failed, and stand still."""

@@ -1,6 +1,7 @@
 """The log of a robot: its snapshots and scans, the commands to it, and the decisions."""
 
-from asyncio import CancelledError
+from asyncio import CancelledError, get_running_loop
+from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -34,6 +35,8 @@ EMERGENCY_STOP: Final = "emergency stop"
 """The command of an emergency stop."""
 TRUTH_PERIOD: Final = 0.095
 """Shortest time between two true poses [s]: ten a second, at the time of snapshots."""
+MOMENT: Final = 0.001
+"""What is told soon is told after so long [s]: `drive()` has taken less until it is on the wire."""
 READING_SIZE: Final = 40
 """Memory of one reading of a scan [bytes], about."""
 
@@ -105,6 +108,7 @@ class RobotLog:
         self._repeated: dict[str, object] = {}
         self._true: Pose2 | None = None
         self._true_at = -inf
+        self._untold: deque[Callable[[], None]] = deque()
 
     def of(self, robot: str) -> "RobotLog":
         """Return the part about another robot of the same program."""
@@ -128,6 +132,17 @@ class RobotLog:
                 return
             self._repeated[topic.name] = message
         self.log.put(topic, message)
+
+    def soon(self, tell: Callable[[], None]) -> None:
+        """Call `tell` in a moment: the command to the robot goes first."""
+        self._untold.append(tell)
+        if len(self._untold) == 1:
+            get_running_loop().call_later(MOMENT, self.tell)
+
+    def tell(self) -> None:
+        """Call all that is to be called soon."""
+        while self._untold:
+            self._untold.popleft()()
 
     def event(self, kind: str, text: str) -> None:
         """Take an event, in words."""
@@ -157,9 +172,9 @@ class RobotLog:
             self._scans[scan.laser] = topic
         self.log.put(topic, scan)
 
-    def decided(self, mode: str, decision: Decision) -> None:
-        """Take a decision; one that only goes on is taken once a second."""
-        now, last = self.log.clock(), self._decided[1]
+    def decided(self, mode: str, decision: Decision, now: float) -> None:
+        """Take a decision of `now` [s]; one that only goes on is taken once a second."""
+        last = self._decided[1]
         if (
             mode == self._decided[0]
             and decision.twist == last.twist
@@ -168,22 +183,21 @@ class RobotLog:
         ):
             return
         self._decided, self._decided_at = (mode, decision), now
-        self.log.put(self._decisions, self._decided)
+        self.log.put(self._decisions, self._decided, now)
 
-    def asked(self, command: CommandGiven) -> None:
-        """Take a command; one that only goes on is taken once a second."""
-        now = self.log.clock()
+    def asked(self, command: CommandGiven, now: float) -> None:
+        """Take a command of `now` [s]; one that only goes on is taken once a second."""
         if command == self._asked and now - self._asked_at < min(RENEWED, command.seconds):
             return
         self._asked, self._asked_at = command, now
-        self.log.put(self._commands, command)
+        self.log.put(self._commands, command, now)
 
-    def stands(self, reason: Reason | None) -> None:
-        """Take the reason that the robot stands still, or that it moves; told when it changes."""
+    def stands(self, reason: Reason | None, now: float) -> None:
+        """Take the reason to stand still `now` [s], `None` in motion; told when it changes."""
         stands = StandsBecause(reason)
         if stands != self._stands:
             self._stands = stands
-            self.log.put(self._reasons, stands)
+            self.log.put(self._reasons, stands, now)
 
     def truth(self, robot_in_world: Pose2) -> None:
         """Take the true pose of a simulated robot; one that stays is taken once a second."""
