@@ -74,7 +74,8 @@ class EchoMap:
     @classmethod
     def of(cls, line_map: LineMap) -> Self:
         """Return the map of echoes of all walls; nothing is computed yet."""
-        walls = WallField.of(line_map.walls, line_map, SONAR_CELL, SONAR_REACH)
+        own = line_map.walls.copy()  # kernels are compiled anew for arrays that are read only
+        walls = WallField.of(own, line_map, SONAR_CELL, SONAR_REACH)
         height, width = (ceil(size * SONAR_CELL / PLACE_SIDE) for size in walls.numbers.shape)
         return cls(walls, np.zeros((height, width, SECTORS), dtype=np.uint16))
 

@@ -4,7 +4,7 @@ Compiling takes half a minute and loading a second, in which nothing else of the
 """
 
 from functools import cache
-from math import cos, hypot, pi, sin
+from math import cos, hypot, inf, pi, sin
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from pioneer3.nav.costs import CostMap
 from pioneer3.nav.follower import Follower
 from pioneer3.nav.frontiers import find_frontiers
 from pioneer3.nav.kernels import CACHE
+from pioneer3.nav.likelihood_sonar import Pings
 from pioneer3.nav.localizer import Localizer
 from pioneer3.nav.manoeuvre import search_on
 from pioneer3.nav.mapper import Mapper
@@ -48,6 +49,17 @@ def warm_up() -> None:
         beams = _beams(Pose2(0.05 * step, 0.0), float(step))
         localizer.take(beams)
         sightings.take(beams, beams.robot_in_odom)
+    listener = Localizer(room, model, rng)
+    listener.start(ORIGIN)
+    for step in range(3):
+        listener.take_sonar(
+            Pings(
+                stamp=float(step),
+                robot_in_odom=Pose2(0.2 * step),
+                mounts=np.zeros((2, 3)),
+                ranges=np.array([half, inf]),
+            )
+        )
     localizer.start_unknown()
     localizer.take(_beams(ORIGIN, 20.0))
     if (search := localizer.search()) is not None:
