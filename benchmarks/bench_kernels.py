@@ -25,6 +25,7 @@ from pioneer3.sim.kernels import (
     laser_fan,
     sonar_mounts,
 )
+from tests.rays import cast_rays
 
 Float = NDArray[np.float64]
 
@@ -134,11 +135,8 @@ def seconds_per_ray(kernels: Kernels, copies: int) -> float:
     kernels.place(robots)
     origins = random.uniform(points.min(axis=0), points.max(axis=0), (MANY_RAYS, 2))
     angles, owner = random.uniform(-pi, pi, MANY_RAYS), np.full(MANY_RAYS, -1, dtype=np.int32)
-    out = np.empty(MANY_RAYS)
     took = seconds(
-        lambda: kernels.cast_rays(
-            grid, robots, origins, angles, owner=owner, limit=SONAR_LIMIT, out=out
-        )
+        lambda: cast_rays(kernels, grid, robots, origins, angles, owner=owner, limit=SONAR_LIMIT)
     )
     return took / MANY_RAYS
 

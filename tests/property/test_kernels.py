@@ -33,6 +33,7 @@ from tests.property.scenes import (
     Scene,
     scene_of,
 )
+from tests.rays import cast_rays
 
 Float = NDArray[np.float64]
 
@@ -49,7 +50,7 @@ def check_rays(kernels: Kernels, scene: Scene, rays: Float, limit: float) -> Non
     """Compare rays x, y, theta (R, 3), each without one of the robots in turn."""
     owners = np.arange(len(rays), dtype=np.int32) % (len(scene.robots) + 1) - 1
     origins, angles = rays[:, :2], rays[:, 2]
-    found = kernels.cast_rays(scene.grid, scene.robots, origins, angles, owner=owners, limit=limit)
+    found = cast_rays(kernels, scene.grid, scene.robots, origins, angles, owner=owners, limit=limit)
     for k, (x, y, theta) in enumerate(rays.tolist()):
         seen = scene.around(int(owners[k]))
         plain = cast_reference(np.array([x, y]), np.array([theta]), seen, limit)

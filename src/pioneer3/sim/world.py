@@ -79,7 +79,6 @@ class World:
         self._rng, self._own = default_rng(self._seeds.spawn(1)[0]), dict[Body, Generator]()
         self._noise = np.empty((0, 3, 0))
         self._noise_at = 0
-        self._places = b""
         self._working: Future[None] | None = None
         self._sensing = self.dynamics.new_sensing(self.realism.sonar)
         self._sonars = self._new_sonars(self.realism)
@@ -248,7 +247,6 @@ class World:
         self.map, self.relief, self._grid = line_map, relief, grid
         docks = [item.pose for item in line_map.objects if item.kind.startswith("Dock")]
         self._docks = np.array([(dock.x, dock.y, dock.theta) for dock in docks]).reshape(-1, 3)
-        self._places = b""
         for body in self.robots:
             body.set_wheel(SUPPLY, 0.0)
         self._sensing.change_map(line_map, self._grid, relief)
@@ -268,14 +266,9 @@ class World:
         if self.obstacles:
             self._walk(dt)
         self._sensing.forget()
-        if len(self._docks) and self._has_moved():
+        if len(self._docks):
             self._charge()
         self._sonars.advance(dt, self.outlines.poses[:, : len(self.robots)])
-
-    def _has_moved(self) -> bool:
-        """Whether a robot is elsewhere than when this was asked last."""
-        before, self._places = self._places, self.outlines.poses[:, : len(self.robots)].tobytes()
-        return before != self._places
 
     def _walk(self, dt: float) -> None:
         """Let people walk."""
@@ -291,6 +284,14 @@ class World:
 
     def _charge(self) -> None:
         """Supply who stands in a dock."""
+        self.drives.wheels[SUPPLY] = 0.0
+        west, south, east, north, wide, *_ = self.outlines.box.tolist()
+        wide, docks = wide + DOCKED, self._docks.tolist()
+        if not any(
+            west <= x + wide and x <= east + wide and south <= y + wide and y <= north + wide
+            for x, y, _ in docks
+        ):
+            return
         x, y, theta = self.outlines.poses[:, : len(self.robots), None]
         docked = np.hypot(x - self._docks[:, 0], y - self._docks[:, 1]) < DOCKED
         if docked.any():

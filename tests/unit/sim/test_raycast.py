@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from pioneer3.sim.kernels import Kernels, RobotArrays, build_grid
 from pioneer3.sim.raycast import cast_reference
+from tests.rays import cast_rays
 
 Float = NDArray[np.float64]
 Caster = Callable[[Float, Float, Float, float], Float]
@@ -26,7 +27,7 @@ def cast_from(origins: Float, angles: Float, walls: Float, limit: float) -> Floa
     kernels = Kernels()
     kernels.place(robots)
     grid = build_grid(walls)
-    return kernels.cast_rays(grid, robots, origins, angles, owner=nobody, limit=limit)
+    return cast_rays(kernels, grid, robots, origins, angles, owner=nobody, limit=limit)
 
 
 def one(caster: Caster, angle: float, *walls: tuple[float, ...], limit: float = 9.0) -> float:

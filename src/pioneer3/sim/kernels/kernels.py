@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from pioneer3.arrays import Bool, Float, Int32
-from pioneer3.jit import KernelCache, fast, numba_version, plain
+from pioneer3.jit import KernelCache, fast, numba_version, scalar
 from pioneer3.sim.kernels import fans, motion, rays
 from pioneer3.sim.kernels.drives import DriveArrays
 from pioneer3.sim.kernels.echoes import ALL, Reflectors
@@ -22,18 +22,13 @@ from pioneer3.sim.kernels.walls import Grid, build_grid
 
 _HERE = Path(__file__).parent
 CACHE = KernelCache(_HERE, [_HERE.parent / "collision.py", _HERE.parent / "raycast.py"])
-WORTH_COMPILING = 5
-"""Robots from which on compiled kernels pay in real time; loading them takes a second."""
+WORTH_COMPILING = 10
+"""Robots from which on compiled kernels pay in real time; they take a second and 130 MB."""
 
 WORTH_THREADS = 50
 """Robots from which on sharing the work among threads pays."""
 
-WHOLE = (np.array([[0.0, 0.0, 1.0, 0.0]]), np.array([0, 1], dtype=np.int32))
-"""A transducer at the pose itself, pointing ahead."""
-
-
 NO_NOISE = np.empty((3, 0))
-NO_ECHOES = 0.0, 0.0
 
 
 class Kernels:
@@ -49,13 +44,13 @@ class Kernels:
 
     def __init__(self, threads: int = 1, *, compiled: bool = True) -> None:
         self.compiled = compiled and bool(numba_version())
-        self._place = fast(place, CACHE) if compiled else plain(place)
-        self._sonar = fast(rays.sonar, CACHE) if compiled else plain(rays.sonar)
-        self._fans = fast(fans.fans, CACHE) if compiled else plain(fans.fans)
-        self._blocked = fast(motion.blocked, CACHE) if compiled else plain(motion.blocked)
-        self._step = fast(motion.step, CACHE) if compiled else plain(motion.step)
-        self._ramp = fast(motion.ramp, CACHE) if compiled else plain(motion.ramp)
-        self._count = fast(motion.count, CACHE) if compiled else plain(motion.count)
+        self._place = fast(place, CACHE) if self.compiled else scalar(place)
+        self._sonar = fast(rays.sonar, CACHE) if self.compiled else scalar(rays.sonar)
+        self._fans = fast(fans.fans, CACHE) if self.compiled else scalar(fans.fans)
+        self._blocked = fast(motion.blocked, CACHE) if self.compiled else scalar(motion.blocked)
+        self._step = fast(motion.step, CACHE) if self.compiled else scalar(motion.step)
+        self._ramp = fast(motion.ramp, CACHE) if self.compiled else scalar(motion.ramp)
+        self._count = fast(motion.count, CACHE) if self.compiled else scalar(motion.count)
         self._threads = threads
         self._pool = ThreadPoolExecutor(threads - 1, "kernels") if threads > 1 else None
 
@@ -66,36 +61,6 @@ class Kernels:
     def place(self, robots: RobotArrays) -> None:
         """Bring the outlines and the table of `robots` up to date with their poses."""
         self._place(robots.state, robots.arrays)
-
-    def cast_rays(
-        self,
-        grid: Grid,
-        robots: RobotArrays,
-        origins: Float,
-        angles: Float,
-        *,
-        owner: Int32,
-        limit: float,
-        out: Float | None = None,
-    ) -> Float:
-        """Return the range to the nearest wall or robot along each ray [m], shape (R,).
-
-        Rays start at `origins` [m], shape (R, 2), at `angles` [rad], shape (R,), and end at `limit`
-        [m]. `owner` is the robot that each of them does not see, or -1, shape (R,).
-        """
-        count = len(angles)
-        ranges = np.empty(count) if out is None else out
-        poses = np.concatenate([origins.T, angles[None]])
-        mounts = (*WHOLE, np.zeros(count, dtype=np.int32))
-        walls, others, rows = grid.arrays, robots.arrays, ranges.reshape(count, 1)
-
-        def work(first: int, last: int) -> None:
-            self._sonar(
-                first, last, limit, NO_ECHOES, poses, owner, mounts, walls, walls, others, rows
-            )
-
-        self._share(count, work)
-        return ranges
 
     def sonar(
         self,

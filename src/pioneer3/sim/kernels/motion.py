@@ -58,7 +58,7 @@ from pioneer3.sim.kernels.drives import (
     W_OF_W,
     WAY_NOISE,
 )
-from pioneer3.sim.kernels.robots import Others, Walls, cells, neighbours, outline, place
+from pioneer3.sim.kernels.robots import Others, Walls, cells, neighbours, outline, sort
 
 BETWEEN = TOUCH / 2
 """How deep robots must reach into each other for one that moves to stop [m]; less than `TOUCH` by
@@ -67,6 +67,9 @@ the square root of 2 and room for rounding."""
 Flags = UInt8
 Wheels = tuple[Float, Flags, Float, Float]
 """Arrays of drives: axes, flags, wheels, errors."""
+
+Motion = tuple[float, float, float, float, float, float, float, float]
+"""x, y, theta in the robot's frame, the same as the wheels count it, way and turn of the wheels."""
 
 
 @inlined
@@ -158,12 +161,8 @@ def _end_braking(n: int, axes: Float, flags: Flags) -> None:
 
 
 @kernel
-def _run_drive(n: int, dt: float, noise: Float, drives: Wheels, motion: Float) -> None:
-    """Let a drive run, and fill `motion` with what that comes to.
-
-    Of `motion` 0 to 2 are x, y, theta in the robot's frame, 3 to 5 the same as the wheels count
-    it, 6 and 7 way and turn of the wheels.
-    """
+def _run_drive(n: int, dt: float, noise: Float, drives: Wheels) -> Motion:
+    """Let a drive run; return what that comes to."""
     axes, flags, _, errors = drives
     held, brake, turn_brake, pieces = _braking(n, dt, axes, flags)
     x, y, theta, bx, by, believed, ways, turns = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
@@ -181,9 +180,8 @@ def _run_drive(n: int, dt: float, noise: Float, drives: Wheels, motion: Float) -
         turned = errors[TURN_NOISE, n] * sqrt(abs(turns)) * noise[1, n]
         turned += errors[DRIFT_NOISE, n] * root * noise[2, n]
         x, y, theta = _follow(x, y, theta, slipped, turned)
-    motion[0], motion[1], motion[2], motion[3], motion[4], motion[5] = x, y, theta, bx, by, believed
-    motion[6], motion[7] = ways, turns
     _end_braking(n, axes, flags)
+    return x, y, theta, bx, by, believed, ways, turns
 
 
 @kernel
@@ -270,7 +268,7 @@ def blocked(
 @kernel
 def _free_share(
     n: int,
-    motion: Float,
+    motion: Motion,
     moved_by: float,
     state: Float,
     walls: Walls,
@@ -296,7 +294,7 @@ def _free_share(
 
 
 @kernel
-def _apply(n: int, share: float, motion: Float, drives: Wheels, state: Float) -> None:
+def _apply(n: int, share: float, motion: Motion, drives: Wheels, state: Float) -> None:
     """Move a robot by a share of its motion, in the world and in its odometry."""
     wheels = drives[2]
     c, s = cos(state[2, n]), sin(state[2, n])
@@ -330,14 +328,14 @@ def step(
 ) -> None:
     """Let every drive run for `dt`, robot by robot, as far as nothing is in the way."""
     axes, flags, _, _ = drives
-    found, motion = np.empty(len(others[1]) + 1, np.int32), np.empty(8)
+    found = np.empty(len(others[1]) + 1, np.int32)
     moved, moved_by = False, 0.0
     for n in range(axes.shape[2]):
         _use_energy(n, dt, drives)
         if not _wants_to_move(n, axes, flags):
             flags[STALLED, n] = 0
             continue
-        _run_drive(n, dt, noise, drives, motion)
+        motion = _run_drive(n, dt, noise, drives)
         x, y, c, s = state[0, n], state[1, n], cos(state[2, n]), sin(state[2, n])
         px, py = x + c * motion[0] - s * motion[1], y + s * motion[0] + c * motion[1]
         share = 1.0
@@ -353,7 +351,7 @@ def step(
             moved_by = max(moved_by, way + abs(motion[2]) * others[1][n, 2])
             moved = True
     if moved:
-        place(state, others)
+        sort(others)
 
 
 @kernel

@@ -73,12 +73,15 @@ def walk(
     columns, rows, per_metre = int(frame[4]), int(frame[5]), frame[3]
     px, py = (ox - frame[0]) * per_metre, (oy - frame[1]) * per_metre
     best, heard, begin, end = limit, limit, 0.0, limit * per_metre
-    if not (0.0 <= px < columns and 0.0 <= py < rows):
+    inside = 0.0 <= px < columns and 0.0 <= py < rows
+    if not inside:
         begin = _entry(px, py, dx, dy, columns, rows)
         if begin < FAR:
             px, py, end = px + begin * dx, py + begin * dy, end - begin
     if begin < FAR and end >= 0.0:
-        column, row = min(max(floor(px), 0), columns - 1), min(max(floor(py), 0), rows - 1)
+        column, row = floor(px), floor(py)
+        if not inside:
+            column, row = min(max(column, 0), columns - 1), min(max(row, 0), rows - 1)
         each_x = 1.0 / abs(dx) if abs(dx) > TINY else HUGE
         each_y = 1.0 / abs(dy) if abs(dy) > TINY else HUGE
         next_x = (column + 1 - px if dx >= 0 else px - column) * each_x
@@ -94,19 +97,18 @@ def walk(
                 ax, ay = pieces[k, 0] - ox, pieces[k, 1] - oy
                 bx, by = pieces[k, 2] - ox, pieces[k, 3] - oy
                 across0, across1 = dx * ay - dy * ax, dx * by - dy * bx
-                if min(across0, across1) <= TOUCH and max(across0, across1) >= -TOUCH:
+                if not (across0 > TOUCH < across1 or across0 < -TOUCH > across1):
                     along0, along1 = dx * ax + dy * ay, dx * bx + dy * by
                     found = crossing(along0, across0, along1, across1)
-                    best = min(best, found)
-                    end = min(end, best * per_metre - begin)
+                    if found < best:
+                        best, end = found, min(end, found * per_metre - begin)
                     ex, ey, turn = bx - ax, by - ay, across1 - across0
                     if found < heard and turn * turn >= steep * steep * (ex * ex + ey * ey):
                         heard = found
-            leave = min(next_x, next_y)
-            goes_x = next_x < next_y
-            place += sideways if goes_x else upwards
-            next_x += each_x if goes_x else 0.0
-            next_y += 0.0 if goes_x else each_y
+            if next_x < next_y:
+                leave, next_x, place = next_x, next_x + each_x, place + sideways
+            else:
+                leave, next_y, place = next_y, next_y + each_y, place + upwards
     return best, heard
 
 
@@ -199,31 +201,31 @@ def sonar(
     steep, edge_range = echoes
     table, offsets, kinds = mounts
     shapes, per_mount = others[1], (table.shape[1] - 2) // 2
-    rays, found = np.empty((8, out.shape[1] * per_mount)), np.empty(len(shapes) + 1, np.int32)
+    rays, found = np.empty((7, out.shape[1] * per_mount)), np.empty(len(shapes) + 1, np.int32)
     for n in range(first, last):
         x, y, c, s = poses[0, n], poses[1, n], cos(poses[2, n]), sin(poses[2, n])
         begin, count, reach = offsets[kinds[n]], 0, 0.0
-        out[n, :] = limit
+        crowded = len(shapes) > 1 or owners[n] < 0
+        for m in range(out.shape[1]):
+            out[n, m] = limit
         for m in range(begin, offsets[kinds[n] + 1]):
             mx, my = table[m, 0], table[m, 1]
             ox, oy = x + c * mx - s * my, y + s * mx + c * my
-            nearest = limit
+            nearest = back = limit
             for i in range(per_mount):
                 # the one in the middle first: what it hears limits the others
                 k = 2 + 2 * ((i + per_mount // 2) % per_mount)
-                dx, dy = (
-                    c * table[m, k] - s * table[m, k + 1],
-                    s * table[m, k] + c * table[m, k + 1],
-                )
+                ahead, left = table[m, k], table[m, k + 1]
+                dx, dy = c * ahead - s * left, s * ahead + c * left
                 # beyond the nearest echo so far the transducer does not listen
                 best, heard = walk(ox, oy, dx, dy, nearest, steep, walls)
-                echo = heard <= best + TOUCH
-                nearest = min(nearest, heard) if echo else nearest
-                rays[0, count], rays[1, count], rays[2, count], rays[3, count] = ox, oy, dx, dy
-                rays[4, count], rays[6, count] = best, best
-                rays[7, count] = best if echo else limit
-                reach = max(reach, best + abs(ox - x) + abs(oy - y))
-                count += 1
+                if heard <= best + TOUCH:
+                    nearest, back = min(nearest, heard), min(back, best)
+                if crowded:
+                    rays[0, count], rays[1, count], rays[2, count], rays[3, count] = ox, oy, dx, dy
+                    rays[4, count] = rays[6, count] = best
+                    reach = max(reach, best + abs(ox - x) + abs(oy - y))
+                    count += 1
             reached = min(edge_range, nearest)
             if reached > 0.0:
                 k = table.shape[1] - 2
@@ -231,14 +233,11 @@ def sonar(
                 wide = ax * table[m, 2] + ay * table[m, 3]
                 ax, ay = c * ax - s * ay, s * ax + c * ay
                 edge = _nearest_edge(ox, oy, ax, ay, wide, reached, edges, walls)
-                out[n, m - begin] = edge if edge < reached else limit
-        near = (
-            neighbours(x, y, reach, owners[n], others, found)
-            if len(shapes) > 1 or owners[n] < 0
-            else 0
-        )
+                back = min(back, edge) if edge < reached else back
+            out[n, m - begin] = back
+        near = neighbours(x, y, reach, owners[n], others, found) if crowded else 0
         if near > 0:
             _see_robots(near, found, shapes, count, rays)
-        for k in range(count):
-            nearer = rays[4, k] if rays[4, k] < rays[6, k] else rays[7, k]
-            out[n, k // per_mount] = min(out[n, k // per_mount], nearer)
+            for k in range(count):
+                if rays[4, k] < rays[6, k]:
+                    out[n, k // per_mount] = min(out[n, k // per_mount], rays[4, k])

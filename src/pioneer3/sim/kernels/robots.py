@@ -170,13 +170,21 @@ def outline(n: int, state: Float, shapes: Float) -> None:
 
 @kernel
 def place(state: Float, others: Others) -> None:
-    """Compute outlines, and sort the robots into the table by counting."""
+    """Compute outlines, and sort the robots into the table."""
+    for n in range(len(others[1])):
+        outline(n, state, others[1])
+    sort(others)
+
+
+@kernel
+def sort(others: Others) -> None:
+    """Sort the robots into the table by counting; their outlines are computed."""
     box, shapes, places, items = others
     mask, per_metre = int(box[5]) - 1, box[6]
     box[0], box[1], box[2], box[3] = inf, inf, -inf, -inf
-    places[:] = 0
+    for k in range(len(places)):
+        places[k] = 0
     for n in range(len(shapes)):
-        outline(n, state, shapes)
         mx, my = shapes[n, 0], shapes[n, 1]
         box[0], box[1] = min(box[0], mx), min(box[1], my)
         box[2], box[3] = max(box[2], mx), max(box[3], my)
