@@ -175,11 +175,12 @@ TOLD = (
 """Bytes of a host that says nothing between, and when it sends them [s]."""
 
 
-async def heard(seconds: float) -> tuple[list[tuple[float, bytes]], int]:
+async def heard(seconds: float, *, watched: bool = False) -> tuple[list[tuple[float, bytes]], int]:
     """Return what a robot says to that host, and when, and how often the loop woke up."""
     loop, bodies = asyncio.get_running_loop(), [Body(load_model("p3dx-sh"))]
     world = World(wall_at(4.0), bodies, seed=3, realism=Realism())
     simulation, wakes = Simulation(world, [Firmware(world, world.robots[0])]), 0
+    simulation.watched = watched
     turn = simulation._turn
 
     async def counted(clock: Callable[[], float]) -> float:
@@ -207,7 +208,7 @@ async def heard(seconds: float) -> tuple[list[tuple[float, bytes]], int]:
     return got, wakes
 
 
-async def test_a_still_world_sleeps_between_reports_and_nobody_notices(
+async def test_a_world_sleeps_between_reports_and_nobody_notices(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     asleep, wakes = await heard(9.0)
@@ -217,7 +218,28 @@ async def test_a_still_world_sleeps_between_reports_and_nobody_notices(
     assert [data for _, data in asleep] == [data for _, data in awake]
     earlier = [one - other for (one, _), (other, _) in zip(awake, asleep, strict=True)]
     assert all(-1e-6 <= each <= TICK for each in earlier)  # answers need not wait for a tick
-    assert wakes < all_wakes / 2
+    assert wakes < all_wakes / 3
+
+
+async def test_a_world_that_somebody_looks_at_sleeps_only_while_nothing_moves() -> None:
+    alone, wakes = await heard(9.0)
+    seen, more_wakes = await heard(9.0, watched=True)
+    assert [data for _, data in seen] == [data for _, data in alone]
+    assert more_wakes > 1.2 * wakes
+
+
+async def test_steps_that_take_long_are_not_put_off_while_a_robot_moves() -> None:
+    simulation = Simulation(world := World(None, [Body(load_model("p3dx-sh"))]), [])
+    world.robots[0].enable_motors(on=True)
+    world.robots[0].drive.linear.go(0.3)
+    simulation._effort = 3e-4
+    assert simulation._idle_ticks() == 4
+    simulation._effort = 9e-4
+    assert simulation._idle_ticks() == 2
+    simulation._effort = 0.1
+    assert simulation._idle_ticks() == 0
+    world.robots[0].drive.linear.go(0.0)
+    assert simulation._idle_ticks() == 4
 
 
 class Lab:

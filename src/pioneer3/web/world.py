@@ -63,6 +63,7 @@ class WorldView:
 
     def __init__(self, simulation: RunningSimulation) -> None:
         self.simulation = simulation
+        simulation.watch()
         self.driven: dict[RobotItem, int] = {}
         self.urls: dict[RobotItem, str] = {}
         self._numbers: dict[Item, int] = {}

@@ -222,6 +222,10 @@ class RunningSimulation:
         self._refuse_on_robots(person.outline_at(0.0), person.pose_at(0.0))
         return self.world.add_obstacle(person)
 
+    def watch(self) -> None:
+        """Keep poses up to date between reports too: somebody looks at them."""
+        self._simulation.watched = True
+
     def remove(self, obstacle: Obstacle) -> None:
         """Take a box or a person out of the world."""
         self.world.remove_obstacle(obstacle)

@@ -171,6 +171,7 @@ async def simulator(
             here.factory_url = await stack.enter_async_context(factory.at(host, port))
         if acts is not None:
             _refuse_robots_ports(acts, here)
+            here.watch()
             trackers = colour_trackers(world, here.robots[:], acts, host)
             here.acts_urls = await stack.enter_async_context(trackers)
         yield here
