@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from pioneer3.arrays import Bool, Float, Int32
-from pioneer3.jit import KernelCache, fast, numba_version, scalar
+from pioneer3.jit import KernelCache, fast, numba_version, plain
 from pioneer3.sim.kernels import fans, motion, rays
 from pioneer3.sim.kernels.drives import DriveArrays
 from pioneer3.sim.kernels.echoes import ALL, Reflectors
@@ -44,13 +44,10 @@ class Kernels:
 
     def __init__(self, threads: int = 1, *, compiled: bool = True) -> None:
         self.compiled = compiled and bool(numba_version())
-        self._place = fast(place, CACHE) if self.compiled else scalar(place)
-        self._sonar = fast(rays.sonar, CACHE) if self.compiled else scalar(rays.sonar)
-        self._fans = fast(fans.fans, CACHE) if self.compiled else scalar(fans.fans)
-        self._blocked = fast(motion.blocked, CACHE) if self.compiled else scalar(motion.blocked)
-        self._step = fast(motion.step, CACHE) if self.compiled else scalar(motion.step)
-        self._ramp = fast(motion.ramp, CACHE) if self.compiled else scalar(motion.ramp)
-        self._count = fast(motion.count, CACHE) if self.compiled else scalar(motion.count)
+        by = partial(fast, kept=CACHE) if self.compiled else partial(plain, scalar=True)
+        self._place, self._sonar, self._fans = by(place), by(rays.sonar), by(fans.fans)
+        self._blocked, self._step = by(motion.blocked), by(motion.step)
+        self._ramp, self._count = by(motion.ramp), by(motion.count)
         self._threads = threads
         self._pool = ThreadPoolExecutor(threads - 1, "kernels") if threads > 1 else None
 

@@ -2,8 +2,7 @@
 
 A tick is: bytes in, answers out, a step of the world, the reports of the robots that are due. While
 nobody notices, the loop sleeps until a report is due or a host sends bytes, and then makes up for
-the ticks that it has slept over, before it takes these bytes: it wakes up less often, and a few
-steps in a row take less than each for itself.
+the ticks that it has slept over, before it takes these bytes.
 Robots know the world's time, never the machine's, and take bytes only between steps, so the same
 bytes at the same ticks give the same simulation to the last bit, with any :class:`Pacer`. Only
 SIMSTAT tells real time.
