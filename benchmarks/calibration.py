@@ -77,7 +77,7 @@ def simulated(
 
 async def calibrated(sim: SimulatedRobot, by: str, rng: np.random.Generator) -> Calibration:
     """Return the calibration of a robot."""
-    async with sim, connect_robot(sim.open) as robot:
+    async with sim, connect_robot(sim.open, record=False) as robot:
         by_laser, model = by != "tape", robot.info.model
         laser = Pose2(model.laser.x, model.laser.y, model.laser.theta) if model.laser else ORIGIN
         if not by_laser:
@@ -115,7 +115,10 @@ async def return_error(
     It is the place in truth, less that by odometry.
     """
     errors = []
-    async with sim, connect_robot(sim.open, model=replace(model, odometry=correction)) as robot:
+    async with (
+        sim,
+        connect_robot(sim.open, model=replace(model, odometry=correction), record=False) as robot,
+    ):
         for sign in (1, -1):
             begin, said = sim.body.robot_in_world, odometry(robot)
             for _ in range(4):
