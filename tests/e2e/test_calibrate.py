@@ -28,9 +28,15 @@ from tests.support import SimulatedRobot, is_at
 from tests.unit.web.test_navigation import at_once
 
 ERRORS = OdometryErrors(mode="constant", wheel_ratio=1.02, base_ratio=0.98, scale=1.015)
-WHOLE = _Options(side=None, length=None, rounds=1, by_tape=True, yes=False, in_thread=at_once)
+WHOLE = _Options(side=None, length=None, rounds=1, by_tape=True, yes=False)
 AROUND = Extent(-0.4, -0.4, 0.4, 0.4)
 OLD_FILE = '# mine\nlike = "p3dx-sh"\nmax_speed = 0.6\n'
+
+
+@pytest.fixture(autouse=True)
+def _without_threads(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let time stand still while a step is measured."""
+    monkeypatch.setattr(asyncio, "to_thread", at_once)
 
 
 @asynccontextmanager

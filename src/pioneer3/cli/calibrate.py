@@ -23,7 +23,6 @@ from pioneer3.errors import CommandError, ConfigError, DeviceError, MotionError
 from pioneer3.nav.place_text import pose_of
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable
 
     from pioneer3.calibration.calibration import Calibration
     from pioneer3.calibration.course import StepDrive
@@ -95,7 +94,6 @@ class _Options:
     rounds: int
     by_tape: bool
     yes: bool
-    in_thread: "Callable[..., Awaitable[None]] | None" = None
 
 
 class _EndError(Exception):
@@ -207,8 +205,7 @@ async def _take(
     try:
         await show_while(robot, going())
         answers = await _answers(step)
-        in_thread = options.in_thread or asyncio.to_thread
-        await in_thread(told.take, step, driven[0], answers)
+        await asyncio.to_thread(told.take, step, driven[0], answers)
     except (CommandError, DeviceError, MotionError) as error:
         write_warning(str(error))
         return False

@@ -36,7 +36,7 @@ EMERGENCY_STOP: Final = "emergency stop"
 TRUTH_PERIOD: Final = 0.095
 """Shortest time between two true poses [s]: ten a second, at the time of snapshots."""
 MOMENT: Final = 0.001
-"""What is told soon is told after so long [s]: `drive()` has taken less until it is on the wire."""
+"""Delay of what is told soon [s]: a `drive()` is on the wire after less."""
 READING_SIZE: Final = 40
 """Memory of one reading of a scan [bytes], about."""
 

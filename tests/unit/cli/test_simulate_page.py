@@ -14,7 +14,8 @@ from pioneer3.sim.worldfile import parse_world
 PAGE = (Path(__file__).parents[3] / "docs/how-to/simulate.md").read_text()
 SHELL = "".join(re.findall(r"```sh[^\n]*\n(.*?)```", PAGE, re.DOTALL))
 LINES = [line.partition("#")[0].strip() for line in SHELL.splitlines()]
-SIMS = [line for line in LINES if line.startswith("pioneer3 sim")]
+SIMS = [line for line in LINES if line.startswith("pioneer3 sim") and "--like" not in line]
+"""Commands that take no files of the reader's: those are in tests/e2e/test_twin.py."""
 WORLDS = re.findall(r"```toml[^\n]*\n(.*?)```", PAGE, re.DOTALL)
 
 

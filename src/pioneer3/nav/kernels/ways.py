@@ -72,18 +72,6 @@ def downhill(values: Float32, x: float, y: float, step: float) -> tuple[float, f
 
 
 @kernel
-def walk_down(values: Float32, start: Float, step: float, count: int, out: Float) -> None:
-    """Walk `count` steps down `values`; fill `out` (2,) with the last place [cells].
-
-    The values are costs to go, shape (H, W); `inf` where there is no way.
-    """
-    x, y = start[0], start[1]
-    for _ in range(count):
-        x, y = downhill(values, x, y, step)
-    out[0], out[1] = x, y
-
-
-@kernel
 def descend(values: Float32, start: Float, goal: Float, step: float, out: Float) -> int:
     """Walk down `values` (H, W) from `start` to `goal`; return how many points of `out` are filled.
 
