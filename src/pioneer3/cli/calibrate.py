@@ -23,7 +23,6 @@ from pioneer3.errors import CommandError, ConfigError, DeviceError, MotionError
 from pioneer3.nav.place_text import pose_of
 
 if TYPE_CHECKING:
-
     from pioneer3.calibration.calibration import Calibration
     from pioneer3.calibration.course import StepDrive
     from pioneer3.calibration.steps import CalibrationStep
