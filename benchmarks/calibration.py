@@ -34,6 +34,8 @@ TAPE = 0.003
 """Error of a tape [m]."""
 ANGLE = radians(1)
 """Error of an angle by eye [rad]."""
+CARRIED = 5.0
+"""Time that somebody takes to put a robot back [s]; sonars see the walls anew meanwhile."""
 CORNERS = (
     (-1.2, -1.0),
     (3.4, -1.0),
@@ -94,6 +96,7 @@ async def calibrated(sim: SimulatedRobot, by: str, rng: np.random.Generator) -> 
                 print(f"{step.name}: {error}")
             if not by_laser:  # put it back on the mark
                 sim.body.robot_in_world = ORIGIN
+                await asyncio.sleep(CARRIED)
         return told
 
 
