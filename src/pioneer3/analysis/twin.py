@@ -192,7 +192,7 @@ def read_drive(log: OpenLog) -> RecordedDrive:
 
 
 def twin_of(drive: RecordedDrive) -> FittedTwin:
-    """Return what a drive tells of its robot.
+    """Return the twin that fits a drive of a robot best.
 
     Raises:
         ConfigError: It tells too little, with the reason.

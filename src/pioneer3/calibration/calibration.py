@@ -106,7 +106,7 @@ class Calibration:
         return self.measured.pop(names.index(step.name)).step
 
     def estimate(self, without: MeasuredStep | None = None) -> CorrectionEstimate | None:
-        """Return what the steps tell, all `without` one; `None` before any."""
+        """Return the estimate by all steps, or by all `without` one; `None` before any."""
         runs = [run for each in self.measured if each is not without for run in each.runs]
         base = self._model.wheel_base
         return estimate(runs, base, self.before, self._laser) if runs else None
@@ -171,7 +171,7 @@ class Calibration:
         return delay_of(late)
 
     def lines(self) -> list[str]:
-        """Return what the calibration tells, for people."""
+        """Return the lines about the calibration for people."""
         told = self.estimate()
         if told is None:
             return ["nothing was measured"]

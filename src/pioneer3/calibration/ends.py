@@ -53,7 +53,7 @@ class MeasuredRun:
     def off(
         self, correction: OdometryCorrection, wheel_base: float, laser: Pose2 = ORIGIN
     ) -> Float:
-        """Return what odometry misses the end by [m, rad]; NaN where it was not measured.
+        """Return the distance of odometry from the end [m, rad]; NaN where it was not measured.
 
         `laser` is the place of the laser on the robot.
         """

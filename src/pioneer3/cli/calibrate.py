@@ -217,7 +217,7 @@ async def _take(
 
 
 def _needs(step: "CalibrationStep") -> str:
-    """Return what a step takes and what is to be done before it."""
+    """Return the sentences about the room and the preparations of a step."""
     from pioneer3.calibration.steps import By
 
     room = step.room
@@ -231,7 +231,7 @@ def _needs(step: "CalibrationStep") -> str:
 
 
 async def _answers(step: "CalibrationStep") -> dict[str, float]:
-    """Return what a person has measured [m, rad]; NaN where there is no answer."""
+    """Return the measurements of a person [m, rad]; NaN where there is no answer."""
     from pioneer3.calibration.steps import ANGLES, OPTIONAL, QUESTIONS
     from pioneer3.units import ANGLE, LENGTH
 

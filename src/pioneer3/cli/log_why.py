@@ -25,7 +25,7 @@ def why(
     robot: RobotName = None,
     json: Flag = False,
 ) -> int:
-    """Tell why a robot stood or moved at a time, and the wishes of its actions then.
+    """Explain a robot's motion or standstill at a time, by the wishes of its actions.
 
     Example: pioneer3 log why drive --at 14:02:31
     Example: pioneer3 log why drive --at 90s

@@ -25,14 +25,14 @@ class TwistMatrix(NamedTuple):
     w_of_w: float
 
     def of(self, twist: Twist2) -> Twist2:
-        """Return what becomes of `twist`."""
+        """Return `twist`, mapped."""
         return Twist2(
             self.v_of_v * twist.v + self.v_of_w * twist.w,
             self.w_of_v * twist.v + self.w_of_w * twist.w,
         )
 
     def of_step(self, step: Pose2) -> Pose2:
-        """Return what becomes of a short motion, in the frame of its start; slips stay."""
+        """Return a short motion, mapped, in the frame of its start; slips stay."""
         arc, slip = arc_to(step)
         moved = self.of(arc)
         half = moved.w / 2

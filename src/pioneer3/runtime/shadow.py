@@ -11,10 +11,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from itertools import pairwise
-from math import cos, hypot, inf, pi, radians, sin
+from math import hypot, inf, pi, radians
 
 from pioneer3.arcos.device import Commanded, Device, SessionClosed, WatchdogExpired, WatchdogFed
-from pioneer3.geometry import ORIGIN, Pose2, wrap
+from pioneer3.geometry import ORIGIN, Pose2, arc, arc_to, wrap
 from pioneer3.links.tap import FROM_HOST, OPEN
 from pioneer3.models import RobotModel
 from pioneer3.robot.pilot import stands
@@ -238,10 +238,9 @@ class Shadow:
                 before.spun[0] + odometry.left_speed * passed,
                 before.spun[1] + odometry.right_speed * passed,
             )
-            step = self._encoder.inverse() @ odometry.robot_in_encoder
-            way = hypot(step.x, step.y) * (1 if step.x >= 0 else -1)
-            aside = step.theta * body.track / 2
-            wheels = before.wheels[0] + way - aside, before.wheels[1] + way + aside
+            step, _ = arc_to(self._encoder.inverse() @ odometry.robot_in_encoder)
+            aside = step.w * body.track / 2
+            wheels = before.wheels[0] + step.v - aside, before.wheels[1] + step.v + aside
         v, w = body.speeds
         aside = w * body.track / 2
         moment = _Moment(
@@ -307,7 +306,7 @@ class Shadow:
         pose = self._moments[0].robot_in_odom
         for before, after in pairwise(self._moments):
             left, right = (b - a for a, b in zip(before.twin, after.twin, strict=True))
-            pose = pose @ moved((left + right) / 2, (right - left) / self._twin.body.track)
+            pose @= arc((left + right) / 2, (right - left) / self._twin.body.track, 1.0)
         return Parting(cause, lacks, pose)
 
 
@@ -361,11 +360,6 @@ def _is_near(snapshot: Snapshot, model: RobotModel, *, back: bool) -> bool:
         heard < NEAR and abs(wrap(mount.theta + (pi if back else 0.0))) < AHEAD
         for mount, heard in pairs
     )
-
-
-def moved(way: float, turn: float) -> Pose2:
-    """Return the pose after a way [m] along an arc that turns by `turn` [rad], along its chord."""
-    return Pose2(way * cos(turn / 2), way * sin(turn / 2), turn)
 
 
 def _distance(one: Pose2, other: Pose2) -> float:
