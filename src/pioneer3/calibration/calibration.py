@@ -2,14 +2,14 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import cos, degrees, hypot, inf, nan, pi, radians, sin
+from math import cos, degrees, hypot, inf, isnan, nan, pi, radians, sin
 
 import numpy as np
 
 from pioneer3.calibration.course import StepDrive
 from pioneer3.calibration.echoes import full_turn
 from pioneer3.calibration.ends import MeasuredRun
-from pioneer3.calibration.estimate import SHOWN_SIDE, CorrectionEstimate, estimate
+from pioneer3.calibration.estimate import NAMES, SHOWN_SIDE, CorrectionEstimate, estimate
 from pioneer3.calibration.scans import SeenPoses, delay_of, delays, seen_runs
 from pioneer3.calibration.steps import By, CalibrationStep
 from pioneer3.calibration.umbmark import Umbmark, umbmark
@@ -22,8 +22,10 @@ TAPE_SIGMA = 0.003
 """Standard deviation of a length by a tape [m]."""
 ANGLE_SIGMA = radians(1)
 """Standard deviation of an angle by eye, and of how well a robot is set on its mark [rad]."""
-USUAL_DELAY = 0.008
-"""A delay of a laser below this is not worth a line [s]."""
+MOST_OFF = 0.3
+"""Error of an end over the way that is believed at most."""
+MOST_TURNED = radians(120)
+"""Error of a heading that is believed at most [rad]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -155,7 +157,7 @@ class Calibration:
         return umbmark(ends[False], ends[True], side, self._model.wheel_base)
 
     def delay(self) -> tuple[float, float] | None:
-        """Return how late the scans of the laser are and the standard deviation [s], if known."""
+        """Return the delay of the laser's scans and its standard deviation [s], if known."""
         told = self.estimate()
         if told is None or told.laser is None:
             return None
@@ -177,14 +179,11 @@ class Calibration:
             return ["nothing was measured"]
         lines = []
         for change in self.changes():
-            after = (
-                ""
-                if change.way_after != change.way_after
-                else (
-                    f"; by what the other steps tell {_error(change.way_after, change.turn_after)}"
-                )
-            )
-            lines.append(f"{change.name}: off by {_error(change.way, change.turn)}{after}")
+            line = f"{change.name}: off by {_error(change.way, change.turn)}"
+            if not isnan(change.way_after):
+                after = _error(change.way_after, change.turn_after)
+                line += f"; by what the other steps tell {after}"
+            lines.append(line)
         if (squares := self.umbmark()) is not None:
             lines.append(f"UMBmark before: {squares.words}")
         if not told.is_known:
@@ -197,8 +196,7 @@ class Calibration:
             f"(+- {100 * was_spread:.0f}) as it is, and by {100 * now:.0f} cm "
             f"(+- {100 * now_spread:.0f}) with the correction"
         )
-        numbers = zip(("scale", "base_ratio", "wheel_ratio"), told.sigmas, strict=True)
-        for name, sigma in numbers:
+        for name, sigma in zip(NAMES, told.sigmas, strict=True):
             lines.append(f"{name} = {getattr(told.correction, name):.5f} +- {sigma:.5f}")
         if told.laser is not None:
             x, y, theta = told.laser_sigma
@@ -243,12 +241,6 @@ class Calibration:
                 "what the wheels tell is more than tyres and loads explain; measure once more"
             )
         return run
-
-
-MOST_OFF = 0.3
-"""Error of an end over the way that is believed at most."""
-MOST_TURNED = radians(120)
-"""Error of a heading that is believed at most [rad]."""
 
 
 def _turned(step: CalibrationStep, drive: StepDrive) -> MeasuredRun:
