@@ -3,7 +3,7 @@
 import resource
 import struct
 from contextlib import suppress
-from dataclasses import fields, is_dataclass
+from dataclasses import fields, is_dataclass, replace
 from functools import cache
 from math import inf, nan, sin
 from pathlib import Path
@@ -23,12 +23,13 @@ from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2, Twist2
 from pioneer3.links.tap import recorded_links
 from pioneer3.log.command_line import started
-from pioneer3.log.differences import differences, sums
+from pioneer3.log.differences import differences, joined_planes, planes, sums
 from pioneer3.log.folder import create
 from pioneer3.log.mcap import McapFile
-from pioneer3.log.reader import open_log
-from pioneer3.log.scans import pack_scan, unpack_scan
-from pioneer3.log.topics import LogTopic, decode, pack_pieces, unpack_pieces
+from pioneer3.log.reader import DAMAGED, open_log
+from pioneer3.log.rows import pack_rows, unpack_rows
+from pioneer3.log.scans import scan_fields, unpack_scan
+from pioneer3.log.topics import ROUGH, LogTopic, Pieces, decode, pack_pieces, unpack_pieces
 from pioneer3.runtime.recording import CommandGiven, DecisionMade
 from pioneer3.state import Battery, Charging, Motors, Odometry, Scan, Snapshot, Sonar
 from pioneer3.units import MM
@@ -36,9 +37,11 @@ from pioneer3.units import MM
 NUMBERS = st.floats() | st.sampled_from([inf, -inf, nan, -0.0, 1e-300, 0.1 + 0.2])
 POSES = st.builds(Pose2, NUMBERS, NUMBERS, NUMBERS)
 TWISTS = st.builds(Twist2, NUMBERS, NUMBERS)
+MILLIMETRES = st.integers(0, 40_000).map(lambda mm: mm * MM)
+LENGTHS = st.integers(-40_000, 40_000).map(lambda mm: mm * MM) | NUMBERS
 SNAPSHOTS = st.builds(
     Snapshot,
-    stamp=NUMBERS,
+    stamp=NUMBERS | LENGTHS,
     sequence=st.integers(0, 2**62),
     odometry=st.builds(
         Odometry,
@@ -56,10 +59,9 @@ SNAPSHOTS = st.builds(
         low=st.booleans(),
     ),
     motors=st.builds(Motors),
-    sonar=st.builds(Sonar, ranges=st.lists(NUMBERS, max_size=16).map(tuple)),
+    sonar=st.builds(Sonar, ranges=st.lists(LENGTHS, min_size=3, max_size=4).map(tuple)),
     faults=st.lists(st.text(), max_size=3).map(tuple),
 )
-MILLIMETRES = st.integers(0, 40_000).map(lambda mm: mm * MM)
 SCANS = st.builds(
     Scan,
     stamp=NUMBERS,
@@ -110,32 +112,54 @@ def test_a_message_comes_back_bit_for_bit(message: Any) -> None:
     assert exact(decode(topic.encode(message), topic.kind)) == exact(message)
 
 
-@given(SCANS)
-def test_a_scan_comes_back_with_the_angles_that_its_channel_has(scan: Scan) -> None:
-    topic = LogTopic("scan", Scan, steady="angles")
-    data, part = topic.encode(scan), topic.steady_part(scan)
-    assert "angles" not in msgspec.msgpack.decode(data)
-    assert exact(decode(data, Scan, "angles", part)) == exact(scan)
+@given(
+    st.lists(SNAPSHOTS, min_size=1, max_size=2) | st.lists(SCANS, min_size=1, max_size=2),
+    st.lists(NUMBERS | LENGTHS, max_size=4),
+    st.integers(-(2**40), 2**40),
+)
+def test_snapshots_and_scans_come_back_from_their_columns(
+    some: list[Any], stamps: list[float], step: int
+) -> None:
+    told = [*some, *(replace(some[-1], stamp=stamp) for stamp in stamps)]
+    topic = LogTopic("any", type(told[0]), steady="angles" * isinstance(told[0], Scan))
+    times = [7 + number * step for number in range(len(told))]
+    shape, data = pack_rows(times, [topic.fields(each) for each in told])
+    assert b"angles" not in shape
+    found = list(unpack_rows(times[0], data, shape))
+    assert [time for time, _ in found] == times
+    for (_, row), message in zip(found, told, strict=True):
+        part = topic.steady_part(message)
+        assert exact(decode(row, topic.kind, topic.steady, part)) == exact(message)
+
+
+@given(st.data())
+def test_damaged_columns_are_read_or_refused(data: st.DataObject) -> None:
+    rows = [scan_fields(SCAN), scan_fields(replace(SCAN, stamp=2.5, sequence=4))]
+    shape, packed = pack_rows([0, 1], rows)
+    damaged = bytearray(packed)
+    for _ in range(data.draw(st.integers(1, 3))):
+        damaged[data.draw(st.integers(0, len(damaged) - 1))] = data.draw(st.integers(0, 255))
+    with suppress(*DAMAGED):
+        assert len([*unpack_rows(0, bytes(damaged), shape)]) < 2**16
 
 
 @given(
     st.lists(st.tuples(st.integers(0, 2**40), st.binary(max_size=20)), min_size=1).map(sorted),
     st.sampled_from([1, 300]),
 )
-def test_pieces_come_back_with_the_microsecond_of_each(
-    some: list[tuple[int, bytes]], times: int
-) -> None:
+def test_pieces_come_back_with_the_time_of_each(some: list[tuple[int, bytes]], times: int) -> None:
     pieces = [(time, data * times) for time, data in some]  # many bytes are told by differences
     first = pieces[0][0]
     found = list(unpack_pieces(first, pack_pieces(pieces)))
     assert [data for _, data in found] == [data for _, data in pieces]
-    assert all(0 <= was - at < 1000 for (at, _), (was, _) in zip(found, pieces, strict=True))
+    assert all(0 <= was - at < ROUGH for (at, _), (was, _) in zip(found, pieces, strict=True))
     assert list(unpack_pieces(first, pack_pieces(pieces, tick=1))) == pieces
 
 
 @given(st.binary(max_size=100), st.integers(1, 5))
-def test_bytes_come_back_from_their_differences(data: bytes, step: int) -> None:
+def test_bytes_come_back_from_their_differences_and_planes(data: bytes, step: int) -> None:
     assert sums(differences(data, step), step) == data
+    assert joined_planes(planes(data, step), step) == data
 
 
 def test_readings_that_are_alike_are_told_by_differences_and_take_less_room() -> None:
@@ -143,7 +167,7 @@ def test_readings_that_are_alike_are_told_by_differences_and_take_less_room() ->
     readings = [round(2000 + 500 * sin(n / 30) + noise.gauss(0, 5)) for n in range(2000)]
     data = b"".join(reading.to_bytes(2, "little") for reading in readings)
     told = pack_pieces([(0, data)])
-    assert msgspec.msgpack.decode(told)[3] == 2
+    assert msgspec.msgpack.decode(told, type=Pieces).step == 2
     plain = msgspec.msgpack.encode(([0], [len(data)], data))
     assert len(zstandard.compress(told)) < 0.7 * len(zstandard.compress(plain))
 
@@ -161,8 +185,12 @@ SCAN = Scan(
 def test_messages_of_older_logs_are_read() -> None:
     pieces = msgspec.msgpack.encode(([0, 1500], [2, 1], b"abc"))
     assert list(unpack_pieces(7, pieces)) == [(7, b"ab"), (1_500_007, b"c")]
-    scan = msgspec.msgpack.decode(pack_scan(SCAN))
-    scan["ranges"] = sums(scan["ranges"], scan.pop("step"))
+    readings = b"".join(bytes([number, 0]) * 2 for number in range(100, 105))
+    told = Pieces([0], [len(readings)], differences(readings, 2), 2)
+    assert list(unpack_pieces(7, msgspec.msgpack.encode(told))) == [(7, readings)]
+    scan = scan_fields(SCAN)
+    assert unpack_scan(msgspec.msgpack.encode(scan), SCAN.angles) == SCAN
+    scan |= {"ranges": differences(scan["ranges"], 2), "step": 2}
     assert unpack_scan(msgspec.msgpack.encode(scan), SCAN.angles) == SCAN
 
 

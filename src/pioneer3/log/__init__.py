@@ -7,7 +7,8 @@ module        contents
 ============  =================================================================================
 topics        the messages of a log, as bytes and back, exactly
 scans         scans as bytes and back, exactly
-differences   bytes as differences, which take less room
+rows          snapshots and scans as columns and back, exactly
+differences   bytes as differences and in planes, which take less room
 writer        takes messages from the event loop, and writes them in a thread
 target        opens the files of a log: one that is named, or the next ones of the user's folder
 folder        the user's logs: their names, which go first, which are pinned or being written

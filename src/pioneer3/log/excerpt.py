@@ -2,6 +2,7 @@
 
 import os
 import struct
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -11,7 +12,8 @@ from pioneer3.errors import ConfigError
 from pioneer3.log.folder import create, create_log, pin
 from pioneer3.log.index import LogIndex
 from pioneer3.log.mcap import PROFILE
-from pioneer3.log.reader import OF_MESSAGE, LogRecord
+from pioneer3.log.reader import OF_MESSAGE, LogRecord, messages_of
+from pioneer3.log.topics import TOTALS, totals
 
 TOLD_ONCE: Final = {"map", "estimate", "way", "standing"}
 """Topics of a robot that are told when they change: the newest before an excerpt begins it."""
@@ -26,7 +28,7 @@ END: Final = {"why": "an excerpt"}
 def write_excerpt(log: LogIndex, path: Path, begin: int, end: int) -> int:
     """Write the messages from `begin` to `end` [ns since 1970] to a new file; return how many.
 
-    Bytes of links are kept by the second.
+    Bytes of links, snapshots and scans are kept by the second.
 
     Raises:
         ConfigError: The log is damaged or has nothing then, or the file cannot be written.
@@ -74,14 +76,14 @@ def _write(
     """Write an excerpt with more metadata; return how many messages it has."""
     from mcap.writer import Writer
 
-    writer, written = Writer(file), 0
+    writer, counts, ended = Writer(file), Counter[str](), 0
     schemas: dict[int, int] = {0: 0}
     channels: dict[int, int] = {}
     writer.start(PROFILE, f"an excerpt of {log.path.name}")
     for name, told in {**log.info().texts, "end": END, **texts}.items():
         writer.add_metadata(name, dict(told))
 
-    def add(record: LogRecord, time: int) -> None:
+    def add(record: LogRecord, time: int) -> int:
         if record.schema is not None and record.schema.id not in schemas:
             schema = record.schema
             schemas[schema.id] = writer.register_schema(schema.name, schema.encoding, schema.data)
@@ -95,17 +97,20 @@ def _write(
             )
         number, sequence, _, published = struct.unpack_from("<HIQQ", record.data)
         writer.add_message(channels[number], time, record.data[OF_MESSAGE:], published, sequence)
+        told = messages_of([record])
+        counts[record.channel.topic] += len(told)
+        return told[-1].time if told else time
 
     for record in log.records(begin, end):
-        if not written:
+        if not ended:
             for told_before in _told_before(log, begin):
                 add(told_before, begin)
-        add(record, record.time)
-        written += 1
-    if not written:
+        ended = max(ended, add(record, record.time))
+    if not ended:
         raise ConfigError(f"{log.path}: nothing was logged then")
+    writer.add_metadata(TOTALS, totals(counts, ended))
     writer.finish()  # type: ignore[no-untyped-call]
-    return written
+    return counts.total()
 
 
 def _told_before(log: LogIndex, begin: int) -> Iterator[LogRecord]:

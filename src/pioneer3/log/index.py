@@ -9,6 +9,7 @@ from bisect import bisect_left, bisect_right
 from collections import OrderedDict
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from operator import attrgetter
 from pathlib import Path
 from threading import Lock
@@ -48,6 +49,8 @@ OF_CHANNEL: Final = struct.Struct("<HQ")
 """Entry of that list: the channel, and the place of the record about its messages."""
 MOST_KEPT: Final = 64
 """Chunks that are kept after they were read: ours have a second of one robot, at most 1 MiB."""
+LATER: Final = 10**9
+"""Rows and bytes of a message may be later than the chunk and the message say [ns]: a second."""
 FARTHEST: Final = 2000
 """Messages of one topic that are looked at for one that is wanted."""
 
@@ -144,10 +147,13 @@ class _Part:
             begin, end = TIMES.unpack(file.read(TIMES.size))
             chunk = _Chunk(self, begin, end, at, length, tuple(inside))
             if not inside or not inside <= self.channels.keys():
+                inside.clear()
                 for kind, data in unpacked(_content(file, chunk)):
                     self._note(kind, data)
                     if kind == MESSAGE:
                         inside.add(int.from_bytes(data[:2], "little"))
+                if not inside <= self.channels.keys():
+                    raise ValueError("a message is of no topic")
                 chunk = _Chunk(self, begin, end, at, length, tuple(inside))
             if inside:
                 found.append(chunk)
@@ -180,9 +186,10 @@ class LogIndex:
         self._latest_ends: list[int] = []
         self._places: dict[str, list[int]] = {}
         latest = 0
-        for number, chunk in enumerate(self._chunks):
-            latest = max(latest, chunk.end)
-            self._latest_ends.append(latest)
+        later = [*self._begins[1:], self._chunks[-1].end]
+        for number, (chunk, next_begin) in enumerate(zip(self._chunks, later, strict=True)):
+            latest = max(latest, chunk.end, next_begin)
+            self._latest_ends.append(latest + LATER)
             for topic in chunk.topics:
                 self._places.setdefault(topic, []).append(number)
         self.topics = {topic for topic in self._places if not topic.startswith("wire/")}
@@ -197,10 +204,11 @@ class LogIndex:
         """Time of the first message [ns since 1970]."""
         return self._begins[0]
 
-    @property
+    @cached_property
     def ended(self) -> int:
         """Time of the last message [ns since 1970]."""
-        return self._latest_ends[-1]
+        last = self._messages(len(self._chunks) - 1)
+        return max([each.end for each in self._chunks] + [each.time for each in last[-1:]])
 
     def info(self) -> LogInfo:
         """Return the facts of the log."""
@@ -253,14 +261,26 @@ class LogIndex:
     def walk(self, topic: str, begin: int, end: int) -> Iterator[LogMessage]:
         """Yield the messages of a topic from `begin` to `end` [ns since 1970]; keep nothing."""
         for number in self._places.get(topic, ()):
-            if self._chunks[number].end >= begin and self._chunks[number].begin <= end:
+            if self._latest_ends[number] >= begin and self._chunks[number].begin <= end:
                 yield from (m for m in self._read(number, topic) if begin <= m.time <= end)
 
     def records(self, begin: int, end: int) -> Iterator[LogRecord]:
-        """Yield the messages from `begin` to `end` [ns since 1970] as they lie in the file."""
+        """Yield the messages from `begin` to `end` [ns since 1970] as they lie in the file.
+
+        Rows and bytes are there by the second.
+        """
         first = bisect_left(self._latest_ends, begin)
         for number in range(first, self._last_begun(end) + 1):
-            yield from (each for each in self._records(number) if begin <= each.time <= end)
+            for each in self._records(number):
+                if begin <= each.time <= end or self._lasts_until(each, begin):
+                    yield each
+
+    def _lasts_until(self, record: LogRecord, begin: int) -> bool:
+        """Whether rows or bytes that began before a time [ns] go on then."""
+        if not begin - LATER < record.time < begin:
+            return False
+        with self._log.damage_told():
+            return any(message.time >= begin for message in messages_of([record]))
 
     def chunks(self, topics: set[str]) -> Iterator[tuple[float, list[LogMessage]]]:
         """Yield the messages of topics chunk by chunk, with the share of all that was read, 0 to 1.
@@ -288,14 +308,13 @@ class LogIndex:
 
     def _read(self, number: int, topic: str | None = None) -> list[LogMessage]:
         """Read the messages of a chunk, or those of a topic, by their times, but those of bytes."""
-        found = list[LogMessage]()
         with self._log.damage_told():
-            for record in self._records(number):
-                known = record.channel.topic
-                if topic in {None, known} and not known.startswith("wire/"):
-                    found += messages_of(record)
-        found.sort(key=attrgetter("time"))
-        return found
+            return messages_of(
+                record
+                for record in self._records(number)
+                if (known := record.channel.topic) == topic
+                or (topic is None and not known.startswith("wire/"))
+            )
 
     def _records(self, number: int) -> list[LogRecord]:
         """Read the messages of a chunk as they lie there."""

@@ -1,22 +1,32 @@
 """One MCAP file while it is written; all of it that is flushed can be read, whatever comes then."""
 
 import os
+from collections import Counter
 from collections.abc import Mapping, Sequence
+from itertools import groupby
 from typing import IO, Any, Final, cast
 
 from mcap.writer import CompressionType, Writer
 
 from pioneer3 import __version__
-from pioneer3.log.topics import LogTopic, pack_pieces
-from pioneer3.state import Scan
+from pioneer3.log.rows import pack_rows
+from pioneer3.log.topics import (
+    COLUMNS,
+    PIECES,
+    ROWS,
+    STEADY,
+    TOTALS,
+    LogTopic,
+    pack_pieces,
+    totals,
+)
 
 PROFILE: Final = "pioneer3"
 """Profile of our files; readers know them by it."""
-STEADY: Final = "steady"
-"""Key in a channel's metadata: the name of the field that is kept there, beside the field."""
-PIECES: Final = {
-    "pieces": "times after one another [ticks], sizes, bytes; step: 0, or each byte is told by its"
-    " difference to the one so many before; tick [ns], else 1000"
+OF_PIECES: Final = {
+    PIECES: "times after one another [ticks], sizes, bytes; step: 0, or each byte is told by its"
+    " difference to the one so many before; tick [ns], else 1000; planes: 0, or every so many bytes"
+    " lie together, the first ones first"
 }
 """Metadata of a channel whose messages are bytes in pieces."""
 SYNC: Final = getattr(os, "fdatasync", os.fsync)
@@ -55,10 +65,12 @@ class McapFile:
     def __init__(self, descriptor: int) -> None:
         self._sink = _Sink(descriptor)
         self._writer = Writer(cast("IO[Any]", self._sink), compression=CompressionType.ZSTD)
-        self._schemas: dict[type, int] = {bytes: 0, Scan: 0}
-        self._channels: dict[tuple[str, bytes], int] = {}
+        self._schemas: dict[type, int] = dict.fromkeys((bytes, *ROWS), 0)
+        self._channels: dict[tuple[str, ...], int] = {}
         self._parts: dict[str, tuple[object, bytes]] = {}
-        self._counts: dict[int, int] = {}
+        self._sequences = Counter[int]()
+        self._counts = Counter[str]()
+        self._ended = 0
         self._writer.start(PROFILE, f"pioneer3 {__version__}")
 
     @property
@@ -78,16 +90,30 @@ class McapFile:
 
     def add(self, topic: LogTopic[Any], messages: Sequence[tuple[int, Any]]) -> None:
         """Take messages of a topic, each of a time [ns since 1970]; the next flush writes them."""
+        self._counts[topic.name] += len(messages)
+        self._ended = max(self._ended, messages[-1][0])
         if topic.kind is bytes:
-            self._add(topic, messages[0][0], b"", pack_pieces(messages, topic.tick))
-            return
-        for time, message in messages:
-            self._add(topic, time, message, topic.encode(message))
+            self._add(topic, messages[0][0], OF_PIECES, pack_pieces(messages, topic.tick))
+        elif topic.kind in ROWS:
+            self._add_rows(topic, messages)
+        else:
+            for time, message in messages:
+                self._add(topic, time, {}, topic.encode(message))
 
-    def _add(self, topic: LogTopic[Any], time: int, message: Any, data: bytes) -> None:
-        channel = self._channel(topic, message)
-        self._counts[channel] = number = self._counts.get(channel, 0) + 1
-        self._writer.add_message(channel, time, data, time, number)
+    def _add_rows(self, topic: LogTopic[Any], messages: Sequence[tuple[int, Any]]) -> None:
+        """Take messages as columns; those with another steady field are another message."""
+        for part, group in groupby(messages, lambda each: self._steady_part(topic, each[1])):
+            times, values = zip(*group, strict=True)
+            shape, data = pack_rows(times, [topic.fields(each) for each in values])
+            told = {COLUMNS: shape.decode()}
+            if topic.steady:
+                told |= {STEADY: topic.steady, topic.steady: part.decode()}
+            self._add(topic, times[0], told, data)
+
+    def _add(self, topic: LogTopic[Any], time: int, told: dict[str, str], data: bytes) -> None:
+        channel = self._channel(topic, told)
+        self._sequences[channel] += 1
+        self._writer.add_message(channel, time, data, time, self._sequences[channel])
 
     def flush(self) -> None:
         """Write what was taken, as one chunk."""
@@ -99,6 +125,7 @@ class McapFile:
 
     def finish(self) -> None:
         """Write the index, and close the file."""
+        self.add_metadata(TOTALS, totals(self._counts, self._ended))
         self._writer.finish()  # type: ignore[no-untyped-call]
         os.close(self._sink.descriptor)
 
@@ -109,17 +136,15 @@ class McapFile:
         finally:
             os.close(self._sink.descriptor)
 
-    def _channel(self, topic: LogTopic[Any], message: Any) -> int:
-        part = self._steady_part(topic, message)
-        channel = self._channels.get((topic.name, part))
-        if channel is None:
-            channel = self._channels[topic.name, part] = self._writer.register_channel(
-                topic.name,
-                topic.encoding,
-                self._schema(topic),
-                _told(topic, part),
+    def _channel(self, topic: LogTopic[Any], told: dict[str, str]) -> int:
+        """Return the channel of a topic with some metadata."""
+        key = topic.name, *told.values()
+        if key not in self._channels:
+            schema = self._schema(topic)
+            self._channels[key] = self._writer.register_channel(
+                topic.name, topic.encoding, schema, told
             )
-        return channel
+        return self._channels[key]
 
     def _steady_part(self, topic: LogTopic[Any], message: Any) -> bytes:
         if not topic.steady:
@@ -138,10 +163,3 @@ class McapFile:
             found = self._writer.register_schema(name, "jsonschema", topic.schema())
             self._schemas[topic.kind] = found
         return found
-
-
-def _told(topic: LogTopic[Any], part: bytes) -> dict[str, str]:
-    """Return the metadata of a channel."""
-    if topic.kind is bytes:
-        return PIECES
-    return {STEADY: topic.steady, topic.steady: part.decode()} if topic.steady else {}

@@ -6,7 +6,7 @@ bound.
 
 import struct
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from io import BytesIO
@@ -19,7 +19,18 @@ import msgspec
 from pioneer3.errors import ConfigError, PortNotFoundError
 from pioneer3.log.cut import HEADER, MAGIC, data_records
 from pioneer3.log.folder import SUFFIX, is_being_written, is_pinned
-from pioneer3.log.topics import END, GOES_ON, PROGRAM, LogTopic, decode, unpack_pieces
+from pioneer3.log.topics import (
+    COLUMNS,
+    END,
+    GOES_ON,
+    PIECES,
+    PROGRAM,
+    STEADY,
+    TOTALS,
+    LogTopic,
+    decode,
+    unpack_pieces,
+)
 from pioneer3.state import Snapshot
 from pioneer3.text import one_line, wrong
 
@@ -63,6 +74,7 @@ TIMES: Final = struct.Struct("<QQ")
 DAMAGED: Final = (
     ValueError,
     KeyError,
+    IndexError,
     TypeError,
     AttributeError,
     EOFError,
@@ -207,6 +219,9 @@ class RunLog:
             for channel, number in (index.counts or {}).items():
                 topic = index.channels[channel]
                 counts[topic] = counts.get(topic, 0) + number
+            if totals := index.texts.pop(TOTALS, None):
+                counts |= msgspec.json.decode(totals["messages"], type=dict[str, int])
+                index.ended = max(index.ended, int(totals["ended_ns"][:20]))
         return LogInfo(
             path=path,
             began=index.began,
@@ -230,10 +245,7 @@ class RunLog:
         """
         with self.damage_told():
             for chunk in self._chunks(wanted):
-                yield from sorted(
-                    (message for record in chunk for message in messages_of(record)),
-                    key=attrgetter("time"),
-                )
+                yield from messages_of(chunk)
 
     def _chunks(
         self, wanted: Callable[[str], bool] = lambda topic: True
@@ -409,23 +421,39 @@ def _index_of_all(file: BinaryIO) -> _Index:
     return index
 
 
-def messages_of(record: LogRecord) -> Iterator[LogMessage]:
-    """Yield a message, or the pieces of bytes in it."""
+def messages_of(records: Iterable[LogRecord]) -> list[LogMessage]:
+    """Return the messages in records, by their times.
+
+    Raises:
+        ValueError: They are damaged, or take too much room.
+    """
+    found, room = list[LogMessage](), MOST_UNPACKED
+    for record in records:
+        for message in _messages_of(record):
+            room -= len(message.data) + OF_MESSAGE
+            if room < 0:
+                raise ValueError(f"messages of more than {MOST_UNPACKED} bytes in one chunk")
+            found.append(message)
+    found.sort(key=attrgetter("time"))
+    return found
+
+
+def _messages_of(record: LogRecord) -> Iterator[LogMessage]:
+    """Yield a message, the pieces of bytes in it, or the rows."""
     data, topic = record.data[OF_MESSAGE:], record.channel.topic
-    steady = _steady(record.channel.metadata)
-    if steady is not None:
-        yield LogMessage(record.time, topic, data, steady)
-        return
-    for at, piece in unpack_pieces(record.time, data):
-        yield LogMessage(at, topic, piece)
+    told = record.channel.metadata
+    steady = told.get(STEADY, "")
+    part = steady, told.get(steady, "").encode()
+    if PIECES in told:
+        for at, piece in unpack_pieces(record.time, data):
+            yield LogMessage(at, topic, piece)
+    elif COLUMNS in told:
+        from pioneer3.log.rows import unpack_rows  # numpy loads slowly
 
-
-def _steady(metadata: Mapping[str, str]) -> tuple[str, bytes] | None:
-    """Return name and content of the steady field of a channel; `None` for bytes in pieces."""
-    if "pieces" in metadata:
-        return None
-    name = metadata.get("steady", "")
-    return name, metadata.get(name, "").encode()
+        for at, row in unpack_rows(record.time, data, told[COLUMNS].encode()):
+            yield LogMessage(at, topic, row, part)
+    else:
+        yield LogMessage(record.time, topic, data, part)
 
 
 def _take_texts(index: _Index, data: bytes) -> None:

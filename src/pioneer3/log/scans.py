@@ -1,8 +1,7 @@
 """Scans as bytes and back, exactly, in a small part of the room that JSON takes.
 
-They are msgpack with the fields of :class:`Scan`, but the angles. Ranges are whole numbers of a
-unit, as lasers send them, and bytes by differences: a chunk has the laser's own beside them, and
-grows little.
+They are msgpack with the fields of :class:`Scan`, but the angles. Ranges are bytes of whole numbers
+of a unit, as lasers send them: a chunk has the laser's own beside them, and grows little.
 """
 
 from dataclasses import fields
@@ -12,7 +11,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from pioneer3.log.differences import differences, sums
+from pioneer3.log.differences import sums
 from pioneer3.state import Scan
 from pioneer3.units import MM
 
@@ -27,14 +26,11 @@ OTHERS: Final = tuple(each.name for each in fields(Scan) if each.name not in {"a
 """Fields that stay as they are."""
 
 
-def pack_scan(scan: Scan) -> bytes:
-    """Return a scan as bytes, without its angles."""
-    unit, kind, data = _packed(np.array(scan.ranges, dtype=np.float64))
-    others = {name: getattr(scan, name) for name in OTHERS}
-    step = 0 if kind == EXACT else np.dtype(kind).itemsize
-    ranges = differences(data, step) if step else data
-    told = {"unit": unit, "type": kind, "step": step, "ranges": ranges}
-    return msgspec.msgpack.encode(others | told)
+def scan_fields(scan: Scan) -> dict[str, Any]:
+    """Return the fields of a scan, without its angles."""
+    unit, kind, ranges = _packed(np.array(scan.ranges, dtype=np.float64))
+    others = {name: msgspec.to_builtins(getattr(scan, name)) for name in OTHERS}
+    return others | {"unit": unit, "type": kind, "ranges": ranges}
 
 
 def unpack_scan(data: bytes, angles: Any) -> Scan:
@@ -43,12 +39,14 @@ def unpack_scan(data: bytes, angles: Any) -> Scan:
     Raises:
         msgspec.MsgspecError, ValueError, KeyError, TypeError: It is none.
     """
-    told = msgspec.msgpack.decode(data)
+    is_json = data.startswith(b"{")  # older logs have msgpack
+    told = (msgspec.json if is_json else msgspec.msgpack).decode(data)
     unit, kind, ranges = told.pop("unit"), told.pop("type"), told.pop("ranges")
-    if step := told.pop("step", 0):  # older logs have none
+    ranges = msgspec.convert(ranges, bytes) if is_json else ranges
+    if step := told.pop("step", 0):  # as in some older logs
         ranges = sums(ranges, step)
     told |= {"angles": angles, "ranges": _unpacked(unit, kind, ranges)}
-    return msgspec.convert(told, Scan)
+    return msgspec.convert(told, Scan, strict=False)
 
 
 def _packed(ranges: NDArray[np.float64]) -> tuple[float, str, bytes]:

@@ -1,10 +1,11 @@
 """The messages of a log, as bytes and back, exactly.
 
-Bytes of a chunk are put together, with the time of each piece; scans are msgpack. All else is JSON,
-in which a number that is none is the text `inf`, `-inf` or `nan`; its schema is that of the class.
+Bytes of a chunk are put together, with the time of each piece; snapshots and scans are columns (see
+rows). All else is JSON, in which a number that is none is the text `inf`, `-inf` or `nan`; its
+schema is that of the class.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from math import isfinite
@@ -12,7 +13,7 @@ from typing import Any, Final, Generic, TypeVar
 
 import msgspec
 
-from pioneer3.state import Scan
+from pioneer3.state import Scan, Snapshot
 
 T = TypeVar("T")
 
@@ -22,10 +23,22 @@ END: Final = "end"
 """Name of the description of the end."""
 GOES_ON: Final = "goes on in the next file"
 """Why a file ended that is not the last one of its log."""
+COLUMNS: Final = "columns"
+"""Key in the metadata of a channel whose messages are columns: the shape of a row."""
+TOTALS: Final = "totals"
+"""Name of the description of the messages of a file: how many of each topic, and the last time."""
+STEADY: Final = "steady"
+"""Key in a channel's metadata: the name of the field that is kept there, beside the field."""
+PIECES: Final = "pieces"
+"""Key in the metadata of a channel whose messages are bytes in pieces."""
 NO_NUMBERS: Final = ("inf", "-inf", "nan")
 """Texts in place of numbers that JSON lacks."""
 MICRO: Final = 1000
-"""Microsecond [ns], in which the times of pieces are told where nobody needs them exactly."""
+"""Microsecond [ns], in which older logs tell the times of pieces."""
+ROUGH: Final = 100_000
+"""Times of pieces are told in so many ns where nobody needs them exactly."""
+ROWS: Final = (Snapshot, Scan)
+"""Messages that are written as columns."""
 LASER_BYTES: Final = 2048
 """Bytes of a link in one message that are worth a look how they take less room: a laser's."""
 USUAL_SIZE: Final = 4000
@@ -55,17 +68,21 @@ class LogTopic(Generic[T]):
     size: Callable[[Any], int] = _usual
     make: Callable[[Any], T] | None = None
     repeated: bool = False
-    tick: int = MICRO
+    tick: int = ROUGH
+
+    def fields(self, message: Any) -> dict[str, Any]:
+        """Return the fields of a message, without the steady one."""
+        if self.kind is Scan:
+            from pioneer3.log.scans import scan_fields  # numpy loads slowly
+
+            return scan_fields(message)
+        fields: dict[str, Any] = msgspec.to_builtins(self.make(message) if self.make else message)
+        fields.pop(self.steady, None)
+        return fields
 
     def encode(self, message: Any) -> bytes:
-        """Return a message as bytes, without its steady field."""
-        if self.kind is Scan:
-            from pioneer3.log.scans import pack_scan  # numpy loads slowly
-
-            return pack_scan(message)
-        fields = msgspec.to_builtins(self.make(message) if self.make else message)
-        fields.pop(self.steady, None)
-        return msgspec.json.encode(with_texts(fields))
+        """Return a message as JSON, without its steady field."""
+        return msgspec.json.encode(with_texts(self.fields(message)))
 
     def steady_part(self, message: Any) -> bytes:
         """Return the steady field as bytes; empty where there is none."""
@@ -76,7 +93,7 @@ class LogTopic(Generic[T]):
     @property
     def encoding(self) -> str:
         """The encoding of the messages, as MCAP names it."""
-        return "msgpack" if self.kind in {bytes, Scan} else "json"
+        return "msgpack" if self.kind is bytes or self.kind in ROWS else "json"
 
     def schema(self) -> bytes:
         """Return the schema of messages in JSON."""
@@ -105,8 +122,8 @@ def decode(data: bytes, kind: type[T], steady: str = "", part: bytes = b"") -> T
 class Pieces(msgspec.Struct, array_like=True, omit_defaults=True):
     """Bytes that came in pieces: the times between them [ticks], their sizes, and all joined.
 
-    With a `step` the bytes are :func:`~pioneer3.log.differences.differences`; a tick is of `tick`
-    [ns]. Older logs have neither.
+    With a `step` the bytes are :func:`~pioneer3.log.differences.differences`, as planes if these
+    are of that size; a tick is of `tick` [ns]. Older logs have none of them.
     """
 
     times: list[int]
@@ -114,9 +131,10 @@ class Pieces(msgspec.Struct, array_like=True, omit_defaults=True):
     joined: bytes
     step: int = 0
     tick: int = MICRO
+    planes: int = 0
 
 
-def pack_pieces(pieces: Sequence[tuple[int, bytes]], tick: int = MICRO) -> bytes:
+def pack_pieces(pieces: Sequence[tuple[int, bytes]], tick: int = ROUGH) -> bytes:
     """Return bytes that came in pieces, each at a time [ns], as one message of the first time.
 
     Links are read in small pieces: a message for each would take more room than they do.
@@ -126,12 +144,12 @@ def pack_pieces(pieces: Sequence[tuple[int, bytes]], tick: int = MICRO) -> bytes
     steps = [after - before for before, after in pairwise([0, *times])]
     joined, step = b"".join(data for _, data in pieces), 0
     if len(joined) >= LASER_BYTES:
-        from pioneer3.log.differences import best_step, differences  # numpy loads slowly
+        from pioneer3.log.differences import best_step, differences, planes  # numpy loads slowly
 
         step = best_step(joined)
-        joined = differences(joined, step) if step else joined
+        joined = planes(differences(joined, step), step) if step else joined
     return msgspec.msgpack.encode(
-        Pieces(steps, [len(data) for _, data in pieces], joined, step, tick)
+        Pieces(steps, [len(data) for _, data in pieces], joined, step, tick, step)
     )
 
 
@@ -146,14 +164,20 @@ def unpack_pieces(time: int, data: bytes) -> Iterator[tuple[int, bytes]]:
     if len(told.times) != len(sizes) or sum(sizes) != len(joined) or min(sizes, default=0) < 0:
         raise ValueError("the sizes of pieces do not fit")
     if told.step:
-        from pioneer3.log.differences import sums
+        from pioneer3.log.differences import joined_planes, sums
 
+        joined = joined_planes(joined, told.planes) if told.planes else joined
         joined = sums(joined, told.step)
     at = 0
     for step, size in zip(told.times, sizes, strict=True):
         time += step * told.tick
         yield time, joined[at : at + size]
         at += size
+
+
+def totals(counts: Mapping[str, int], ended: int) -> dict[str, str]:
+    """Return the description of the messages of a file, the last of them of a time [ns]."""
+    return {"messages": msgspec.json.encode(counts).decode(), "ended_ns": str(ended)}
 
 
 def with_texts(value: Any) -> Any:
