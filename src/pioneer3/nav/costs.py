@@ -19,6 +19,8 @@ from pioneer3.nav.settings import AS_SHIPPED, PlannerSettings
 
 COST_CELL = 0.05
 """Side of a cell [m]."""
+FINE_COSTS = 4_000_000
+"""Cells above which they are made twice as large: 100 by 100 m; each plan works on them."""
 SQUEEZE_COST = 60.0
 """Cost of a metre where the robot does not fit [m in the open]: it may get out of there."""
 PEOPLE_COST = 2.0
@@ -75,22 +77,22 @@ class CostMap:
 
         A robot is as wide as it is: it turns towards its way before a narrow place.
         """
-        raster = Raster.around(_extent(line_map), cell)
+        raster = Raster.around(_extent(line_map), cell, fine=FINE_COSTS)
         needed = min(model.width / 2, model.length_front, model.length_rear)
         needed += settings.margin
         reach = max(needed, model.corner) + settings.comfort
         clearance = np.full(raster.shape, reach, dtype=np.float32)
         lines = [side for item in line_map.objects if item.forbidden for side in item.sides]
         walls = np.concatenate([line_map.walls, np.array(lines).reshape(-1, 4)])
-        fast(nearest_wall, CACHE)(walls, raster.x, raster.y, cell, clearance)
+        fast(nearest_wall, CACHE)(walls, raster.x, raster.y, raster.cell, clearance)
         closed = _unknown(line_map, raster)
-        speeds = np.full(raster.shape, np.inf, dtype=np.float32)
+        speeds = np.broadcast_to(np.float32(np.inf), raster.shape)  # takes no memory
         for item in line_map.objects:
             if len(item.outline) > 2 and (item.forbidden or item.solid):
                 closed |= inside(item, raster)
             if item.speed is not None:
                 within = inside(item, raster)
-                speeds[within] = np.minimum(speeds[within], np.float32(item.speed))
+                speeds = np.where(within, np.minimum(speeds, np.float32(item.speed)), speeds)
         return cls(
             raster=raster,
             clearance=clearance,
@@ -147,15 +149,18 @@ class CostMap:
 
     def costs(self) -> Float32:
         """Return the cost of crossing each cell from side to side [m in the open], shape (H, W)."""
-        room = (self.clearance - np.float32(self.needed)) / np.float32(self.settings.comfort)
-        tight = np.clip(1 - room, 0, 1)
-        factors = 1 + np.float32(self.settings.narrow_cost) * tight * tight
-        factors *= np.maximum(1, np.float32(self.top_speed) / self.speeds)
-        if self.busy is not None:
-            factors += np.float32(PEOPLE_COST) * self.busy
-        factors[room < 0] = SQUEEZE_COST
-        factors[self.closed | (self.clearance < LEAST_CLEARANCE)] = np.inf
-        costs: Float32 = factors * np.float32(self.raster.cell)
+        costs = np.empty(self.raster.shape, dtype=np.float32)
+        for rows in self.raster.strips:
+            clearance = self.clearance[rows]
+            room = (clearance - np.float32(self.needed)) / np.float32(self.settings.comfort)
+            tight = np.clip(1 - room, 0, 1)
+            factors = 1 + np.float32(self.settings.narrow_cost) * tight * tight
+            factors *= np.maximum(1, np.float32(self.top_speed) / self.speeds[rows])
+            if self.busy is not None:
+                factors += np.float32(PEOPLE_COST) * self.busy[rows]
+            factors[room < 0] = SQUEEZE_COST
+            factors[self.closed[rows] | (clearance < LEAST_CLEARANCE)] = np.inf
+            costs[rows] = factors * np.float32(self.raster.cell)
         return costs
 
     def clearance_at(self, points: Float) -> Float32:
@@ -227,9 +232,9 @@ def _unknown(line_map: LineMap, raster: Raster) -> Bool:
     if not grids:
         return np.zeros(raster.shape, dtype=np.bool_)
     unknown = np.ones(raster.shape, dtype=np.bool_)
-    columns, rows = np.meshgrid(np.arange(raster.width), np.arange(raster.height))
-    x = raster.x + (columns + 0.5) * raster.cell
-    y = raster.y + (rows + 0.5) * raster.cell
-    for grid in grids:
-        unknown &= grid.states_at(x, y) == UNKNOWN
+    for strip in raster.strips:
+        x = raster.x + (np.arange(raster.width) + 0.5) * raster.cell
+        y = raster.y + (np.arange(raster.height)[strip, None] + 0.5) * raster.cell
+        for grid in grids:
+            unknown[strip] &= grid.states_at(x, y) == UNKNOWN
     return unknown

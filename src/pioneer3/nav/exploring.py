@@ -8,7 +8,7 @@ import numpy as np
 from pioneer3.geometry import Pose2
 from pioneer3.maps import OccupancyGrid
 from pioneer3.maps.line_map import FREE
-from pioneer3.nav.costs import COST_CELL, CostMap
+from pioneer3.nav.costs import CostMap
 from pioneer3.nav.frontiers import Frontier, find_frontiers
 from pioneer3.nav.planner import Way, plan
 from pioneer3.nav.settings import AS_SHIPPED, MapperSettings
@@ -104,7 +104,7 @@ class Exploration:
 
     def _find(self, grid: OccupancyGrid, costs: CostMap, robot_in_map: Pose2) -> list[Frontier]:
         old = np.array([each.frontier.end for each in self.given_up]).reshape(-1, 2)
-        turning = costs.turning + COST_CELL
+        turning = costs.turning + costs.raster.cell
         return list(find_frontiers(grid, robot_in_map, turning, costs.needed, old))
 
     def wait(self, now: float) -> None:

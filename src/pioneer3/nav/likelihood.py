@@ -63,7 +63,7 @@ class WallField:
         field = DistanceField.of(walls, line_map.bounds, cell, reach)
         numbers = np.full(field.raster.shape, -1, dtype=np.int32)
         raster = field.raster
-        frame = raster.x, raster.y, cell
+        frame = raster.x, raster.y, raster.cell
         fast(number_walls, CACHE)(walls, frame, field.distances, numbers)
         return cls(walls, free_sides(walls, line_map), field, numbers)
 

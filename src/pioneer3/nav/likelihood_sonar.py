@@ -76,7 +76,7 @@ class EchoMap:
         """Return the map of echoes of all walls; nothing is computed yet."""
         own = line_map.walls.copy()  # kernels are compiled anew for arrays that are read only
         walls = WallField.of(own, line_map, SONAR_CELL, SONAR_REACH)
-        height, width = (ceil(size * SONAR_CELL / PLACE_SIDE) for size in walls.numbers.shape)
+        height, width = (ceil(size * walls.field.raster.cell / PLACE_SIDE) for size in walls.numbers.shape)
         return cls(walls, np.zeros((height, width, SECTORS), dtype=np.uint16))
 
     def expected(self, pings: Float, poses: Float) -> Float:

@@ -1,7 +1,7 @@
 """Ways to a goal: the cheapest one from everywhere, and the one from a place as points."""
 
 from dataclasses import dataclass
-from math import cos, inf, isfinite, sin
+from math import ceil, cos, inf, isfinite, sin
 from typing import Self
 
 import numpy as np
@@ -19,8 +19,8 @@ GET_OUT_WAY = 0.8
 """Way from its start through places where the robot does not fit at most [m]."""
 BACKWARDS = 0.2
 """Way against a one-way sector that does not count [m]."""
-MOST_WAY_POINTS = 5000
-"""Points of a way at most."""
+WAY_STEP = 0.5
+"""Distance of the points of a way [cells]."""
 MOST_BUCKETS = 10_000
 """Buckets of cells that wait for the cost of their way at most."""
 
@@ -161,9 +161,10 @@ def _goes_against(area: MapObject, way: Way | None) -> bool:
 def way_from(cost_to_go: CostToGo, start: tuple[float, float]) -> Way | None:
     """Return the way down from a place, or `None` if it leads nowhere."""
     raster = cost_to_go.raster
-    points = np.empty((MOST_WAY_POINTS, 2))
+    # a metre costs no less than one in the open, and ways down bend less than twice
+    points = np.empty((ceil(2 * cost_to_go.at(*start) / (WAY_STEP * raster.cell)) + 100, 2))
     begin, goal = raster.in_cells(np.array([start, (cost_to_go.x, cost_to_go.y)]))
-    count = fast(descend, CACHE)(cost_to_go.values, begin, goal, 0.5, points)
+    count = fast(descend, CACHE)(cost_to_go.values, begin, goal, WAY_STEP, points)
     if count < 2:
         return None
     way = points[:count] * raster.cell + (raster.x, raster.y)
@@ -175,9 +176,9 @@ def way_from(cost_to_go: CostToGo, start: tuple[float, float]) -> Way | None:
 def _cheapest(costs: Float32, row: int, column: int) -> Float32:
     """Return the cost of the cheapest way from each cell to one of them; shapes (H, W)."""
     padded = np.pad(costs, 1, constant_values=np.inf)
-    width, finite = padded.shape[1], costs[np.isfinite(costs)]
-    low, high = (float(finite.min()), float(finite.max())) if finite.size else (1.0, 1.0)
-    depth = max(low, high / MOST_BUCKETS)
+    width, low = padded.shape[1], float(costs.min())
+    high = float(costs.max(where=costs < inf, initial=0.0)) or 1.0
+    depth = max(min(low, high), high / MOST_BUCKETS)
     values = np.full(padded.size, np.inf, dtype=np.float32)
     fast(march, CACHE)(
         padded.ravel(),

@@ -1,5 +1,6 @@
 """The square cells that a map is divided into, and distances to walls in them."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from math import ceil, floor
 from typing import Self
@@ -13,8 +14,12 @@ from pioneer3.maps import Extent
 from pioneer3.nav.kernels import CACHE
 from pioneer3.nav.kernels.fields import nearest_wall
 
-MOST_CELLS = 64_000_000
-"""Cells at most: 400 by 400 m at 5 cm, 200 by 200 m at 2.5 cm."""
+FINE_CELLS = 64_000_000
+"""Cells above which they are made twice as large: 200 by 200 m at 2.5 cm."""
+MOST_AREA = 160_000.0
+"""Area of a map at most [m^2]: its cells take a gigabyte."""
+STRIP_CELLS = 100_000
+"""Cells of a strip: numbers that come of them between stay in a processor's caches."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -31,20 +36,25 @@ class Raster:
     width: int
 
     @classmethod
-    def around(cls, bounds: Extent, cell: float, margin: float = 0.0) -> Self:
+    def around(
+        cls, bounds: Extent, cell: float, margin: float = 0.0, fine: int = FINE_CELLS
+    ) -> Self:
         """Return the cells that cover `bounds` and `margin` [m] around them.
 
-        Edges lie on multiples of `cell`, so that rasters of the same cells fit together.
+        They are twice as large if there were more than `fine` ones. Edges lie on multiples of
+        `cell`, so that rasters of the same cells fit together.
 
         Raises:
-            ConfigError: There are too many of them.
+            ConfigError: The map is too large.
         """
+        wide, deep = bounds.x_max - bounds.x_min, bounds.y_max - bounds.y_min
+        if wide * deep > MOST_AREA:
+            most = f"{MOST_AREA:.0f} square metres at most"
+            size = f"{wide:.0f} x {deep:.0f} m"
+            raise ConfigError(f"the map is {size}, too large to go by: {most}; take a part of it")
+        cell *= 1 if wide * deep <= fine * cell**2 else 2
         left, low = (floor((edge - margin) / cell) for edge in bounds[:2])
         right, high = (ceil((edge + margin) / cell) for edge in bounds[2:])
-        if (high - low + 1) * (right - left + 1) > MOST_CELLS:
-            size = f"{bounds.x_max - bounds.x_min:.0f} x {bounds.y_max - bounds.y_min:.0f} m"
-            most = f"{MOST_CELLS * cell**2:.0f} square metres at most"
-            raise ConfigError(f"the map is {size}, too large to go by: {most}; take a part of it")
         return cls(
             x=left * cell, y=low * cell, cell=cell, height=high - low + 1, width=right - left + 1
         )
@@ -53,6 +63,12 @@ class Raster:
     def shape(self) -> tuple[int, int]:
         """Rows and columns."""
         return self.height, self.width
+
+    @property
+    def strips(self) -> Iterator[slice]:
+        """Strips of whole rows, one after the other, to work on without large arrays between."""
+        rows = max(1, STRIP_CELLS // self.width)
+        return (slice(low, low + rows) for low in range(0, self.height, rows))
 
     def in_cells(self, points: Float) -> Float:
         """Return `points` (N, 2) [m] in cells from the lower left corner."""
@@ -97,5 +113,5 @@ class DistanceField:
         """Return the field of `walls` (N, 4) [m] over `bounds` and `reach` [m] around them."""
         raster = Raster.around(bounds, cell, reach)
         distances = np.full(raster.shape, reach, dtype=np.float32)
-        fast(nearest_wall, CACHE)(walls, raster.x, raster.y, cell, distances)
+        fast(nearest_wall, CACHE)(walls, raster.x, raster.y, raster.cell, distances)
         return cls(raster, distances, reach)

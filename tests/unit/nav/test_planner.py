@@ -251,6 +251,18 @@ def test_a_map_of_kilometres_is_refused() -> None:
         costs(far)
 
 
+def test_a_way_may_be_a_kilometre_long() -> None:
+    corridor = LineMap(name="corridor", walls=np.array(box(0.0, 0.0, 1000.0, 2.4)))
+    assert way(costs(corridor), (1.0, 1.2), (999.0, 1.2)).length == pytest.approx(998.0, abs=0.1)
+
+
+def test_a_robot_passes_a_door_of_a_large_map_whose_cells_are_larger() -> None:
+    low, high = [60.0, 0.0, 60.0, 80.0], [60.0, 80.85, 60.0, 120.0]
+    on = costs(LineMap(name="large", walls=np.array([*box(0.0, 0.0, 120.0, 120.0), low, high])))
+    assert on.raster.cell == 2 * costs(room()).raster.cell
+    assert way(on, (50.0, 20.0), (70.0, 20.0)).length == pytest.approx(2 * hypot(10, 60.4), abs=1.5)
+
+
 def test_a_way_keeps_beside_the_line_on_which_somebody_comes() -> None:
     on, line = costs(room()), np.array([[8.0, 3.0, 4.0, 3.0]])
     straight = way(on, (1.0, 3.0), (9.0, 3.0))
