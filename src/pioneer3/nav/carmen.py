@@ -17,6 +17,7 @@ between.
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 from math import hypot, isfinite, pi
 
 from pioneer3.geometry import ORIGIN, TURN, Pose2, wrap
@@ -248,6 +249,7 @@ def _counted(numbers: list[float], begin: int) -> tuple[int, int]:
     return count, begin + max(0, count)
 
 
+@lru_cache
 def _directions(start: float, fov: float, step: float, count: int) -> tuple[float, ...]:
     """Return the directions that a line tells; without any where they mean nothing.
 

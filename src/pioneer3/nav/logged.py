@@ -75,6 +75,8 @@ def range_of(metres: float, far: float = NO_ECHO) -> float:
 
     `far` is the longest range of the laser; `NO_ECHO` where the log does not tell.
     """
+    if 0 < metres < min(far, CODES[0][0]):  # most are, and a log has millions
+        return metres
     coded = far == NO_ECHO and any(low <= metres <= high for low, high in CODES)
     return inf if coded or metres >= far else metres if metres > 0 else -inf
 

@@ -45,8 +45,8 @@ FINE_TURN = 0.0087
 """Turns of a search [rad]."""
 COARSE_TURN = 0.0175
 """Turns of a search of all headings [rad]."""
-FINE_LEVELS = 6
-"""Times that a block of a search is halved until it is a cell."""
+MOST_LEVELS = 6
+"""Times that a block of a search is halved at most until it is a cell."""
 HEADING_SECTORS = 12
 """Sectors of headings, each of which has a best pose of its own."""
 KEPT = 0.8
@@ -152,7 +152,7 @@ class Submap:
         moved = [cloud.moved(pose) for cloud, pose in zip(clouds, poses, strict=True)]
         self._points = np.concatenate([cloud.points for cloud in moved] or [np.empty((0, 2))])
         normals = np.concatenate([cloud.normals for cloud in moved] or [np.empty((0, 2))])
-        straight = (normals != 0).any(axis=1)
+        straight = (normals[:, 0] != 0) | (normals[:, 1] != 0)
         points = self._points[straight]
         low, self._shape, cells = _cells(points, TARGET_CELL)
         self._grid = np.array([*low, TARGET_CELL])
@@ -224,10 +224,12 @@ class Submap:
 
         Those are left out that are worth less than `least`.
         """
-        if self._pyramid is None:
-            self._pyramid = self._smeared()
-        grid, pyramid = self._pyramid
         way, turn = within
+        shift = max(1, ceil(way / FINE_CELL))
+        levels = min(MOST_LEVELS, shift.bit_length())  # up to three blocks side by side
+        if self._pyramid is None or len(self._pyramid[1]) <= levels:
+            self._pyramid = self._smeared(levels)
+        grid, pyramid = self._pyramid
         apart = COARSE_TURN if sectors > 1 else FINE_TURN
         half = max(1, ceil(turn / apart))
         turns: Float = apart * np.arange(-half, half + 1, dtype=np.float64)
@@ -236,8 +238,7 @@ class Submap:
         y = np.outer(s, points[:, 0]) + np.outer(c, points[:, 1]) + guess.y
         cells = np.floor(np.stack([y - grid[1], x - grid[0]], axis=2) / FINE_CELL).astype(np.int64)
         full = 255.0 * max(1, len(points))
-        shift = float(max(1, ceil(way / FINE_CELL)))
-        limits = np.array([shift, half * apart, cost * full, max(NOTHING, least * full)])
+        limits = np.array([float(shift), half * apart, cost * full, max(NOTHING, least * full)])
         sector = np.arange(len(turns), dtype=np.int64) * sectors // len(turns)
         best, worths = np.zeros((sectors, 3), dtype=np.int64), np.empty(sectors)
         fast(search, CACHE)(pyramid, cells, turns, sector, KEPT, limits, best, worths)
@@ -254,15 +255,15 @@ class Submap:
             if worth > NOTHING
         ]
 
-    def _smeared(self) -> tuple[Float, UInt8]:
+    def _smeared(self, levels: int) -> tuple[Float, UInt8]:
         """Return the grid of a search and its pyramid: see :func:`.kernels.matching.search`."""
         profile = _profile()
-        margin = FINE_CELL * (len(profile) + 2**FINE_LEVELS)
+        margin = FINE_CELL * (len(profile) + 2**levels)
         low, shape, _ = _cells(self._points, FINE_CELL, margin)
         grid = np.array([*low, FINE_CELL])
-        pyramid = np.zeros((FINE_LEVELS + 1, int(shape[0]), int(shape[1])), dtype=np.uint8)
+        pyramid = np.zeros((levels + 1, int(shape[0]), int(shape[1])), dtype=np.uint8)
         fast(smear, CACHE)(self._points, grid, profile, pyramid[0])
-        for level in range(FINE_LEVELS):
+        for level in range(levels):
             step, pooled = 2**level, pyramid[level + 1]
             pooled[:] = pyramid[level]
             pooled[:-step] = np.maximum(pooled[:-step], pooled[step:])
