@@ -76,7 +76,8 @@ class EchoMap:
         """Return the map of echoes of all walls; nothing is computed yet."""
         own = line_map.walls.copy()  # kernels are compiled anew for arrays that are read only
         walls = WallField.of(own, line_map, SONAR_CELL, SONAR_REACH)
-        height, width = (ceil(size * walls.field.raster.cell / PLACE_SIDE) for size in walls.numbers.shape)
+        raster = walls.field.raster
+        height, width = (ceil(size * raster.cell / PLACE_SIDE) for size in raster.shape)
         return cls(walls, np.zeros((height, width, SECTORS), dtype=np.uint16))
 
     def expected(self, pings: Float, poses: Float) -> Float:
