@@ -134,9 +134,11 @@ class PoseGraph:
 
     def settle(self) -> None:
         """Make the round of the whole graph that is due."""
-        plain = min(1, self._plain)
+        plain, before = min(1, self._plain), self._rows
         self._bend(held=1, plain=plain, rounds=1)
         self._due, self._plain, self._fresh = self._due - 1, self._plain - plain, 0
+        if not plain and np.abs(self._rows - before)[:, :2].max() < LOOP_STEP:
+            self._due = 0
 
     def of_piece(self, number: int, begin: int, end: int) -> list[int]:
         """Return the key frames from one number to another in the piece of a key frame."""

@@ -52,6 +52,8 @@ REDRAWN_TURN = 0.002
 """Change of its heading above which a scan is drawn anew [rad]."""
 BEAM_GAP = 2
 """Half of the cells between two beams up to which they are free."""
+STRIP = 256
+"""Rows of cells between two beams that are looked at together."""
 NUMBERS = 255
 """Scans after which the numbers in cells, by which each is counted once a scan, begin anew."""
 SPARE_GROUND = 5.0
@@ -119,9 +121,12 @@ class MapRenderer:
     def grid(self) -> OccupancyGrid:
         """The map as cells."""
         states = np.full(self._hits.shape, UNKNOWN, dtype=np.uint8)
-        free = np.pad(self._misses > 0, BEAM_GAP)
-        free |= ndimage.binary_closing(free, iterations=BEAM_GAP)
-        states[free[BEAM_GAP:-BEAM_GAP, BEAM_GAP:-BEAM_GAP]] = FREE
+        around = 2 * BEAM_GAP
+        free = np.pad(self._misses > 0, around)
+        for low in range(0, len(states), STRIP):  # closing takes memory
+            part = free[low : low + STRIP + 2 * around]
+            closed = part | ndimage.binary_closing(part, iterations=BEAM_GAP)
+            states[low : low + STRIP][closed[around:-around, around:-around]] = FREE
         del free
         rows, columns = np.nonzero(self._hits >= WALL_HITS)
         hits, misses = self._hits[rows, columns] * 1.0, self._misses[rows, columns]
