@@ -45,14 +45,18 @@ async def test_a_robot_and_its_laser_scan(name: str, *, terminal: bool) -> None:
     async with simulated(name) as (robot, laser):
         port = laser.pty if terminal else laser.url
         assert port is not None
+        assert laser.quiet
         async with connect_async(robot.url, lasers=[port]) as driver:
             scan = await driver.laser.reading()
             assert len(scan.ranges) > 100
+            assert not laser.quiet
             assert driver.laser.lost is None
             laser.unplug()
             await until(lambda: driver.laser.lost)
             laser.plug_in()
             await until(lambda: driver.laser.lost is None)
+        if not terminal:  # on a serial line a laser goes on, whoever listens
+            await until(lambda: laser.quiet)
 
 
 async def test_the_doctor_finds_out_the_protocol() -> None:

@@ -86,6 +86,11 @@ class SimulatedLaser:
         return self.hosts.connected
 
     @property
+    def quiet(self) -> bool:
+        """Whether it has no host, and its mirror takes no readings."""
+        return not self.connected and self._turn is None and self.device.turn is None
+
+    @property
     def powered(self) -> bool:
         """Whether it is switched on."""
         return self._powered

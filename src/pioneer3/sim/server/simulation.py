@@ -227,7 +227,9 @@ class Simulation:
 
     def _idle_ticks(self) -> int:
         """Return in how many of the next ticks nothing happens that anybody could notice."""
-        if self.lasers.lasers or self.cameras is not None or not self.pace.steady:
+        if self.cameras is not None or not self.pace.steady:
+            return 0
+        if not all(laser.quiet for laser in self.lasers.lasers):
             return 0
         if self._hosts_heard() or (self.watched and not self.world.is_still):
             return 0
