@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from cyclopts import App, Parameter
 
-from pioneer3.cli.options import Flag, TcpPort
+from pioneer3.cli.options import Json, TcpPort
 from pioneer3.cli.process import write_json, write_line
 
 WebPort = Annotated[TcpPort, Parameter(name="--web-port")]
@@ -20,12 +20,11 @@ access_app = App(
 
 
 @access_app.command(name="list")
-def list_(*, web_port: WebPort = 8080, json: Flag = False) -> int:
+def list_(*, web_port: WebPort = 8080, json: Json = False) -> int:
     """List the devices and scripts that are in.
 
     Args:
         web_port: TCP port of the page.
-        json: Print JSON.
     """
     from pioneer3.web.api.http_client import sessions
 

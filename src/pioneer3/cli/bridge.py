@@ -1,25 +1,23 @@
 """`pioneer3 bridge`."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 from cyclopts import Parameter
 from cyclopts.validators import Number
 
 from pioneer3.cli.options import PORT, Baud, TcpPort, reads
-from pioneer3.cli.process import run_until_told_to_leave, write_line, write_warning
+from pioneer3.cli.process import until_told_to_leave, write_line, write_warning
 from pioneer3.errors import ConfigError
 from pioneer3.units import DURATION
-
-if TYPE_CHECKING:
-    from pioneer3.bridge import Bridge
 
 LOOPBACK = {"127.0.0.1", "::1", "localhost"}
 Pause = Annotated[float, reads(DURATION)]
 Watchers = Annotated[int, Parameter(validator=Number(gte=0, lte=64))]
 
 
-def bridge(
+@until_told_to_leave
+async def bridge(
     *,
     port: Annotated[str, PORT],
     baud: Baud = None,
@@ -41,7 +39,6 @@ def bridge(
 
     Args:
         port: The robot: /dev/ttyUSB0, tcp://192.168.0.160:8101.
-        baud: Serial speed to try first.
         bind: Address to listen on, such as 0.0.0.0; not 127.0.0.1 lets the network drive.
         listen: TCP port to listen on.
         expiry: The robot stops if the program's computer confirms nothing for so long; 0 for
@@ -51,38 +48,29 @@ def bridge(
         watchers: Most programs that watch.
         record: New file for every byte between the robot and the bridge; replay:FILE plays it.
     """
+    import asyncio
+
+    from pioneer3.bridge import Bridge
+    from pioneer3.links import opener
+    from pioneer3.links.hosts import url_of
+    from pioneer3.tasks import running
+
     for name, value in (("expiry", expiry), ("silence", silence)):
         if value < 0:
             raise ConfigError(f"--{name} {value:g}: it must be 0, or more")
     if bind not in LOOPBACK:
         write_warning(f"there is no password: whoever reaches {bind} can drive this robot")
 
-    async def serve() -> int:
-        from pioneer3.bridge import Bridge
-        from pioneer3.links import opener
-
-        made = Bridge(
-            opener(port, baud=baud),
-            expiry=expiry,
-            silence=silence,
-            most_watchers=watchers,
-            say=write_line,
-        )
-        return await _serve(made, port, bind, listen, record)
-
-    return run_until_told_to_leave(serve())
-
-
-async def _serve(bridge: "Bridge", port: str, bind: str, listen: int, record: Path | None) -> int:
-    """Serve hosts until cancelled; then the robot stands."""
-    import asyncio
-
-    from pioneer3.links.hosts import url_of
-    from pioneer3.tasks import running
-
+    made = Bridge(
+        opener(port, baud=baud),
+        expiry=expiry,
+        silence=silence,
+        most_watchers=watchers,
+        say=write_line,
+    )
     if record is not None:
-        bridge.start_recording(record)
-    async with running(bridge.run()), bridge.listening(bind, listen) as number:
+        made.start_recording(record)
+    async with running(made.run()), made.listening(bind, listen) as number:
         write_line(f"BRIDGE: {port} on {url_of(bind, number)}")
         await asyncio.get_running_loop().create_future()
     return 0

@@ -23,7 +23,9 @@ def class_(
     ] = None,
     map_: Annotated[str | None, Parameter(name=["--map", "-m"])] = None,
     robot: Annotated[str, Parameter(name=["--robot", "-r"], metavar="MODEL")] = "p3dx",
-    fleet: FleetFile = None,
+    fleet: Annotated[
+        FleetFile, Parameter(help="Use the robots of this fleet file in place of simulated ones.")
+    ] = None,
     ideal: Flag = False,
     lan: Flag = False,
     log: LogOptions = AS_SET,
@@ -45,10 +47,8 @@ def class_(
         map_: A shipped map or world (office, lab), a .map, map_server .yaml, world .toml, or .world
             or .sdf file of Stage or Gazebo.
         robot: Model of the simulated robots.
-        fleet: Use the robots of this fleet file in place of simulated ones.
         ideal: Simulate without noise and slip: robots do exactly what they are told.
         lan: Let the students' devices in: shows a QR code to scan.
-        log: Of all robots.
         web_port: TCP port of the page; https takes the next free one with --lan; 0: any free.
         sim_port: TCP port of the first robot for a student's program; 0: free ones.
         folder: Handed-in runs are kept there; else class-DATE in this folder.

@@ -4,7 +4,8 @@ from typing import TYPE_CHECKING, Annotated, Final
 
 from cyclopts import App, Parameter
 
-from pioneer3.cli.options import LINK, Flag, LinkOptions
+from pioneer3.cli.options import LINK, Flag, Json, LinkOptions
+from pioneer3.cli.process import until_told_to_leave, write_json, write_line, write_warning
 
 if TYPE_CHECKING:
     from pioneer3.arcos.reports import Config
@@ -34,26 +35,16 @@ config_app = App(
 
 
 @config_app.command
-def show(*, link: LinkOptions = LINK, json: Flag = False) -> int:
+@until_told_to_leave
+async def show(*, link: LinkOptions = LINK, json: Json = False) -> int:
     """Show all settings, beside the defaults of the model and the last backup.
 
     They are those from before this command connected. Nothing moves.
 
     Example: pioneer3 config show --port /dev/ttyUSB0
-
-    Args:
-        link: The robot.
-        json: Print JSON for programs, nothing else.
     """
-    from pioneer3.cli.process import run_until_told_to_leave
-
-    return run_until_told_to_leave(_show(link, json=json))
-
-
-async def _show(link: LinkOptions, *, json: bool) -> int:
     from dataclasses import asdict
 
-    from pioneer3.cli.process import write_json
     from pioneer3.cli.tables import config_table
     from pioneer3.cli.terminal import Terminal
     from pioneer3.robot.config_backup import defaults_of, last_backup, with_defaults
@@ -75,23 +66,14 @@ async def _show(link: LinkOptions, *, json: bool) -> int:
 
 
 @config_app.command
-def backup(*, link: LinkOptions = LINK) -> int:
+@until_told_to_leave
+async def backup(*, link: LinkOptions = LINK) -> int:
     """Keep all settings in a file. Nothing moves.
 
     Example: pioneer3 config backup --port /dev/ttyUSB0
-
-    Args:
-        link: The robot.
     """
-    from pioneer3.cli.process import run_until_told_to_leave
-
-    return run_until_told_to_leave(_backup(link))
-
-
-async def _backup(link: LinkOptions) -> int:
     from time import time
 
-    from pioneer3.cli.process import write_line
     from pioneer3.robot.config_backup import save_backup
 
     async with link.connect(auto_enable=False, shown=True) as robot:
@@ -106,7 +88,6 @@ def list_() -> int:
 
     Example: pioneer3 config list
     """
-    from pioneer3.cli.process import write_line, write_warning
     from pioneer3.errors import ConfigError
     from pioneer3.names import printable
     from pioneer3.robot.config_backup import backups_folder, read_backup, user_backups
@@ -126,8 +107,9 @@ def list_() -> int:
 
 
 @config_app.command
-def diff(
-    first: Backup = None, second: Backup = None, *, link: LinkOptions = LINK, json: Flag = False
+@until_told_to_leave
+async def diff(
+    first: Backup = None, second: Backup = None, *, link: LinkOptions = LINK, json: Json = False
 ) -> int:
     """Show the settings that differ from a backup, or from the defaults of the model.
 
@@ -142,16 +124,7 @@ def diff(
     Args:
         first: To compare with; else the last backup of the robot.
         second: In place of the robot.
-        link: The robot.
-        json: Print JSON for programs, nothing else.
     """
-    from pioneer3.cli.process import run_until_told_to_leave
-
-    return run_until_told_to_leave(_diff(first, second, link, json=json))
-
-
-async def _diff(first: str | None, second: str | None, link: LinkOptions, *, json: bool) -> int:
-    from pioneer3.cli.process import write_json
     from pioneer3.cli.tables import config_table
     from pioneer3.cli.terminal import Terminal
     from pioneer3.models import load_model
@@ -183,7 +156,8 @@ async def _diff(first: str | None, second: str | None, link: LinkOptions, *, jso
 
 
 @config_app.command
-def restore(name: Backup = None, *, link: LinkOptions = LINK, force: Flag = False) -> int:
+@until_told_to_leave
+async def restore(name: Backup = None, *, link: LinkOptions = LINK, force: Flag = False) -> int:
     """Set again what a backup has, as far as a host may, while the robot stands.
 
     It tells what the robot took, and what only its maker's tool writes. A
@@ -194,16 +168,8 @@ def restore(name: Backup = None, *, link: LinkOptions = LINK, force: Flag = Fals
 
     Args:
         name: The backup; else the last one of the robot.
-        link: The robot.
         force: Take the backup of another robot.
     """
-    from pioneer3.cli.process import run_until_told_to_leave
-
-    return run_until_told_to_leave(_restore(name, link, force=force))
-
-
-async def _restore(name: str | None, link: LinkOptions, *, force: bool) -> int:
-    from pioneer3.cli.process import write_line
     from pioneer3.errors import ConfigError, MotionError
     from pioneer3.robot.config_backup import differing, find_backup, restoring
     from pioneer3.robot.config_table import rows_by_field

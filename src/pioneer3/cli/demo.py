@@ -2,17 +2,18 @@
 
 import sys
 
-from pioneer3.cli.options import LINK, Flag, LinkOptions, Patience, Speed
-from pioneer3.cli.process import run_until_told_to_leave, write_line
+from pioneer3.cli.options import LINK, Flag, LinkOptions, MaxSpeed, Patience
+from pioneer3.cli.process import until_told_to_leave, write_line
 from pioneer3.errors import ConfigError
 
 
-def demo(
+@until_told_to_leave
+async def demo(
     *,
     link: LinkOptions = LINK,
     mode: str = "t",
     patience: Patience = 10.0,
-    max_speed: Speed | None = None,
+    max_speed: MaxSpeed | None = None,
     acts: str = "tcp://127.0.0.1:5001",
     plain: Flag = False,
 ) -> int:
@@ -25,25 +26,11 @@ def demo(
     Example: pioneer3 demo --port /dev/ttyUSB0
 
     Args:
-        link: The robot.
         mode: Letter of the mode to begin with.
         patience: A speed set by hand ends after so long without a key; 10 at most.
-        max_speed: Keep below this in any case.
         acts: The colour tracker of the acts mode.
         plain: Print ARIA's lines, for pipes and screen readers; keys come from standard input.
     """
-    return run_until_told_to_leave(_demo(link, mode, patience, max_speed, acts, plain=plain))
-
-
-async def _demo(
-    link: LinkOptions,
-    mode: str,
-    patience: float,
-    max_speed: float | None,
-    acts: str,
-    *,
-    plain: bool,
-) -> int:
     from functools import partial
 
     from pioneer3.demo.modes import MODES

@@ -2,11 +2,11 @@
 
 from typing import TYPE_CHECKING
 
-from pioneer3.cli.options import LINK, WHICH, Baud, Flag, LinkOptions, RobotOptions, Seconds
+from pioneer3.cli.options import LINK, WHICH, Baud, Flag, Json, LinkOptions, RobotOptions, Seconds
 from pioneer3.cli.process import (
     busy_sign,
     read_line,
-    run_until_told_to_leave,
+    until_told_to_leave,
     write_error,
     write_json,
 )
@@ -18,21 +18,14 @@ if TYPE_CHECKING:
     from pioneer3.runtime.robot import Robot
 
 
-def info(*, link: LinkOptions = LINK, json: Flag = False) -> int:
+@until_told_to_leave
+async def info(*, link: LinkOptions = LINK, json: Json = False) -> int:
     """Show who the robot is, its limits and its battery.
 
     Nothing moves.
 
     Example: pioneer3 info --port /dev/ttyUSB0
-
-    Args:
-        link: The robot.
-        json: Print JSON for programs, nothing else.
     """
-    return run_until_told_to_leave(_info(link, json=json))
-
-
-async def _info(link: LinkOptions, *, json: bool) -> int:
     async with link.connect(auto_enable=False, shown=True) as robot:
         if json:
             write_json(_as_data(robot), indent=2)
@@ -66,8 +59,9 @@ def _as_data(robot: "Robot") -> dict[str, object]:
     }
 
 
-def doctor(
-    *, which: RobotOptions = WHICH, baud: Baud = None, seconds: Seconds = 3.0, json: Flag = False
+@until_told_to_leave
+async def doctor(
+    *, which: RobotOptions = WHICH, baud: Baud = None, seconds: Seconds = 3.0, json: Json = False
 ) -> int:
     """Check everything from the plug to the wheels; say what is wrong and what to do.
 
@@ -78,15 +72,8 @@ def doctor(
     Example: pioneer3 doctor --port /dev/ttyUSB0
 
     Args:
-        which: The robot.
-        baud: Serial speed to try first.
         seconds: How long to listen to the robot.
-        json: Print JSON for programs, nothing else.
     """
-    return run_until_told_to_leave(_doctor(which, baud, seconds, json=json))
-
-
-async def _doctor(which: RobotOptions, baud: int | None, seconds: float, *, json: bool) -> int:
     import asyncio
 
     from pioneer3.doctor.diagnose import (
@@ -117,7 +104,8 @@ def _show_findings(findings: "tuple[Finding, ...]") -> None:
     console.print(verdict(findings))
 
 
-def find_port(*, no_probe: Flag = False, wait: Flag = False, json: Flag = False) -> int:
+@until_told_to_leave
+async def find_port(*, no_probe: Flag = False, wait: Flag = False, json: Json = False) -> int:
     """List the ports of this computer and say which one is the robot's.
 
     Ports that no other program uses are asked politely: nothing moves, nothing is
@@ -128,12 +116,7 @@ def find_port(*, no_probe: Flag = False, wait: Flag = False, json: Flag = False)
     Args:
         no_probe: Only list the ports; send nothing.
         wait: Find the port by unplugging the robot's cable and plugging it in again.
-        json: Print JSON for programs, nothing else.
     """
-    return run_until_told_to_leave(_find_port(no_probe=no_probe, wait=wait, json=json))
-
-
-async def _find_port(*, no_probe: bool, wait: bool, json: bool) -> int:
     from pioneer3.doctor.ports import list_ports
     from pioneer3.doctor.probe import SIMULATOR_URL, found_code
 

@@ -9,7 +9,16 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from pioneer3.cli.live import announce, rewrite, show_while, tell_cuts
-from pioneer3.cli.options import LINK, Flag, LinkOptions, Patience, Seconds, Speed, TurnRate
+from pioneer3.cli.options import (
+    LINK,
+    Flag,
+    LinkOptions,
+    MaxSpeed,
+    Patience,
+    Seconds,
+    Speed,
+    TurnRate,
+)
 from pioneer3.cli.process import rewrite_line, run_until_told_to_leave, write_line
 
 KEYS = """\
@@ -30,7 +39,7 @@ def drive(
     link: LinkOptions = LINK,
     speed: Speed | None = None,
     turn_rate: TurnRate | None = None,
-    max_speed: Speed | None = None,
+    max_speed: MaxSpeed | None = None,
     gamepad: Annotated[list[str] | None, Parameter(consume_multiple=True, negative=())] = None,
     latch: Flag = False,
     patience: Patience = 10.0,
@@ -45,10 +54,8 @@ def drive(
     Example: pioneer3 drive --port /dev/ttyUSB0 --speed 0.3
 
     Args:
-        link: The robot.
         speed: Of the forward key, 0.5; + and - change it. Of a gamepad's stick, 0.4.
         turn_rate: Of the turning keys, 30; + and - change it. Of a gamepad's stick, 34.
-        max_speed: Keep below this in any case.
         gamepad: Drive with a gamepad of this machine: the first, or by part of its name, or path.
         latch: One press keeps moving until another key, as in the lab's rob_key.
         patience: What --latch keeps moving stops after so long without a key; 10 at most.

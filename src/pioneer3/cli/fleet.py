@@ -32,7 +32,9 @@ fleet_app = App(
 
 def init(
     *robot: Annotated[str, Parameter(negative=(), metavar="NAME=ADDRESS")],
-    fleet: FleetFile = None,
+    fleet: Annotated[
+        FleetFile, Parameter(help="The new file; fleet.toml here if it is not given.")
+    ] = None,
     operator: str | None = None,
     user: str = "pioneer",
     model: str = "",
@@ -50,7 +52,6 @@ def init(
 
     Args:
         robot: NAME=ADDRESS of each, such as p3at-1=192.168.1.113.
-        fleet: The new file; fleet.toml here if it is not given.
         operator: NAME=ADDRESS of this computer; its own if it is not given.
         user: Account on the robots' computers.
         model: Type of the robots, if they do not tell it themselves: p3dx-sh, mine.p.

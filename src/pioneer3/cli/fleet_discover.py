@@ -1,25 +1,23 @@
 """`pioneer3 fleet discover`."""
 
 from importlib.util import find_spec
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 from cyclopts import Parameter
 
 from pioneer3.cli.options import Flag, FleetFile, Seconds, fleet_if_any
 from pioneer3.cli.process import (
     busy_sign,
-    run_until_told_to_leave,
+    until_told_to_leave,
     write_json,
     write_line,
     write_warning,
 )
 from pioneer3.distribution import how_to_get
 
-if TYPE_CHECKING:
-    from pioneer3.fleet.spec import Fleet
 
-
-def discover(
+@until_told_to_leave
+async def discover(
     *addresses: Annotated[str, Parameter(negative=(), metavar="ADDRESS")],
     fleet: FleetFile = None,
     seconds: Seconds = 2.0,
@@ -39,36 +37,21 @@ def discover(
 
     Args:
         addresses: Where to look: 192.168.1.113, or a network such as 192.168.1.0/24.
-        fleet: The fleet file.
         seconds: How long to wait for answers.
         no_broadcast: Look at the addresses alone.
         json: Print JSON for programs: one array of all that was found.
     """
-    from pioneer3.fleet.discovery import addresses_in
+    from pioneer3.fleet.discovery import addresses_in, offers
+    from pioneer3.fleet.discovery import discover as find
 
     if not no_broadcast and find_spec("zeroconf") is None:
         write_warning(f"announcements are not heard: {how_to_get('fleet')}")
     targets = addresses_in(addresses)
     known = fleet_if_any(fleet)
-    return run_until_told_to_leave(
-        _discover(targets, known, seconds, broadcast=not no_broadcast, json=json)
-    )
-
-
-async def _discover(
-    targets: tuple[str, ...],
-    fleet: "Fleet | None",
-    seconds: float,
-    *,
-    broadcast: bool,
-    json: bool,
-) -> int:
-    from pioneer3.fleet.discovery import discover as find
-    from pioneer3.fleet.discovery import offers
 
     where = f" and {len(targets)} addresses" if targets else ""
     with busy_sign(f"Looking in the network{where} ..."):
-        found = await find(targets, seconds=seconds, broadcast=broadcast)
+        found = await find(targets, seconds=seconds, broadcast=not no_broadcast)
     if json:
         write_json(found, indent=2)
         return 0 if found else 3
@@ -77,7 +60,7 @@ async def _discover(
             "nothing was found; name addresses, such as pioneer3 fleet discover 192.168.1.0/24"
         )
         return 3
-    lines = list(offers(found, fleet))
+    lines = list(offers(found, known))
     if not lines:
         write_line(f"# all {len(found)} that were found are in the fleet file already")
     for line in lines:

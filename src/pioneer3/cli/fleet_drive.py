@@ -9,19 +9,19 @@ from pioneer3.cli.fleet_ros import connecting
 from pioneer3.cli.options import (
     Flag,
     FleetFile,
+    Json,
     Length,
+    MaxSpeed,
     Patience,
     Seconds,
     Speed,
     TurnRate,
     fleet_of,
 )
-from pioneer3.cli.process import run_until_told_to_leave, write_json
+from pioneer3.cli.process import until_told_to_leave, write_json
 from pioneer3.errors import ConfigError
 
 if TYPE_CHECKING:
-    from pioneer3.fleet.drive import Manner
-    from pioneer3.fleet.spec import Fleet, FleetRobot
     from pioneer3.fleet.stop import Stopped
 
 TO_SAY = 0.2
@@ -29,12 +29,13 @@ TO_SAY = 0.2
 Names = Annotated[str, Parameter(negative=(), metavar="NAME")]
 
 
-def drive(
+@until_told_to_leave
+async def drive(
     *names: Names,
     fleet: FleetFile = None,
     speed: Speed = 0.1,
     turn_rate: TurnRate = 0.1,
-    max_speed: Speed | None = None,
+    max_speed: MaxSpeed | None = None,
     latch: Flag = False,
     patience: Patience = 10.0,
     lined_up: Length | None = None,
@@ -52,16 +53,15 @@ def drive(
 
     Args:
         names: Robots or groups; all if none is given.
-        fleet: The fleet file.
         speed: Of the forward key; + and - change it.
         turn_rate: Of the turning keys; + and - change it.
-        max_speed: Keep below this in any case.
         latch: One press keeps moving until another key, as in the lab's rob_key_multi.
         patience: Time after which --latch stops them without a key; 10 at most.
         lined_up: The robots stand side by side, so far apart, from left to right by their
             numbers, all looking ahead: then they know where the others are.
     """
-    from pioneer3.fleet.drive import Manner
+    from pioneer3.fleet.drive import FleetDrive, Manner
+    from pioneer3.fleet.screen import run_screen
 
     given = fleet_of(fleet)
     robots = given.select(names or ("all",))
@@ -70,25 +70,18 @@ def drive(
     manner = Manner(
         speed=speed, turn_rate=turn_rate, max_speed=max_speed, latch=latch, patience=patience
     )
-    return run_until_told_to_leave(_drive(given, robots, manner, lined_up))
 
-
-async def _drive(
-    fleet: "Fleet", robots: "tuple[FleetRobot, ...]", manner: "Manner", lined_up: float | None
-) -> int:
-    from pioneer3.fleet.drive import FleetDrive
-    from pioneer3.fleet.screen import run_screen
-
-    async with connecting(fleet, "fleet_drive", manner.max_speed) as connect:
+    async with connecting(given, "fleet_drive", manner.max_speed) as connect:
         return await run_screen(FleetDrive(robots, connect, manner, lined_up=lined_up))
 
 
-def stop(
+@until_told_to_leave
+async def stop(
     *names: Names,
     fleet: FleetFile = None,
     emergency: Flag = False,
-    timeout: Seconds = 3.0,
-    json: Flag = False,
+    patience: Annotated[Seconds, Parameter(name="--timeout")] = 3.0,
+    json: Json = False,
 ) -> int:
     """Stop all robots now, from any computer that reaches them.
 
@@ -108,29 +101,16 @@ def stop(
 
     Args:
         names: Robots or groups; all if none is given.
-        fleet: The fleet file.
         emergency: As hard as they can, and motors off.
-        timeout: For each robot.
-        json: Print JSON for programs.
+        patience: For each robot.
     """
-    given = fleet_of(fleet)
-    robots = given.select(names or ("all",))
-    return run_until_told_to_leave(_stop(given, robots, timeout, emergency=emergency, json=json))
-
-
-async def _stop(
-    fleet: "Fleet",
-    robots: "tuple[FleetRobot, ...]",
-    patience: float,
-    *,
-    emergency: bool,
-    json: bool,
-) -> int:
     from pioneer3.fleet.run import exit_code
     from pioneer3.fleet.stop import stop_all
 
+    given = fleet_of(fleet)
+    robots = given.select(names or ("all",))
     waits = patience - TO_SAY
-    async with connecting(fleet, "fleet_stop", None, patience=waits, at_once=True) as connect:
+    async with connecting(given, "fleet_stop", None, patience=waits, at_once=True) as connect:
         answers = await stop_all(robots, connect, emergency=emergency, patience=patience)
         if json:
             write_json(answers)

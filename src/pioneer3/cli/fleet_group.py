@@ -11,7 +11,7 @@ from cyclopts import Parameter
 from pioneer3.behaviors.modes.group import GROUP_MODES, GroupMode
 from pioneer3.cli.fleet_ros import connecting
 from pioneer3.cli.motion import keyword, mode_options, positional, with_signature
-from pioneer3.cli.options import FleetFile, Length, Seconds, Speed, TurnRate, fleet_of
+from pioneer3.cli.options import FleetFile, Length, MaxSpeed, Seconds, Speed, TurnRate, fleet_of
 from pioneer3.cli.process import run_until_told_to_leave
 from pioneer3.errors import ConfigError
 
@@ -79,11 +79,7 @@ def _arguments(mode: type[GroupMode]) -> list[Argument]:
         keyword("fleet", FleetFile, None),
         keyword("key_speed", Annotated[Speed, Parameter(help="Of the forward key.")], 0.3),
         keyword("key_turn_rate", Annotated[TurnRate, Parameter(help="Of turning keys.")], 0.3),
-        keyword(
-            "max_speed",
-            Annotated[Speed | None, Parameter(help="Keep below this in any case.")],
-            None,
-        ),
+        keyword("max_speed", MaxSpeed | None, None),
         keyword("seconds", Annotated[Seconds, Parameter(help="The mode ends after this.")], 600.0),
     ]
     return [*positional(mode), names, *options]

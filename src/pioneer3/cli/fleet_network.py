@@ -34,7 +34,6 @@ def hosts(
     Example: pioneer3 fleet hosts
 
     Args:
-        fleet: The fleet file.
         apply: Write the entries.
         file: The file with the names.
         name: Host name of the computer it is of; this one's if it is not given.
@@ -74,7 +73,6 @@ def ssh_config(*, fleet: FleetFile = None, apply: Flag = False) -> int:
     Example: pioneer3 fleet ssh-config
 
     Args:
-        fleet: The fleet file.
         apply: Write ~/.ssh/config.d/pioneer3, and include it.
     """
     from pioneer3.fleet.edit import Change, text_of
@@ -109,7 +107,6 @@ def aliases(
     Example: pioneer3 fleet aliases --apply
 
     Args:
-        fleet: The fleet file.
         prefix: Beginning of each alias.
         apply: Write them as a block into ~/.bashrc, with the difference and a backup.
         file: Another start-up file than ~/.bashrc.

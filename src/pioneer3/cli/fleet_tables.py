@@ -9,26 +9,27 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from pioneer3.cli.options import Flag, FleetFile, Seconds, fleet_of
-from pioneer3.cli.process import busy_sign, run_until_told_to_leave, write_json
+from pioneer3.cli.process import busy_sign, until_told_to_leave, write_json
 from pioneer3.errors import ConfigError
 
 if TYPE_CHECKING:
     from rich.table import Table
 
     from pioneer3.fleet.live import Live, Questions
-    from pioneer3.fleet.spec import Fleet, FleetRobot
+    from pioneer3.fleet.spec import FleetRobot
 
 GOOD = {True: "green", False: "red", None: ""}
 ASKED_EVERY = 5.0
 
 
-def list_(
+@until_told_to_leave
+async def list_(
     *names: Annotated[str, Parameter(negative=(), metavar="NAME")],
     fleet: FleetFile = None,
     offline: Flag = False,
     watch: Flag = False,
     every: Seconds = ASKED_EVERY,
-    timeout: Seconds = 3.0,
+    patience: Annotated[Seconds, Parameter(name="--timeout")] = 3.0,
     json: Flag = False,
 ) -> int:
     """List the robots, and the answers of each now.
@@ -46,13 +47,17 @@ def list_(
 
     Args:
         names: Robots or groups; all if none is given.
-        fleet: The fleet file.
         offline: Show the file alone; ask nobody.
         watch: Ask again and again; Ctrl-C ends it.
         every: Pause before asking again.
-        timeout: For each answer.
+        patience: For each answer.
         json: Print JSON for programs: one array, or with --watch one a line.
     """
+    from pioneer3.cli.fleet_ros import asking
+    from pioneer3.fleet.host_facts import clocks
+    from pioneer3.fleet.live import Questions
+    from pioneer3.fleet.ros_graph import NodeAddress, master_of
+
     given = fleet_of(fleet)
     robots = given.select(names or ("all",))
     if not robots:
@@ -60,39 +65,21 @@ def list_(
     if offline:
         _print(robots, None, json=json)
         return 0
-    from pioneer3.fleet.host_facts import clocks
-    from pioneer3.fleet.live import Questions
-    from pioneer3.fleet.ros_graph import NodeAddress, master_of
 
     masters = (os.environ.get("ROS_MASTER_URI"), master_of(given))
     questions = Questions(
-        timeout=timeout,
+        timeout=patience,
         masters=tuple(NodeAddress.of(master) for master in masters if master),
         clock=clocks(),
         addresses=given.addresses,
     )
-    return run_until_told_to_leave(
-        _ask(given, robots, questions, every=every if watch else None, json=json)
-    )
-
-
-async def _ask(
-    fleet: "Fleet",
-    robots: "tuple[FleetRobot, ...]",
-    questions: "Questions",
-    *,
-    every: float | None,
-    json: bool,
-) -> int:
-    """Ask once, or again and again with pauses of `every` [s]."""
-    from pioneer3.cli.fleet_ros import asking
 
     async with AsyncExitStack() as stack:
         if any(robot.ros == "2" for robot in robots):
-            questions = replace(questions, ros2=await stack.enter_async_context(asking(fleet)))
-        if every is None:
-            return await _list(robots, questions, json=json)
-        return await _watch(robots, questions, every, json=json)
+            questions = replace(questions, ros2=await stack.enter_async_context(asking(given)))
+        if watch:
+            return await _watch(robots, questions, every, json=json)
+        return await _list(robots, questions, json=json)
 
 
 async def _list(robots: "tuple[FleetRobot, ...]", questions: "Questions", *, json: bool) -> int:

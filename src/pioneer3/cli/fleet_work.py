@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from pioneer3.cli.options import SEVERAL, Flag, FleetFile, Seconds, fleet_of
-from pioneer3.cli.process import busy_sign, run_until_told_to_leave, write_json, write_line
+from pioneer3.cli.options import SEVERAL, Flag, FleetFile, Json, Seconds, fleet_of
+from pioneer3.cli.process import busy_sign, until_told_to_leave, write_json, write_line
 from pioneer3.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -23,7 +23,6 @@ class RobotsOptions:
 
     Attributes:
         on: Names of robots or groups, such as p3at-1,front; once for each or with commas.
-        fleet: The fleet file; else $PIONEER3_FLEET, ./fleet.toml, ~/.config/pioneer3/fleet.toml.
         timeout: Give up a robot that does not answer for so long.
     """
 
@@ -52,10 +51,11 @@ ROBOTS = RobotsOptions()
 FollowFlag = Annotated[bool, Parameter(name=["--follow", "-f"], negative=(), show_default=False)]
 
 
-def run(
+@until_told_to_leave
+async def run(
     *command: Annotated[str, Parameter(metavar="CMD")],
     limit: Seconds | None = None,
-    robots: RobotsOptions = ROBOTS,
+    which: RobotsOptions = ROBOTS,
 ) -> int:
     """Run a command on the robots' computers, on all at once.
 
@@ -70,25 +70,25 @@ def run(
     Args:
         command: For the shell there.
         limit: Stop the command after this time.
-        robots: Where.
     """
     if not command:
         raise ConfigError("no command is given; for instance: pioneer3 fleet run uptime")
-    return run_until_told_to_leave(_run(" ".join(command), limit, robots))
+    return await _run(" ".join(command), limit, which)
 
 
-async def _run(command: str, limit: float | None, options: RobotsOptions) -> int:
+async def _run(command: str, limit: float | None, which: RobotsOptions) -> int:
     from pioneer3.cli.fleet_output import RobotLines, finish
     from pioneer3.fleet.run import run_on
 
-    robots = options.robots()
+    robots = which.robots()
     lines = RobotLines(robots)
-    return finish(await run_on(robots, command, lines.show, login=options.login, limit=limit))
+    return finish(await run_on(robots, command, lines.show, login=which.login, limit=limit))
 
 
-def push(
+@until_told_to_leave
+async def push(
     *paths: Annotated[str, Parameter(metavar="FILE")],
-    robots: RobotsOptions = ROBOTS,
+    which: RobotsOptions = ROBOTS,
 ) -> int:
     """Copy files or folders to the robots' computers, to all at once.
 
@@ -101,27 +101,24 @@ def push(
 
     Args:
         paths: Files and folders of this computer, then the place there.
-        robots: Where.
     """
-    if len(paths) < 2:
-        raise ConfigError("files and where to are needed: pioneer3 fleet push lab.map maps/")
-    return run_until_told_to_leave(_push(paths[:-1], paths[-1], robots))
-
-
-async def _push(files: "tuple[str, ...]", destination: str, options: RobotsOptions) -> int:
     from pioneer3.cli.fleet_output import finish
     from pioneer3.fleet.copy import push as push_to
 
-    robots = options.robots()
+    if len(paths) < 2:
+        raise ConfigError("files and where to are needed: pioneer3 fleet push lab.map maps/")
+    robots = which.robots()
     with busy_sign(f"Copying to {len(robots)} robots ..."):
-        outcomes = await push_to(robots, [*map(Path, files)], destination, login=options.login)
+        *files, destination = paths
+        outcomes = await push_to(robots, [*map(Path, files)], destination, login=which.login)
     return finish(outcomes)
 
 
-def pull(
+@until_told_to_leave
+async def pull(
     *paths: Annotated[str, Parameter(metavar="PATH")],
     to: Annotated[Path, Parameter(metavar="FOLDER")] = Path(),
-    robots: RobotsOptions = ROBOTS,
+    which: RobotsOptions = ROBOTS,
 ) -> int:
     """Copy files or folders from the robots' computers.
 
@@ -134,28 +131,24 @@ def pull(
         paths: Of files and folders there, relative to the home of the user; *, ? and [...] in
             quotes.
         to: The folder in which those of the robots are made.
-        robots: Where.
     """
-    if not paths:
-        raise ConfigError("no file is given; for instance: pioneer3 fleet pull 'runs/*.mcap'")
-    return run_until_told_to_leave(_pull(paths, to, robots))
-
-
-async def _pull(paths: "tuple[str, ...]", to: Path, options: RobotsOptions) -> int:
     from pioneer3.cli.fleet_output import finish
     from pioneer3.fleet.copy import pull as pull_from
 
-    robots = options.robots()
+    if not paths:
+        raise ConfigError("no file is given; for instance: pioneer3 fleet pull 'runs/*.mcap'")
+    robots = which.robots()
     with busy_sign(f"Copying from {len(robots)} robots ..."):
-        outcomes = await pull_from(robots, paths, to, login=options.login)
+        outcomes = await pull_from(robots, paths, to, login=which.login)
     return finish(outcomes)
 
 
-def key(
+@until_told_to_leave
+async def key(
     *names: Annotated[str, Parameter(metavar="NAMES")],
     accept_new: Flag = False,
     no_passphrase: Flag = False,
-    robots: RobotsOptions = ROBOTS,
+    which: RobotsOptions = ROBOTS,
 ) -> int:
     """Let yourself in on the robots' computers with a key in place of a password.
 
@@ -170,62 +163,51 @@ def key(
         names: Robots and groups, as --on takes them.
         accept_new: Ask nothing about host keys that are new; another key than before is an error.
         no_passphrase: Make the key without a passphrase, if one has to be made.
-        robots: Where.
     """
-    if names:
-        robots = replace(robots, on=names)
-    return run_until_told_to_leave(
-        _key(robots, accept_new=accept_new, passphrase=not no_passphrase)
-    )
-
-
-async def _key(options: RobotsOptions, *, accept_new: bool, passphrase: bool) -> int:
     from pioneer3.cli.fleet_output import TerminalAsker, finish, show_password_advice
     from pioneer3.fleet import key
 
-    robots = options.robots()
+    if names:
+        which = replace(which, on=names)
+    robots = which.robots()
     public = key.public_key() or await key.agent_key()
     if public is None:
-        write_line(f"Making you a key, {key.make_key(passphrase=passphrase)}.")
+        write_line(f"Making you a key, {key.make_key(passphrase=not no_passphrase)}.")
         public = key.public_key()
         assert public is not None
     person = TerminalAsker(accept_new=accept_new)
-    outcomes = await key.install_key(robots, public, person, login=options.login)
+    outcomes = await key.install_key(robots, public, person, login=which.login)
     code = finish(outcomes)
     well = [robot for robot, each in zip(robots, outcomes, strict=True) if each.ok]
-    show_password_advice(await key.with_passwords(well, login=options.login))
+    show_password_advice(await key.with_passwords(well, login=which.login))
     return code
 
 
-def status(*, json: Flag = False, robots: RobotsOptions = ROBOTS) -> int:
+@until_told_to_leave
+async def status(*, json: Json = False, which: RobotsOptions = ROBOTS) -> int:
     """Show the robots' computers: clocks, disks, load, versions, and our service.
 
     It asks over ssh; fleet list asks the robots themselves, without.
 
     Example: pioneer3 fleet status
-
-    Args:
-        json: Print JSON for programs, nothing else.
-        robots: Which.
     """
-    return run_until_told_to_leave(_status(robots, json=json))
-
-
-async def _status(options: RobotsOptions, *, json: bool) -> int:
     from pioneer3.cli.fleet_output import finish, print_json, print_table, status_table
     from pioneer3.fleet.doctor import gather
 
-    robots = options.robots()
+    robots = which.robots()
     with busy_sign(f"Asking {len(robots)} robots ..."):
-        fleet = fleet_of(options.fleet)
-        facts, outcomes = await gather(fleet, robots, login=options.login)
+        fleet = fleet_of(which.fleet)
+        facts, outcomes = await gather(fleet, robots, login=which.login)
     if json:
         return print_json({each.robot: facts.get(each.robot) for each in outcomes}, outcomes)
     print_table(status_table(facts))
     return finish(outcomes, quiet=True)
 
 
-def logs(*, follow: FollowFlag = False, lines: int = 20, robots: RobotsOptions = ROBOTS) -> int:
+@until_told_to_leave
+async def logs(
+    *, follow: FollowFlag = False, lines: int = 20, which: RobotsOptions = ROBOTS
+) -> int:
     """Show the output of the service that drives the robot, on all robots.
 
     Example: pioneer3 fleet logs
@@ -234,18 +216,18 @@ def logs(*, follow: FollowFlag = False, lines: int = 20, robots: RobotsOptions =
     Args:
         follow: Show new lines as they come, until Ctrl-C.
         lines: Number of old lines to show of each.
-        robots: Which.
     """
     from pioneer3.fleet.host_facts import logs_command
 
-    return run_until_told_to_leave(_run(logs_command(lines, follow=follow), None, robots))
+    return await _run(logs_command(lines, follow=follow), None, which)
 
 
-def doctor(
+@until_told_to_leave
+async def doctor(
     *,
     every: Annotated[bool, Parameter(name="--all", negative=(), show_default=False)] = False,
-    json: Flag = False,
-    robots: RobotsOptions = ROBOTS,
+    json: Json = False,
+    which: RobotsOptions = ROBOTS,
 ) -> int:
     """Check the robots' computers; name faults and remedies.
 
@@ -257,19 +239,13 @@ def doctor(
 
     Args:
         every: Show the checks that went well, too.
-        json: Print JSON for programs, nothing else.
-        robots: Which.
     """
-    return run_until_told_to_leave(_doctor(robots, every=every, json=json))
-
-
-async def _doctor(options: RobotsOptions, *, every: bool, json: bool) -> int:
     from pioneer3.cli.fleet_output import print_diagnoses
     from pioneer3.fleet.doctor import diagnose, exit_code
 
-    robots = options.robots()
+    robots = which.robots()
     with busy_sign(f"Asking {len(robots)} robots ..."):
-        diagnoses = await diagnose(fleet_of(options.fleet), robots, login=options.login)
+        diagnoses = await diagnose(fleet_of(which.fleet), robots, login=which.login)
     if json:
         write_json(diagnoses, indent=2)
     else:
@@ -277,11 +253,12 @@ async def _doctor(options: RobotsOptions, *, every: bool, json: bool) -> int:
     return exit_code(diagnoses)
 
 
-def deploy(
+@until_told_to_leave
+async def deploy(
     *,
     with_: Annotated[tuple[str, ...], Parameter(name="--with", metavar="EXTRA"), SEVERAL] = (),
     no_service: Flag = False,
-    robots: RobotsOptions = ROBOTS,
+    which: RobotsOptions = ROBOTS,
 ) -> int:
     """Install pioneer3 on the robots' computers, as it is here, with a service.
 
@@ -296,19 +273,18 @@ def deploy(
     Args:
         with_: An optional part, such as nav; once for each.
         no_service: Only install; leave the service as it is.
-        robots: Where.
     """
-    return run_until_told_to_leave(_deploy(robots, with_, service=not no_service))
-
-
-async def _deploy(options: RobotsOptions, extras: "tuple[str, ...]", *, service: bool) -> int:
     from pioneer3.cli.fleet_output import finish
     from pioneer3.fleet import deploy as deployment
 
-    robots = options.robots()
+    robots = which.robots()
     with busy_sign(f"Installing on {len(robots)} robots ..."):
         outcomes = await deployment.deploy(
-            fleet_of(options.fleet), robots, login=options.login, extras=extras, service=service
+            fleet_of(which.fleet),
+            robots,
+            login=which.login,
+            extras=with_,
+            service=not no_service,
         )
     return finish(outcomes)
 

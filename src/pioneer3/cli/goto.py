@@ -15,6 +15,7 @@ from pioneer3.cli.options import (
     NAVIGATION,
     Flag,
     LinkOptions,
+    MaxSpeed,
     MotionOptions,
     NavigationOptions,
     Speed,
@@ -34,7 +35,7 @@ def goto(
     start: StartPlace = None,
     look_around: Flag = False,
     speed: Speed = 0.3,
-    max_speed: Speed | None = None,
+    max_speed: MaxSpeed | None = None,
     motion: MotionOptions = MOTION,
     navigation: NavigationOptions = NAVIGATION,
 ) -> int:
@@ -57,15 +58,11 @@ def goto(
 
     Args:
         place: A name of the map; or x, y, and a heading to turn to there.
-        link: The robot.
         map_: The map: a file, or the name of one that ships; a name of a place without it is on a
             simulator's own.
         start: Where the robot is: a name, `x,y,heading`, or `unknown`; without it as it was last.
         look_around: Drive about a little first if it is not sure where it is.
         speed: At most.
-        max_speed: Keep below this in any case.
-        motion: Bounds.
-        navigation: Settings.
     """
     from pioneer3.navigation.simulator import OF_SIMULATOR
 
@@ -112,7 +109,7 @@ def patrol(
     look_around: Flag = False,
     rounds: Annotated[int | None, Parameter(validator=Number(gte=1))] = None,
     speed: Speed = 0.3,
-    max_speed: Speed | None = None,
+    max_speed: MaxSpeed | None = None,
     motion: MotionOptions = MOTION,
     navigation: NavigationOptions = NAVIGATION,
 ) -> int:
@@ -129,15 +126,11 @@ def patrol(
 
     Args:
         places: Names of the map, or `x,y`, or `x,y,heading`; `home` is where robots begin.
-        link: The robot.
         map_: The map: a file, or the name of one that ships; else a simulator's own.
         start: Where the robot is: a name, `x,y,heading`, or `unknown`; without it as it was last.
         look_around: Drive about a little first if it is not sure where it is.
         rounds: So many; without it until it is stopped.
         speed: At most.
-        max_speed: Keep below this in any case.
-        motion: Bounds.
-        navigation: Settings.
     """
     from pioneer3.navigation.simulator import OF_SIMULATOR
 

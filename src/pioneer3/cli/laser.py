@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import App, Parameter
 
 from pioneer3.cli.options import AUTO, Distance, Flag, LaserOptions, Seconds
-from pioneer3.cli.process import busy_sign, run_until_told_to_leave, write_json, write_line
+from pioneer3.cli.process import busy_sign, until_told_to_leave, write_json, write_line
 from pioneer3.errors import DeviceError, LinkError
 
 if TYPE_CHECKING:
@@ -35,7 +35,8 @@ FIRST_REACH = 4.0
 
 
 @laser_app.default
-def laser(
+@until_told_to_leave
+async def laser(
     port: Where = AUTO,
     *,
     laser_pose: Pose = "0,0,0",
@@ -61,11 +62,18 @@ def laser(
     options = LaserOptions(
         laser=(port,), laser_pose=(laser_pose,), laser_mask=(laser_mask,) if laser_mask else ()
     )
-    return run_until_told_to_leave(_laser(options, inf if seconds is None else seconds, json=json))
+    length = inf if seconds is None else seconds
+    async with _driver(options) as driver:
+        if json:
+            return await _write(driver, length)
+        if sys.stdout.isatty():
+            return await _show(driver, length)
+        return await _tell(driver, length)
 
 
 @laser_app.command
-def mask(
+@until_told_to_leave
+async def mask(
     port: Where = AUTO,
     *,
     seconds: Seconds = 5.0,
@@ -86,12 +94,24 @@ def mask(
         nearer_than: Things nearer to the laser than this belong to the robot.
         laser_pose: As for `pioneer3 laser`; it matters for a laser that hangs upside-down.
     """
+    from pioneer3.robot.lasers.mounting import learned, words
+
     options = LaserOptions(laser=(port,), laser_pose=(laser_pose,))
-    return run_until_told_to_leave(_mask(options, seconds, nearer_than))
+    async with _driver(options) as driver:
+        with busy_sign(f"Looking for {seconds:g} s; stay away from the robot ..."):
+            scans = [scan async for scan in _scans(driver, seconds) if scan is not None]
+    sectors = learned(scans, nearer_than)
+    if not sectors:
+        write_line(f"Nothing is nearer than {nearer_than:g} m in every scan: no mask is needed.")
+        return 0
+    for line in words(sectors):
+        write_line(line)
+    return 0
 
 
 @laser_app.command(name="id")
-def identify(port: Where = AUTO) -> int:
+@until_told_to_leave
+async def identify(port: Where = AUTO) -> int:
     """Print the serial number of a laser, nothing else; rules of udev ask so.
 
     Example: pioneer3 laser id /dev/ttyACM0
@@ -99,11 +119,7 @@ def identify(port: Where = AUTO) -> int:
     Args:
         port: As for `pioneer3 laser`.
     """
-    return run_until_told_to_leave(_identify(LaserOptions(laser=(port,))))
-
-
-async def _identify(options: LaserOptions) -> int:
-    async with _driver(options) as driver:
+    async with _driver(LaserOptions(laser=(port,))) as driver:
         serial = (await driver.identified()).serial
         write_line(serial or "unknown")
     return 0 if serial else 1
@@ -156,15 +172,6 @@ async def _identified(driver: "LaserDriver") -> None:
     finally:
         told.cancel()
         reason.cancel()
-
-
-async def _laser(options: LaserOptions, seconds: float, *, json: bool) -> int:
-    async with _driver(options) as driver:
-        if json:
-            return await _write(driver, seconds)
-        if sys.stdout.isatty():
-            return await _show(driver, seconds)
-        return await _tell(driver, seconds)
 
 
 async def _write(driver: "LaserDriver", seconds: float) -> int:
@@ -293,18 +300,3 @@ def view(
     drawn = around_laser(points_in_robot(shown), columns, rows - 4, reach).text()
     drawn.end = "\n"
     return Group(title, drawn, told, hint)
-
-
-async def _mask(options: LaserOptions, seconds: float, nearer_than: float) -> int:
-    from pioneer3.robot.lasers.mounting import learned, words
-
-    async with _driver(options) as driver:
-        with busy_sign(f"Looking for {seconds:g} s; stay away from the robot ..."):
-            scans = [scan async for scan in _scans(driver, seconds) if scan is not None]
-    sectors = learned(scans, nearer_than)
-    if not sectors:
-        write_line(f"Nothing is nearer than {nearer_than:g} m in every scan: no mask is needed.")
-        return 0
-    for line in words(sectors):
-        write_line(line)
-    return 0

@@ -7,7 +7,7 @@ from cyclopts import App, Parameter
 from cyclopts.validators import Number
 
 from pioneer3.cli.map_build import build
-from pioneer3.cli.options import UNITS, Flag
+from pioneer3.cli.options import UNITS, Flag, Json
 from pioneer3.cli.process import write_json, write_line
 from pioneer3.errors import ConfigError
 from pioneer3.units import ANGLE, LENGTH
@@ -80,7 +80,7 @@ def check(
     file: str,
     *,
     robot: Annotated[str, Parameter(name=["--robot", "-r"])] = "p3at-sh",
-    json: Flag = False,
+    json: Json = False,
 ) -> int:
     """Say all that is wrong with a map: bad lines, homes in walls, goals out of reach.
 
@@ -91,7 +91,6 @@ def check(
     Args:
         file: A shipped map (office), or a .map, .yaml, .toml or .world file.
         robot: The model that must have room at homes and on the way to goals.
-        json: Print JSON for programs, nothing else.
     """
     from pioneer3.sim import map_convert
 

@@ -12,7 +12,15 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from pioneer3.cli.live import announce, how_to_stop, line, rewrite, show_while, tell_cuts
-from pioneer3.cli.options import LINK, NAVIGATION, Flag, LinkOptions, NavigationOptions, Speed
+from pioneer3.cli.options import (
+    LINK,
+    NAVIGATION,
+    Flag,
+    LinkOptions,
+    MaxSpeed,
+    NavigationOptions,
+    Speed,
+)
 from pioneer3.cli.process import ask, busy_sign, run_until_told_to_leave, write_line, write_warning
 from pioneer3.errors import ConfigError, DeviceError
 from pioneer3.geometry import ORIGIN, Pose2
@@ -56,7 +64,7 @@ def build(
     repair_odometry: Flag = False,
     start: Annotated[str | None, Parameter(metavar="PLACE", allow_leading_hyphen=True)] = None,
     speed: Speed = SPEED,
-    max_speed: Speed | None = None,
+    max_speed: MaxSpeed | None = None,
     force: Flag = False,
     yes: Flag = False,
     navigation: NavigationOptions = NAVIGATION,
@@ -76,7 +84,6 @@ def build(
     Example: pioneer3 map build -o lab.map --from lab.bag
 
     Args:
-        link: The robot.
         output: The new map: .map, .yaml or .toml. Without it a .map named after the time.
         explore: The robot drives by itself to where the map ends.
         continue_: Go on with this map, and save there unless -o says otherwise.
@@ -88,10 +95,8 @@ def build(
         start: Where the robot is on the map that is continued: a name, or x,y,heading; without
             it at the map's home, or else it is looked for while you drive.
         speed: Of the forward key, or at most.
-        max_speed: Keep below this in any case.
         force: Write over files that are there.
         yes: Ask nothing before a map that is continued is replaced.
-        navigation: Settings.
     """
     from pioneer3.navigation.connect import require_navigation
 

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import App, Parameter
 
-from pioneer3.cli.options import Flag
+from pioneer3.cli.options import Flag, Json
 from pioneer3.cli.process import write_json, write_line
 from pioneer3.errors import ConfigError
 
@@ -29,13 +29,10 @@ Format = Literal["urdf", "sdf", "mjcf", "bridge"]
 
 
 @model_app.command(name="list")
-def list_models(*, json: Flag = False) -> int:
+def list_models(*, json: Json = False) -> int:
     """List the robot types that are known by name.
 
     Example: pioneer3 model list
-
-    Args:
-        json: Print JSON for programs, nothing else.
     """
     from rich.table import Table
 
@@ -60,14 +57,13 @@ def list_models(*, json: Flag = False) -> int:
 
 
 @model_app.command
-def show(name: str, *, json: Flag = False) -> int:
+def show(name: str, *, json: Json = False) -> int:
     """Show sizes, masses, motors and tires, with their units and sources.
 
     Example: pioneer3 model show p3dx-sh
 
     Args:
         name: One of `pioneer3 model list`, or a .toml or ARIA .p file.
-        json: Print JSON for programs, nothing else.
     """
     from pioneer3.cli.terminal import Terminal
     from pioneer3.models import load_model

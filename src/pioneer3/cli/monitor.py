@@ -32,7 +32,6 @@ def monitor(
     Example: pioneer3 monitor --port /dev/ttyUSB0
 
     Args:
-        link: The robot.
         seconds: End after this time.
         raw: One line for each report, as the robot sent it.
         json: One JSON object for each reading (with --raw: report), a line each.

@@ -18,6 +18,7 @@ from pioneer3.cli.options import (
     Angle,
     Length,
     LinkOptions,
+    MaxSpeed,
     MotionOptions,
     Speed,
     TurnRate,
@@ -39,7 +40,7 @@ def move(
     *,
     link: LinkOptions = LINK,
     speed: Speed = 0.3,
-    max_speed: Speed | None = None,
+    max_speed: MaxSpeed | None = None,
     motion: MotionOptions = MOTION,
 ) -> int:
     """Drive straight ahead, or backwards, and stop.
@@ -51,10 +52,7 @@ def move(
 
     Args:
         distance: How far; negative is backwards.
-        link: The robot.
         speed: At most.
-        max_speed: Keep below this in any case.
-        motion: Bounds.
     """
     return carry_out(
         lambda robot: motion.bounded(robot.move(distance, speed)),
@@ -84,9 +82,7 @@ def turn(
 
     Args:
         angle: How far; positive is to the left.
-        link: The robot.
         turn_rate: At most.
-        motion: Bounds.
     """
     return carry_out(
         lambda robot: motion.bounded(robot.turn(angle, turn_rate)),
@@ -121,11 +117,10 @@ def mode_command(mode: type[Mode]) -> Callable[..., int]:
     text = fill(f"{mode.advice()} {MOVES}".strip(), WIDTH)
     example = f"Example: pioneer3 {mode.name()} {mode.example}"
     run.__doc__ = f"{mode.summary()}\n\n{text}\n\n{example}"
-    top = Annotated[Speed | None, Parameter(help="Keep below this in any case.")]
     common = [
         keyword("link", LinkOptions, LINK),
         *mode_options(mode),
-        keyword("max_speed", top, None),
+        keyword("max_speed", MaxSpeed | None, None),
         keyword("motion", MotionOptions, MOTION),
     ]
     return with_signature(run, mode.name(), [*positional(mode), *common])

@@ -38,6 +38,7 @@ UNITS = (
 
 Flag = Annotated[bool, Parameter(negative=(), show_default=False)]
 """Off unless given, without a `--no-` twin."""
+Json = Annotated[Flag, Parameter(help="Print JSON for programs, nothing else.")]
 PORT_VARIABLE = "PIONEER3_PORT"
 PORT = Parameter(name=["--port", "-p"], env_var=PORT_VARIABLE, metavar="PORT")
 MODEL_VARIABLE = "PIONEER3_MODEL"
@@ -47,9 +48,18 @@ Model = Annotated[
 LogName = Annotated[str, Parameter(metavar="LOG", show_default=False)]
 """A file, or the newest log with such a part in its name; the newest of all if empty."""
 RobotName = Annotated[str | None, Parameter(name="--robot", metavar="NAME")]
-Baud = Annotated[int | None, Parameter(name=["--baud", "-b"], env_var="PIONEER3_BAUD")]
+Baud = Annotated[
+    int | None,
+    Parameter(name=["--baud", "-b"], env_var="PIONEER3_BAUD", help="Serial speed to try first."),
+]
 FleetFile = Annotated[
-    Path | None, Parameter(name="--fleet", metavar="FILE", env_var="PIONEER3_FLEET")
+    Path | None,
+    Parameter(
+        name="--fleet",
+        metavar="FILE",
+        env_var="PIONEER3_FLEET",
+        help="The fleet file; else fleet.toml here or in ~/.config/pioneer3.",
+    ),
 ]
 TcpPort = Annotated[int, Parameter(validator=Number(gte=0, lte=65535))]
 Robots = Annotated[
@@ -178,6 +188,7 @@ Length = Annotated[float, reads(LENGTH)]
 Angle = Annotated[float, reads(ANGLE)]
 Distance = Annotated[float, reads(LENGTH, positive=True)]
 Speed = Annotated[float, reads(SPEED, positive=True)]
+MaxSpeed = Annotated[Speed, Parameter(help="Keep below this in any case.")]
 TurnRate = Annotated[float, reads(TURN_RATE, positive=True)]
 Seconds = Annotated[float, reads(DURATION, positive=True)]
 Patience = Annotated[float, reads(DURATION, check=_patient)]
@@ -292,7 +303,6 @@ class RobotOptions:
     Attributes:
         port: The robot: /dev/ttyUSB0, localhost:8101, replay:FILE.
         robot: The robot by its name in the fleet file, in place of its port.
-        fleet: The fleet file; else fleet.toml here or in ~/.config/pioneer3.
         model: What it really is, such as p3dx-sh, or a .toml or ARIA .p file; else what it says.
     """
 
@@ -360,9 +370,6 @@ class LinkOptions(RobotOptions):
     """The link to the robot.
 
     Attributes:
-        baud: Serial speed to try first.
-        log: Its log.
-        lasers: Its laser range finders.
         camera: Its camera: http://HOST[:PORT]/PATH of an MJPEG stream.
     """
 

@@ -5,14 +5,17 @@ import signal
 import sys
 from collections.abc import Callable, Coroutine, Iterator
 from contextlib import closing, contextmanager
+from functools import wraps
 from types import FrameType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ParamSpec
 
 from pioneer3.names import printable, printable_lines
 from pioneer3.runtime.signals import LEAVE
 
 if TYPE_CHECKING:
     from asyncio import AbstractEventLoop
+
+P = ParamSpec("P")
 
 
 def new_loop() -> "AbstractEventLoop":
@@ -32,6 +35,18 @@ def run_until_told_to_leave(
     """
     with closing(command):  # Ctrl-C may come before it begins
         return _run(command, loop_factory)
+
+
+def until_told_to_leave(
+    command: Callable[P, Coroutine[Any, Any, int | None]],
+) -> Callable[P, int]:
+    """Make a coroutine function a command, run as :func:`run_until_told_to_leave` does."""
+
+    @wraps(command)
+    def run(*args: P.args, **kwargs: P.kwargs) -> int:
+        return run_until_told_to_leave(command(*args, **kwargs))
+
+    return run
 
 
 def _run(

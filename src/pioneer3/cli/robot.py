@@ -75,7 +75,6 @@ def init(
 
     Args:
         name: That the robot says; else the robot is asked.
-        link: The robot, and what is to be in the file.
         force: Write over a file that is there.
     """
     from pioneer3.cli.process import run_until_told_to_leave

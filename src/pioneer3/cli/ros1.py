@@ -20,7 +20,7 @@ from pioneer3.cli.options import (
     RobotOptions,
 )
 from pioneer3.cli.places import MapName, StartPlace
-from pioneer3.cli.process import run_until_told_to_leave, write_line
+from pioneer3.cli.process import run_until_told_to_leave, until_told_to_leave, write_line
 from pioneer3.cli.topic_demos import commands
 from pioneer3.nav.place_text import pose_of
 
@@ -108,11 +108,6 @@ def ros1(
     Args:
         arguments: ROS's own: _port:=/dev/ttyS0, __name:=front, '~cmd_vel:=/teleop/cmd_vel';
             with _profile:=standard cmd_vel:=/teleop/cmd_vel.
-        which: The robot.
-        baud: Serial speed to try first.
-        log: Of the robot.
-        lasers: Of the robot; or by ROS parameters such as _laser/serial_port:=/dev/ttyACM0.
-            Other parameters below _laser/ hold for the first one in either case.
         camera: Of the robot: http://HOST[:PORT]/PATH of an MJPEG stream.
         map_: To navigate on: a file, or the name of one that ships.
         start: Where the robot is: a name, x,y,heading, or unknown; without it as it was last.
@@ -139,7 +134,8 @@ def ros1(
 
 
 @ros1_app.command
-def laser(
+@until_told_to_leave
+async def laser(
     *arguments: Annotated[str, Parameter(show=True)],
     port: Annotated[str, Parameter(env_var="PIONEER3_LASER", metavar="PORT")] = AUTO,
 ) -> int:
@@ -157,10 +153,6 @@ def laser(
         port: [MODEL@]PORT, such as /dev/ttyACM0, lms-200@/dev/ttyUSB1; auto looks for
             one. Parameters come first.
     """
-    return run_until_told_to_leave(_serve_laser(arguments, port))
-
-
-async def _serve_laser(arguments: tuple[str, ...], port: str) -> int:
     from pioneer3.ros.ros1.start import serve_laser
 
     def find(ports: Sequence[str]) -> "Awaitable[Sequence[LaserSpec]]":

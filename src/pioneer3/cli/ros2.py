@@ -20,7 +20,7 @@ from pioneer3.cli.options import (
     RobotOptions,
 )
 from pioneer3.cli.places import MapName, StartPlace
-from pioneer3.cli.process import run_until_told_to_leave, write_line
+from pioneer3.cli.process import run_until_told_to_leave, until_told_to_leave, write_line
 from pioneer3.cli.ros2_bridge import bridge
 from pioneer3.cli.ros2_check import check
 from pioneer3.cli.ros2_network import ANYWHERE, NetworkOptions
@@ -98,13 +98,8 @@ def ros2(
     Example: pioneer3 ros2 --backend zenoh --ros-args -p cmd_vel_timeout:=0.3
 
     Args:
-        which: The robot.
         namespace: Of the node, such as robot1; its topics are below it.
         name: Of the node.
-        network: Where the others are.
-        baud: Serial speed to try first.
-        log: Of the robot.
-        lasers: Of the robot.
         camera: Of the robot: http://HOST[:PORT]/PATH of an MJPEG stream.
         map_: To navigate on: a file, or the name of one that ships.
         start: Where the robot is: a name, x,y,heading, or unknown; without it as it was last.
@@ -131,7 +126,8 @@ def ros2(
 
 
 @ros2_app.command
-def router(*, network: NetworkOptions = ANYWHERE) -> int:
+@until_told_to_leave
+async def router(*, network: NetworkOptions = ANYWHERE) -> int:
     """Run a Zenoh router, for computers that have none of ROS 2's own.
 
     Programs of this computer find it by themselves; --listen lets others in, and
@@ -139,14 +135,7 @@ def router(*, network: NetworkOptions = ANYWHERE) -> int:
 
     Example: pioneer3 ros2 router
     Example: pioneer3 ros2 router --listen tcp/0.0.0.0:7447
-
-    Args:
-        network: Endpoints and files.
     """
-    return run_until_told_to_leave(_route(network))
-
-
-async def _route(network: NetworkOptions) -> int:
     from pioneer3.ros.zenoh.settings import serve_router
 
     await serve_router(network.network.router_options(), write_line)

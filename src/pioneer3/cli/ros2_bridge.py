@@ -53,7 +53,6 @@ def bridge(
     Example: pioneer3 ros2 bridge --only cmd_vel --to-ros2 /joy:sensor_msgs/Joy
 
     Args:
-        network: That of ROS 2.
         master: Address of the ROS 1 master; without it ROS_MASTER_URI, else this computer.
         robot_in: The side with the robot's node: ros2 or ros1.
         profile: The robot's names in ROS 1: compatibility (RosAria's), standard, or both; without

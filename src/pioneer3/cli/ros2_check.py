@@ -4,21 +4,22 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from pioneer3.cli.options import Flag, Seconds
-from pioneer3.cli.process import busy_sign, run_until_told_to_leave, write_json
+from pioneer3.cli.options import Json, Seconds
+from pioneer3.cli.process import busy_sign, until_told_to_leave, write_json
 from pioneer3.cli.ros2_network import ANYWHERE, NetworkOptions
 
 if TYPE_CHECKING:
     from pioneer3.ros.checks.facts import CheckReport
 
 
-def check(
+@until_told_to_leave
+async def check(
     *,
     robot: Annotated[str | None, Parameter(name=["--robot", "-r"])] = None,
     seconds: Seconds = 5.0,
     model: str | None = None,
     network: NetworkOptions = ANYWHERE,
-    json: Flag = False,
+    json: Json = False,
 ) -> int:
     """Check a robot's node, ours or anybody's: topics, services, transforms.
 
@@ -35,20 +36,7 @@ def check(
         robot: Name of its node, or its namespace, if there are several.
         seconds: How long to listen.
         model: Type of the robot, such as p3at-sh: as many sonars are expected.
-        network: Where it is.
-        json: Print JSON for programs, nothing else.
     """
-    return run_until_told_to_leave(_check(robot, seconds, model, network, json=json))
-
-
-async def _check(
-    robot: str | None,
-    seconds: float,
-    model: str | None,
-    network: NetworkOptions,
-    *,
-    json: bool,
-) -> int:
     from pioneer3.doctor.facts import Level
     from pioneer3.ros.checks.listening import Question, check_robot
 

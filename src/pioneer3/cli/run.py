@@ -23,11 +23,11 @@ from pioneer3.cli.options import (
     FleetFile,
     LaserOptions,
     LogOptions,
+    MaxSpeed,
     Model,
     NavigationOptions,
     RobotNumber,
     Robots,
-    Speed,
     TcpPort,
     WorldOptions,
     repeated,
@@ -67,7 +67,7 @@ def run(
     no_announce: Flag = False,
     cert: Path | None = None,
     key: Path | None = None,
-    max_speed: Speed | None = None,
+    max_speed: MaxSpeed | None = None,
     log: LogOptions = AS_SET,
     navigation: NavigationOptions = NAVIGATION,
 ) -> int:
@@ -79,17 +79,13 @@ def run(
 
     Args:
         port: A robot: /dev/ttyUSB0, tcp://192.168.0.160:8101, replay:FILE; once for each.
-        baud: Serial speed to try first.
         map_: A shipped map or world (office, lab), a .map, map_server .yaml, world .toml, or .world
             or .sdf file of Stage or Gazebo.
         robot: MODEL[:NAME], such as p3dx:bob, once for each; with --port: what those really are.
             Or the name of a robot or group in the fleet file, in place of its port.
         number: So many of each simulated --robot, or of the usual one, such as 10.
-        fleet: The fleet file; else fleet.toml here or in ~/.config/pioneer3.
         model: What the robots at --port really are: p3dx-sh, a .toml or ARIA .p file.
         ideal: Simulate without noise and slip: robots do exactly what they are told.
-        world: How the simulated world begins.
-        lasers: Of the robot.
         camera: Of the robot: http://HOST[:PORT]/PATH of an MJPEG stream.
         shadow: Beside each robot at --port drives a simulated twin; the page shows where they
             part, and why.
@@ -100,9 +96,6 @@ def run(
         no_announce: Do not announce the page to other computers (zeroconf).
         cert: Certificate for https in PEM, instead of one made on first use.
         key: Its private key, a file that only you may read.
-        max_speed: Keep below this.
-        log: Of all robots.
-        navigation: Settings.
     """
     from pioneer3.nav.settings import AS_SHIPPED
     from pioneer3.sim.worldfile import RobotSpec

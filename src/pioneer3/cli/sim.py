@@ -326,12 +326,6 @@ def sim(
         robot_factory: MODEL of which each client of the first port gets a robot while it stays.
         fleet: File of a fleet: a robot for each row, with its name, model and TCP port.
         like: A real robot's own file or name, or a log of it: a robot with its measured errors.
-        map_: What stands there.
-        world: How it begins.
-        ports: Where robots are met.
-        time: How time passes.
-        errors: What goes wrong.
-        mobilesim: What scripts for MobileSim pass.
         verbose: Tell who connects and leaves.
     """
     _log(mobilesim, verbose=verbose)

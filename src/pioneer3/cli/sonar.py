@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from pioneer3.cli.live import looks, lost, watch
 from pioneer3.cli.options import LINK, Flag, LinkOptions, Seconds
-from pioneer3.cli.process import run_until_told_to_leave, write_json, write_line
+from pioneer3.cli.process import until_told_to_leave, write_json, write_line
 from pioneer3.geometry import Pose2
 from pioneer3.units import MM
 
@@ -26,7 +26,8 @@ NUMBER = 6
 """Columns of a distance."""
 
 
-def sonar(
+@until_told_to_leave
+async def sonar(
     *,
     link: LinkOptions = LINK,
     seconds: Seconds | None = None,
@@ -41,12 +42,12 @@ def sonar(
     Example: pioneer3 sonar --port /dev/ttyUSB0
 
     Args:
-        link: The robot.
         seconds: End after this time.
         json: One JSON object for each reading, a line each.
     """
     length = inf if seconds is None else seconds
-    return run_until_told_to_leave(_sonar(link, length, json=json))
+    async with link.connect(auto_enable=False) as robot:
+        return await show_sonar(robot, length, json=json)
 
 
 def hull_distances(model: "RobotModel", ranges: tuple[float, ...]) -> list[int | None]:
@@ -64,11 +65,6 @@ def hull_distances(model: "RobotModel", ranges: tuple[float, ...]) -> list[int |
 def line(distances: list[int | None]) -> str:
     """Return the distances side by side, a column each."""
     return "".join(f"{'-' if mm is None else mm:>{NUMBER}}" for mm in distances)
-
-
-async def _sonar(link: LinkOptions, seconds: float, *, json: bool) -> int:
-    async with link.connect(auto_enable=False) as robot:
-        return await show_sonar(robot, seconds, json=json)
 
 
 async def show_sonar(robot: "Driven", seconds: float, *, json: bool) -> int:

@@ -12,7 +12,7 @@ from cyclopts import Parameter
 from pioneer3.behaviors.modes import MODES, Mode
 from pioneer3.cli.live import announce, how_to_stop
 from pioneer3.cli.motion import keyword, mode_options, with_signature
-from pioneer3.cli.options import Flag, Patience, Seconds, Speed, TurnRate
+from pioneer3.cli.options import Flag, Json, Patience, Seconds, Speed, TurnRate
 from pioneer3.cli.process import write_json, write_line
 from pioneer3.cli.topic_driving import (
     KeyOptions,
@@ -73,14 +73,10 @@ class Which:
 ANY = Which()
 
 
-def robots(graph: DemoGraph, *, json: Flag = False) -> int:
+def robots(graph: DemoGraph, *, json: Json = False) -> int:
     """List the robots on the ROS graph.
 
     Example: pioneer3 {ros} robots
-
-    Args:
-        graph: Where they are.
-        json: Print JSON.
     """
 
     def show(found: "Sequence[RobotTopics]") -> None:
@@ -113,8 +109,6 @@ def rob_key(
     Example: pioneer3 {ros} rob_key --robot {robot}
 
     Args:
-        graph: Where it is.
-        which: The robot.
         speed: Of the forward key; + and - change it.
         turn_rate: Of the turning keys; + and - change it.
         latch: One press keeps moving until another key; else a key acts for 0.6 s.
@@ -145,7 +139,6 @@ def rob_key_multi(
     Example: pioneer3 {ros} rob_key_multi --robot {robot} --robot {another}
 
     Args:
-        graph: Where they are.
         robot: Which ones; all that are there if none is said.
         model: What they are, where their nodes do not tell.
         speed: Of the forward key.
@@ -175,8 +168,6 @@ def p3_sonar(
     Example: pioneer3 {ros} p3_sonar --robot {robot}
 
     Args:
-        graph: Where it is.
-        which: The robot.
         seconds: End after this time.
         json: One JSON object for each reading, a line each.
     """
@@ -206,8 +197,6 @@ def android_teleop(
     Example: pioneer3 {ros} android_teleop --robot {robot} --imu /phone/imu
 
     Args:
-        graph: Where it is.
-        which: The robot.
         imu: Topic of the phone.
         speed: Of flicks forward and back.
         turn_rate: Of flicks to the side.
