@@ -138,7 +138,7 @@ async def router(*, network: NetworkOptions = ANYWHERE) -> int:
     """
     from pioneer3.ros.zenoh.settings import serve_router
 
-    await serve_router(network.network.router_options(), write_line)
+    await serve_router(network.router_options(), write_line)
     return 0
 
 

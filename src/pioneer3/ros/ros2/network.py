@@ -12,9 +12,9 @@ from pioneer3.distribution import how_to_get
 from pioneer3.errors import ConfigError
 from pioneer3.ros.ros2.backend import Backend, NodeName
 from pioneer3.ros.ros2.distros import DEFAULT, Distro, distro_of, distros
-from pioneer3.ros.ros2.types import MessageTypes
 
 if TYPE_CHECKING:
+    from pioneer3.ros.ros2.types import MessageTypes
     from pioneer3.ros.zenoh.settings import ZenohOptions
 
 HIGHEST_DOMAIN: Final = 232
@@ -29,22 +29,15 @@ class BackendName(StrEnum):
     ZENOH = "zenoh"
 
 
-OPTIONS: Final = {
-    "interfaces": ("--interface", BackendName.DDS),
-    "dds_peers": ("--peer", BackendName.DDS),
-    "dds_services": ("--dds-services", BackendName.DDS),
-    "connect": ("--connect", BackendName.ZENOH),
-    "listen": ("--listen", BackendName.ZENOH),
-    "zenoh_config": ("--zenoh-config", BackendName.ZENOH),
-    "ca": ("--ca", BackendName.ZENOH),
-    "certificate": ("--certificate", BackendName.ZENOH),
-    "key": ("--key", BackendName.ZENOH),
-    "credentials": ("--credentials", BackendName.ZENOH),
+KEEPERS: Final = {
+    **dict.fromkeys(("interface", "peer", "dds_services"), BackendName.DDS),
+    **dict.fromkeys(("connect", "listen", "zenoh_config", "ca"), BackendName.ZENOH),
+    **dict.fromkeys(("certificate", "key", "credentials"), BackendName.ZENOH),
 }
-"""The option that gives a field of a network, and the backend that keeps it."""
+"""The backend that keeps an option of a network."""
 OF_RCLPY: Final = {
-    "interfaces": "ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET lets all computers around reach it",
-    "dds_peers": "ROS_STATIC_PEERS names the computers that reach it, such as 10.0.0.1;10.0.0.2",
+    "interface": "ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET lets all computers around reach it",
+    "peer": "ROS_STATIC_PEERS names the computers that reach it, such as 10.0.0.1;10.0.0.2",
     "dds_services": "services work there without it",
 }
 """Remedies where rclpy has something else."""
@@ -55,15 +48,28 @@ OF_ITS_ZENOH: Final = "ZENOH_SESSION_CONFIG_URI names the settings of rmw_zenoh_
 class Network:
     """Where a node is: its backend, and the options of `DdsOptions` and `ZenohOptions`.
 
-    Without a distribution of the peers that of `ROS_DISTRO` counts, else Jazzy; without a domain
-    that of `ROS_DOMAIN_ID`, else 0.
+    Attributes:
+        backend: auto, rclpy, dds or zenoh; auto takes ROS 2's own where it is installed.
+        distro: Of the others: humble, jazzy, kilted or lyrical; without it that of ROS_DISTRO.
+        domain: Number of the domain; without it that of ROS_DOMAIN_ID, else 0.
+        interface: Network interface for DDS, such as wlan0; without one nothing leaves this
+            computer.
+        peer: Address of a computer for DDS, where multicast does not get through.
+        dds_services: The others run rmw_cyclonedds_cpp: offer services over DDS.
+        connect: Zenoh router, such as tcp/robot1:7447 or tls/fleet.example.org:7447.
+        listen: Where Zenoh listens, such as tcp/0.0.0.0:7447.
+        zenoh_config: File with further settings of Zenoh.
+        ca: File with the certificates to trust for TLS.
+        certificate: File with the certificate of this program.
+        key: File with its private key, for its owner only.
+        credentials: File with a line user:password for Zenoh, for its owner only.
     """
 
     backend: BackendName = BackendName.AUTO
     distro: str | None = None
     domain: int | None = None
-    interfaces: tuple[str, ...] = ()
-    dds_peers: tuple[str, ...] = ()
+    interface: tuple[str, ...] = ()
+    peer: tuple[str, ...] = ()
     dds_services: bool = False
     connect: tuple[str, ...] = ()
     listen: tuple[str, ...] = ()
@@ -120,12 +126,13 @@ class Network:
 
     def check(self, chosen: BackendName) -> None:
         """Raise ConfigError, with a remedy, for an option that the chosen backend does not keep."""
-        for field, (word, backend) in OPTIONS.items():
+        for field, backend in KEEPERS.items():
             if backend is not chosen and getattr(self, field):
                 remedy = f"take --backend {backend}"
                 if chosen is BackendName.RCLPY:
                     remedy = f"{OF_RCLPY.get(field, OF_ITS_ZENOH)}; or {remedy}"
-                raise ConfigError(f"{chosen} has no {word}: {remedy}")
+                word = field.replace("_", "-")
+                raise ConfigError(f"{chosen} has no --{word}: {remedy}")
 
     def obstacle(self) -> str:
         """Return the reason why the ROS 2 installed here does not serve; empty for none."""
@@ -141,7 +148,7 @@ class Network:
             return self.backend
         if find_spec("rclpy") is not None and not self.obstacle():
             return BackendName.RCLPY
-        given = {keeper for field, (_, keeper) in OPTIONS.items() if getattr(self, field)}
+        given = {keeper for field, keeper in KEEPERS.items() if getattr(self, field)}
         of_ros = environment.get("RMW_IMPLEMENTATION")
         asks_zenoh = BackendName.ZENOH in given or of_ros == "rmw_zenoh_cpp"
         order = [("cyclonedds", BackendName.DDS), ("zenoh", BackendName.ZENOH)]
@@ -152,7 +159,7 @@ class Network:
         raise ConfigError(f"neither ROS 2 nor a library that speaks it is here: {advice}")
 
 
-def open_backend(network: Network, node: NodeName, types: MessageTypes) -> Backend:
+def open_backend(network: Network, node: NodeName, types: "MessageTypes") -> Backend:
     """Join the network as `node`; ConfigError for an option, or without the library."""
     domain, chosen = network.domain_here(), network.chosen()
     network.check(chosen)
@@ -171,8 +178,8 @@ def open_backend(network: Network, node: NodeName, types: MessageTypes) -> Backe
 
             options = DdsOptions(
                 domain=domain,
-                interfaces=network.interfaces,
-                peers=network.dds_peers,
+                interfaces=network.interface,
+                peers=network.peer,
                 services=network.dds_services,
             )
             return DdsBackend(node, types, options)
