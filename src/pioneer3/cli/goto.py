@@ -20,9 +20,9 @@ from pioneer3.cli.options import (
     NavigationOptions,
     Speed,
 )
-from pioneer3.cli.places import MapName, StartPlace, destination_of, require_place
+from pioneer3.cli.places import MapName, StartPlace, destination_of, require_place, start_of
 from pioneer3.errors import ConfigError
-from pioneer3.nav.place_text import numbers_of, pose_of
+from pioneer3.nav.place_text import numbers_of
 
 if TYPE_CHECKING:
     from pioneer3.runtime.robot import Robot
@@ -87,7 +87,7 @@ def goto(
         speed=speed,
         max_speed=max_speed,
         line_map=map_ or OF_SIMULATOR,
-        start=None if start is None else pose_of(start, "goto"),
+        start=start_of(start, "goto"),
         navigation=navigation,
     )
 
@@ -153,6 +153,6 @@ def patrol(
         speed=speed,
         max_speed=max_speed,
         line_map=map_ or OF_SIMULATOR,
-        start=None if start is None else pose_of(start, "patrol"),
+        start=start_of(start, "patrol"),
         navigation=navigation,
     )

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from pioneer3.models import GivenModel
     from pioneer3.nav.settings import NavigationSettings
     from pioneer3.robot.lasers.spec import LaserSpec
+    from pioneer3.ros.node.start import StartOptions
     from pioneer3.runtime.recording import Record
     from pioneer3.runtime.robot import Robot
     from pioneer3.sim.worldfile import RobotSpec
@@ -413,6 +414,28 @@ class LinkOptions(RobotOptions):
                 )
                 robot = await stack.enter_async_context(connection)
             yield robot
+
+    def node(
+        self,
+        line_map: str | None,
+        start: "Pose2 | str | None",
+        arguments: Sequence[str] = (),
+    ) -> "StartOptions":
+        """Return the options of a node of ROS; without a port it looks for the robot."""
+        from pioneer3.ros.node.start import StartOptions
+
+        return StartOptions(
+            port=self.url_or_none,
+            model=self.given_model,
+            baud=self.baud,
+            record=self.log.where(),
+            laser_ports=self.lasers.laser or self.fleet_lasers,
+            lasers=lambda robot, otherwise: self.lasers.specs([robot], otherwise),
+            camera=self.camera or self.fleet_camera,
+            line_map=line_map,
+            start=start,
+            arguments=arguments,
+        )
 
 
 LINK = LinkOptions()

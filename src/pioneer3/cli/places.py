@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from pioneer3.errors import MotionError
-from pioneer3.nav.place_text import numbers_of
+from pioneer3.nav.place_text import numbers_of, pose_of
 
 if TYPE_CHECKING:
+    from pioneer3.geometry import Pose2
     from pioneer3.maps import LineMap
     from pioneer3.nav.places import Destination
     from pioneer3.navigation.navigator import Navigator
@@ -17,6 +18,11 @@ MapName = Annotated[
     str | None, Parameter(name=["--map", "-m"], env_var="PIONEER3_MAP", metavar="MAP")
 ]
 StartPlace = Annotated[str | None, Parameter(metavar="PLACE", allow_leading_hyphen=True)]
+
+
+def start_of(place: str | None, command: str) -> "Pose2 | str | None":
+    """Return the start on a map: a pose, a name, or `None` for where the robot was last."""
+    return None if place is None else pose_of(place, command)
 
 
 def destination_of(

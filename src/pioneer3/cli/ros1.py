@@ -8,21 +8,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import App, Parameter
 
-from pioneer3.cli.options import (
-    AS_SET,
-    AUTO,
-    NO_LASERS,
-    WHICH,
-    Baud,
-    CameraUrl,
-    LaserOptions,
-    LogOptions,
-    RobotOptions,
-)
-from pioneer3.cli.places import MapName, StartPlace
+from pioneer3.cli.options import AUTO, LINK, LaserOptions, LinkOptions
+from pioneer3.cli.places import MapName, StartPlace, start_of
 from pioneer3.cli.process import run_until_told_to_leave, until_told_to_leave, write_line
 from pioneer3.cli.topic_demos import commands
-from pioneer3.nav.place_text import pose_of
 
 if TYPE_CHECKING:
     from pioneer3.cli.topic_demos import Work
@@ -88,11 +77,7 @@ for command in commands(
 @ros1_app.default
 def ros1(
     *arguments: Annotated[str, Parameter(show=True)],
-    which: RobotOptions = WHICH,
-    baud: Baud = None,
-    log: LogOptions = AS_SET,
-    lasers: LaserOptions = NO_LASERS,
-    camera: CameraUrl = None,
+    link: LinkOptions = LINK,
     map_: MapName = None,
     start: StartPlace = None,
     install_package: Path | None = None,
@@ -108,28 +93,15 @@ def ros1(
     Args:
         arguments: ROS's own: _port:=/dev/ttyS0, __name:=front, '~cmd_vel:=/teleop/cmd_vel';
             with _profile:=standard cmd_vel:=/teleop/cmd_vel.
-        camera: Of the robot: http://HOST[:PORT]/PATH of an MJPEG stream.
         map_: To navigate on: a file, or the name of one that ships.
         start: Where the robot is: a name, x,y,heading, or unknown; without it as it was last.
         install_package: Only write a ROS package to this folder, for rosrun and roslaunch.
     """
     if install_package is not None:
         return _install(install_package)
-    from pioneer3.ros.node.start import StartOptions
     from pioneer3.ros.ros1.start import serve
 
-    options = StartOptions(
-        port=which.url_or_none,
-        model=which.given_model,
-        baud=baud,
-        record=log.where(),
-        laser_ports=lasers.laser or which.fleet_lasers,
-        lasers=lambda robot, otherwise: lasers.specs(taken=[robot], otherwise=otherwise),
-        camera=camera or which.fleet_camera,
-        line_map=map_,
-        start=None if start is None else pose_of(start, "ros1"),
-        arguments=arguments,
-    )
+    options = link.node(map_, start_of(start, "ros1"), arguments)
     return run_until_told_to_leave(serve(options, write_line))
 
 

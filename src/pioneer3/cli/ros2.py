@@ -9,23 +9,13 @@ import msgspec
 from cyclopts import App
 
 from pioneer3.cli.motion import keyword
-from pioneer3.cli.options import (
-    AS_SET,
-    NO_LASERS,
-    WHICH,
-    Baud,
-    CameraUrl,
-    LaserOptions,
-    LogOptions,
-    RobotOptions,
-)
-from pioneer3.cli.places import MapName, StartPlace
+from pioneer3.cli.options import LINK, LinkOptions
+from pioneer3.cli.places import MapName, StartPlace, start_of
 from pioneer3.cli.process import run_until_told_to_leave, until_told_to_leave, write_line
 from pioneer3.cli.ros2_bridge import bridge
 from pioneer3.cli.ros2_check import check
 from pioneer3.cli.ros2_network import ANYWHERE, NetworkOptions
 from pioneer3.cli.topic_demos import commands
-from pioneer3.nav.place_text import pose_of
 
 if TYPE_CHECKING:
     from pioneer3.cli.topic_demos import Work
@@ -77,14 +67,10 @@ for command in COMMANDS:
 @ros2_app.default
 def ros2(
     *,
-    which: RobotOptions = WHICH,
+    link: LinkOptions = LINK,
     namespace: str = "",
     name: str = "pioneer3",
     network: NetworkOptions = ANYWHERE,
-    baud: Baud = None,
-    log: LogOptions = AS_SET,
-    lasers: LaserOptions = NO_LASERS,
-    camera: CameraUrl = None,
     map_: MapName = None,
     start: StartPlace = None,
     install_package: Path | None = None,
@@ -100,28 +86,16 @@ def ros2(
     Args:
         namespace: Of the node, such as robot1; its topics are below it.
         name: Of the node.
-        camera: Of the robot: http://HOST[:PORT]/PATH of an MJPEG stream.
         map_: To navigate on: a file, or the name of one that ships.
         start: Where the robot is: a name, x,y,heading, or unknown; without it as it was last.
         install_package: Only write a ROS 2 package to this folder, for ros2 run and ros2 launch.
     """
-    from pioneer3.ros.node.start import StartOptions
     from pioneer3.ros.ros2.start import serve
 
     node = network.node(name, namespace or "/")
     if install_package is not None:
         return _install(install_package, node.network.distro_here().name)
-    options = StartOptions(
-        port=which.url_or_none,
-        model=which.given_model,
-        baud=baud,
-        record=log.where(),
-        laser_ports=lasers.laser or which.fleet_lasers,
-        lasers=lambda robot, otherwise: lasers.specs(taken=[robot], otherwise=otherwise),
-        camera=camera or which.fleet_camera,
-        line_map=map_,
-        start=None if start is None else pose_of(start, "ros2"),
-    )
+    options = link.node(map_, start_of(start, "ros2"))
     return run_until_told_to_leave(serve(node, options, write_line))
 
 
