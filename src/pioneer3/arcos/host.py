@@ -116,11 +116,7 @@ class Host:
         return self.state is SessionState.OPEN and self._config_due is None
 
     def send(self, command: Command, now: float) -> None:
-        """Queue one command.
-
-        Raises:
-            CommandError: the session is not open, or a value does not fit the protocol.
-        """
+        """Queue one command; CommandError without a session, or for a value that does not fit."""
         if self.state is not SessionState.OPEN:
             raise CommandError(f"cannot send {type(command).__name__}: no session is open")
         self._queue(command, now)

@@ -302,11 +302,7 @@ class Stack:
 
     @classmethod
     def of(cls, name: str, priority: int, actions: Iterable[Ranked], hint: str = "") -> "Stack":
-        """Return a stack of `actions`, given in any order.
-
-        Raises:
-            ValueError: two of them have the same name.
-        """
+        """Return a stack of `actions`, in any order; ValueError if two have the same name."""
         ordered = tuple(sorted(actions, key=lambda ranked: -ranked.priority))
         names = [ranked.action.name for ranked in ordered]
         if twice := {action for action in names if names.count(action) > 1}:

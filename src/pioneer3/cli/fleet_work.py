@@ -31,11 +31,7 @@ class RobotsOptions:
     timeout: Seconds = 20.0
 
     def robots(self) -> "tuple[FleetRobot, ...]":
-        """Return the robots that are meant.
-
-        Raises:
-            ConfigError: The fleet file is wrong, or has no such robot.
-        """
+        """Return the robots that are meant; ConfigError for none, or a wrong fleet file."""
         names = [name.strip() for words in self.on for name in words.split(",")]
         return fleet_of(self.fleet).select(name for name in names if name)
 

@@ -488,11 +488,7 @@ class MotionOptions:
         return inf if self.seconds is None else self.seconds
 
     async def bounded(self, motion: Coroutine[Any, Any, None]) -> None:
-        """Carry `motion` out.
-
-        Raises:
-            MotionError: as `motion` does, or it took too long.
-        """
+        """Carry `motion` out; MotionError as it has them, or if it took too long."""
         import asyncio
 
         try:

@@ -116,11 +116,7 @@ def ask(question: str, otherwise: str) -> str:
 
 
 def write_line(text: str) -> None:
-    """Write lines to stdout, at once; a terminal obeys nothing in them.
-
-    Raises:
-        BrokenPipeError: nobody reads any more.
-    """
+    """Write lines to stdout, at once; BrokenPipeError if nobody reads any more."""
     _write(f"{printable_lines(text)}\n")
 
 

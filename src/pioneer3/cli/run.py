@@ -164,11 +164,7 @@ def _announced(host: str, served: "Served") -> "AbstractAsyncContextManager[None
 def _refuse_nonsense(
     ports: tuple[str, ...], robots: "tuple[RobotSpec, ...]", *, simulated: bool
 ) -> None:
-    """Refuse options that do not go together.
-
-    Raises:
-        ConfigError: They do not; says which and why.
-    """
+    """Refuse options that do not go together; the ConfigError says which and why."""
     if ports and simulated:
         raise ConfigError(
             "--start, --fit, --seed, --keep-session, --physics, --ideal: "

@@ -129,11 +129,7 @@ GivenModel = RobotModel | Fallback | str | Path | None
 
 
 def loaded_model(given: GivenModel) -> RobotModel | Fallback | None:
-    """Return `given` with names and files read.
-
-    Raises:
-        ConfigError: As for :func:`load_model`.
-    """
+    """Return `given` with names and files read; ConfigError as of :func:`load_model`."""
     match given:
         case str() | Path():
             return load_model(given)
@@ -211,11 +207,7 @@ def _usable(field: str, value: float, default: float) -> float:
 
 
 def read_model_text(path: Path) -> str:
-    """Return the text of a model's file; comments need not be UTF-8.
-
-    Raises:
-        ConfigError: It cannot be read, or is no text.
-    """
+    """Return the text of a model's file, whose comments need not be UTF-8; ConfigError for none."""
     try:
         there = path.stat()
         plain = S_ISREG(there.st_mode) or S_ISDIR(there.st_mode)  # reading a folder says why

@@ -288,11 +288,7 @@ LASERS: Mapping[str, LaserModel] = MappingProxyType(
 
 
 def load_laser(name: str) -> LaserModel:
-    """Return the laser of this name.
-
-    Raises:
-        ConfigError: there is none; the message names those that there are.
-    """
+    """Return the laser of this name; the ConfigError for another names those that there are."""
     found = LASERS.get(name.strip().lower())
     if found is not None:
         return found

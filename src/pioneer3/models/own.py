@@ -92,11 +92,7 @@ def _is_there(path: Path) -> bool:
 
 
 def read_own(path: Path, kin: RobotModel | None = None) -> OwnFile:
-    """Read the own file of a robot.
-
-    Raises:
-        ConfigError: It cannot be read, or is wrong.
-    """
+    """Read the own file of a robot; ConfigError if it cannot be read, or is wrong."""
     text = read_model_text(path)
     if path.suffix == ARIA:
         model = parse_aria(text, str(path), path.stem, kin)

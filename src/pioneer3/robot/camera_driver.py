@@ -148,11 +148,7 @@ class CameraDriver:
             self.status.close()
 
     async def _serve_once(self) -> None:
-        """Take pictures until nobody wants any.
-
-        Raises:
-            LinkError: The camera is lost; the message has the reason.
-        """
+        """Take pictures until nobody wants any; LinkError, with the reason, if it is lost."""
         login = ""
         while True:
             parser = Parser()
@@ -195,11 +191,7 @@ class CameraDriver:
             writer.transport.abort()
 
     async def _read(self, reader: asyncio.StreamReader, parser: Parser) -> None:
-        """Publish pictures until nobody wants any.
-
-        Raises:
-            LinkError: They end, or are none.
-        """
+        """Publish pictures until nobody wants any; LinkError if they end, or are none."""
         last = since = self._clock()
         before = 0
         while self._wanted or self._clock() < self._last_wanted + LINGER:

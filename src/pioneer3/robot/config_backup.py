@@ -60,11 +60,7 @@ def backups_folder() -> Path:
 
 
 def save_backup(info: RobotInfo, config: Config, now: float) -> Path:
-    """Write a backup of the robot's CONFIG, and return its path; the time is since 1970 [s].
-
-    Raises:
-        ConfigError: It cannot be written.
-    """
+    """Write a backup of a robot's CONFIG, of a Unix time [s]; return its path, or ConfigError."""
     when = datetime.fromtimestamp(now, UTC)
     backup = ConfigBackup(
         name=printable(info.identity.name),
@@ -88,11 +84,7 @@ def save_backup(info: RobotInfo, config: Config, now: float) -> Path:
 
 
 def read_backup(path: Path) -> ConfigBackup:
-    """Read a backup.
-
-    Raises:
-        ConfigError: It cannot be read, or is wrong.
-    """
+    """Read a backup; ConfigError if it cannot be read, or is wrong."""
     source = Source.of(path, decoded(read_bytes(path, LARGEST, "backup")))
     tables = load(source)
     config, robot = tables.pop("config", None), tables.pop("robot", None)

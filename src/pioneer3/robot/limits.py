@@ -47,11 +47,7 @@ def _cut(value: float, unit: float, *tops: int | None) -> float:
 
 
 def checked(speed: float, turn_rate: float) -> Twist2:
-    """Return the twist (`speed` [m/s], `turn_rate` [rad/s]).
-
-    Raises:
-        CommandError: as for :func:`finite`.
-    """
+    """Return the twist (`speed` [m/s], `turn_rate` [rad/s]); CommandError as of :func:`finite`."""
     return Twist2(finite("speed", speed), finite("turn rate", turn_rate))
 
 

@@ -203,11 +203,7 @@ class Session:
         return now
 
     def _link_is_free(self) -> bool:
-        """Return whether the link has taken the last bytes.
-
-        Raises:
-            LinkError: it has failed.
-        """
+        """Return whether the link has taken the last bytes; LinkError if it has failed."""
         if self._sending is None:
             return True
         if self._sending.done():

@@ -37,11 +37,7 @@ class Dynamics(Protocol):
         """Return the sensors that belong to these dynamics; `sonar` has the transducers' beam."""
 
     def change_map(self, line_map: LineMap, grid: Grid, relief: Relief) -> None:
-        """Replace all that stands still.
-
-        Raises:
-            ConfigError: A part of it is impossible; then all stays as it was.
-        """
+        """Replace all that stands still; ConfigError, and no change, if a part is impossible."""
 
     def change_bodies(
         self,
@@ -133,11 +129,7 @@ class PlanarDynamics:
 
 
 def dynamics_of(physics: Physics, step: float = PHYSICS_STEP) -> Dynamics:
-    """Return the dynamics of a world; `step` is that of MuJoCo [s].
-
-    Raises:
-        ConfigError: MuJoCo is asked for, and is not installed.
-    """
+    """Return the dynamics of a world, MuJoCo's with `step` [s]; ConfigError where it is missing."""
     if physics == "planar":
         return PlanarDynamics()
     from pioneer3.sim.physics.dynamics import MujocoDynamics

@@ -45,11 +45,7 @@ class Converted:
 
 
 def look(name_or_path: str) -> MapInfo:
-    """Read a shipped map, a map file or a world.
-
-    Raises:
-        ConfigError: It cannot be read.
-    """
+    """Read a shipped map, a map file or a world; ConfigError if it cannot be read."""
     world = load_world(name_or_path)
     line_map = world.line_map()
     bounds, walls = line_map.bounds, line_map.walls

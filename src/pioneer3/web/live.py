@@ -191,11 +191,7 @@ def _laser_of(laser: SimulatedLaser) -> LaserSpec:
 def _with_options(
     targets: Sequence[ConnectTarget], options: RunOptions, lasers: Sequence[LaserSpec]
 ) -> list[ConnectTarget]:
-    """Return `targets` with the options that are the same for all.
-
-    Raises:
-        ConfigError: There is one camera for several robots.
-    """
+    """Return `targets` with the options of all; ConfigError for one camera of several robots."""
     camera = options.camera
     if camera is not None and len(targets) > 1:
         if not options.camera_if_one:

@@ -34,11 +34,7 @@ class PageLogs:
         self._replays = 0
 
     def find(self, name: str) -> Path:
-        """Return the log whose whole name this is.
-
-        Raises:
-            CommandError: There is none.
-        """
+        """Return the log whose whole name this is; CommandError if there is none."""
         for path in user_logs(self._folder):
             if path.name == name:
                 return path

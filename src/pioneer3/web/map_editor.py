@@ -158,11 +158,7 @@ class MapEditor:
 
 
 def changed(line_map: LineMap, request: requests.MapChange) -> LineMap:
-    """Return a map after one edit.
-
-    Raises:
-        ConfigError: It cannot be made; the message says why.
-    """
+    """Return a map after one edit; ConfigError, which says why, if it cannot be made."""
     match request:
         case requests.EraseWalls(x0, y0, x1, y1):
             box = Extent(min(x0, x1), min(y0, y1), max(x0, x1), max(y0, y1))

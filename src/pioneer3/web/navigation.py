@@ -155,11 +155,7 @@ class RobotNavigation:
             self.goals.end(GoalStatus.ABORTED, f"{operator.name} let go")
 
     async def whereabouts(self) -> Pose2:
-        """Return where the robot is on the map [m, rad].
-
-        Raises:
-            PioneerError: It is not sure; see the message.
-        """
+        """Return where the robot is on the map [m, rad]; PioneerError if that is not sure."""
         navigator = await self._ready()
         await navigator.find()
         pose = navigator.estimate.robot_in_map
@@ -168,11 +164,7 @@ class RobotNavigation:
         return pose
 
     async def plan(self, place: Destination, speed: float) -> messages.PlannedWay:
-        """Return the way to a place from where the robot is.
-
-        Raises:
-            PioneerError: There is none; see the message.
-        """
+        """Return the way to a place from where the robot is; PioneerError if there is none."""
         navigator = await self._ready()
         await navigator.find()  # planning gives the reason if it is not sure
         return self._shown(place, await navigator.plan(place), speed)
@@ -305,11 +297,7 @@ class RobotNavigation:
         )
 
     async def _ready(self) -> "Navigator":
-        """Return the navigator of the present map, once it is there.
-
-        Raises:
-            PioneerError: There is none; see the message.
-        """
+        """Return the navigator of the present map, once it is there; PioneerError for none."""
         if self._navigator is not None and self._navigator.line_map is self._scene.map_now:
             return self._navigator
         if self._coming is None:

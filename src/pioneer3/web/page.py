@@ -131,11 +131,7 @@ class Page:
             self._publish_robots()
 
     def robot(self, number: int | None) -> RobotView:
-        """Return the robot of this number, the first without one.
-
-        Raises:
-            CommandError: there is none.
-        """
+        """Return the robot of this number, the first without one; CommandError if there is none."""
         found = next(iter(self.robots.values()), None) if number is None else None
         found = found or self.robots.get(number or 0)
         if found is None:

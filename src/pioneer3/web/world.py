@@ -99,11 +99,7 @@ class WorldView:
         return self._numbers
 
     def find(self, number: int) -> Item:
-        """Return the item of this number.
-
-        Raises:
-            CommandError: It is gone, or never was.
-        """
+        """Return the item of this number; CommandError if it is gone, or never was."""
         for item, known in self.items.items():
             if known == number:
                 return item

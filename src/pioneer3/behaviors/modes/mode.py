@@ -63,11 +63,7 @@ class ModeParameter:
     choices: tuple[Choice, ...]
 
     def check(self, value: float) -> float:
-        """Return `value` [SI].
-
-        Raises:
-            ValueError: it is out of range; the message gives the range.
-        """
+        """Return `value` [SI]; ValueError, which gives the range, if it is out of it."""
         assert self.quantity is not None
         written = self.quantity.written
         if self.positive and value <= 0:

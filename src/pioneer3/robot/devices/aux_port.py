@@ -40,11 +40,7 @@ class AuxPort:
         self._turn = asyncio.Lock()
 
     def write(self, data: bytes) -> None:
-        """Send `data` out of the port.
-
-        Raises:
-            CommandError: no robot is connected, or `data` has more than 199 bytes.
-        """
+        """Send `data`, at most 199 bytes, out of the port; CommandError without a robot."""
         self._supervisor.send(self._send(data))
 
     async def ask(

@@ -22,11 +22,7 @@ CORNER = 7.0
 
 
 def kind_of(name: str) -> CameraKind:
-    """Return the camera of this name.
-
-    Raises:
-        ConfigError: there is none.
-    """
+    """Return the camera of this name; ConfigError if there is none."""
     match name:
         case "sony":
             return SonyEvi()
@@ -63,22 +59,14 @@ class Camera:
         return Presence(False, f"The {device} does not answer: is it this port, and switched on?")
 
     async def connect(self) -> Aim:
-        """Initialise the camera, and return its direction and zoom.
-
-        Raises:
-            DeviceError: it does not answer.
-        """
+        """Initialise the camera; return its direction and zoom; DeviceError without an answer."""
         for packet in self.kind.begin():
             self._port.write(packet)
             await asyncio.sleep(PAUSE)
         return await self.where()
 
     async def where(self) -> Aim:
-        """Ask for the direction and return it, with the last commanded zoom.
-
-        Raises:
-            DeviceError: it does not answer.
-        """
+        """Ask for the direction; return it with the last commanded zoom; DeviceError if silent."""
         try:
             answer = await self._port.ask(
                 self.kind.where,

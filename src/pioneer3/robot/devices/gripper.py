@@ -181,11 +181,7 @@ class Gripper(Sensor[GripperReading]):
         return Presence(False, "The robot has no gripper: its CONFIG says HasGripper 0.")
 
     async def reading(self, patience: float = PATIENCE) -> GripperReading:
-        """Return the next reading.
-
-        Raises:
-            DeviceError: there is none, or it does not answer.
-        """
+        """Return the next reading; DeviceError if there is none, or no answer."""
         self._require()
         return await super().reading(patience)
 

@@ -118,11 +118,7 @@ class Gyro(Sensor[GyroReading]):
         )
 
     def set_mode(self, mode: GyroMode) -> None:
-        """Send GYRO `mode`: off, on, or heading from the gyro only.
-
-        Raises:
-            CommandError: no robot is connected.
-        """
+        """Send GYRO `mode`: off, on, or heading of the gyro only; CommandError without a robot."""
         self._supervisor.send(commands.Gyro(mode))
 
     def _read_rates(self, report: Report, stamp: float) -> GyroReading | None:

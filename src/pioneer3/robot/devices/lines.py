@@ -71,11 +71,7 @@ class Lines(Sensor[LinesReading]):
         return Presence(None, "Every controller has lines; it has sent no IO packet yet.")
 
     def set_output(self, line: int, *, high: bool) -> None:
-        """Set one digital output, 0 to 7; the others stay.
-
-        Raises:
-            CommandError: there is no such line, or no robot is connected.
-        """
+        """Set one digital output, 0 to 7, and no other; CommandError without it, or a robot."""
         if line not in OUTPUTS:
             raise CommandError(f"digital output {line}: there are 0 to {OUTPUTS[-1]}")
         self.set_outputs(1 << line, high << line)

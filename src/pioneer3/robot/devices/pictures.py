@@ -60,11 +60,7 @@ class Image:
 
 
 def decode(picture: Picture) -> Image:
-    """Return a picture as numbers.
-
-    Raises:
-        DeviceError: It is broken, or too large.
-    """
+    """Return a picture as numbers; DeviceError if it is broken, or too large."""
     import numpy as np
     from PIL import Image as Pillow
 
@@ -122,11 +118,7 @@ class RobotCamera:
         return await self._known().picture(max_age, patience)
 
     async def pictures(self) -> AsyncGenerator[Picture, None]:
-        """Yield each picture as JPEG; the newest when the reader is slow.
-
-        Raises:
-            DeviceError: No camera is known.
-        """
+        """Yield each picture as JPEG, to a slow reader the newest; DeviceError without a camera."""
         async with aclosing(self._known().values()) as values:
             async for picture in values:
                 yield picture

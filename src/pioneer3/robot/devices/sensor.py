@@ -135,11 +135,7 @@ class Sensor(Generic[V]):
                     yield self.latest
 
     async def reading(self, patience: float = PATIENCE) -> V:
-        """Return the next reading.
-
-        Raises:
-            DeviceError: none came for `patience` [s].
-        """
+        """Return the next reading; DeviceError if none came for `patience` [s]."""
         values = self.values()
         try:
             async with asyncio.timeout(patience):

@@ -263,11 +263,7 @@ def full_name(name: str, profile: Profile, below: str = "") -> str:
 
 
 def read(described: type[T], raw: RawParameters, profile: Profile, below: str = "") -> T:
-    """Return the dataclass with the values in `raw`, which lie `below` a name.
-
-    Raises:
-        ConfigError: a value is of the wrong kind or out of bounds.
-    """
+    """Return the dataclass of values in `raw`, `below` a name; ConfigError for wrong ones."""
     values: dict[str, object] = {}
     for row in rows_of(described):
         name = next((each for each in row.names(profile) if each in raw), None)

@@ -95,11 +95,7 @@ class SimulatedCanonVcc4:
         return (OK, b"")
 
     def _carry_out(self, command: int, parameters: bytes, now: float) -> bytes:
-        """Obey a command; return the data of the answer.
-
-        Raises:
-            ValueError: There is no such command, or its parameters are wrong.
-        """
+        """Obey a command; return the data of the answer, or ValueError for a wrong one."""
         axes = self._axes
         match command:
             case 0x50:

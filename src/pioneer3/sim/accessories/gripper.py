@@ -183,11 +183,7 @@ class SimulatedGripper(ReportingAccessory):
         return self._valued is not None
 
     def put(self, held: HeldObject | None) -> None:
-        """Put an object between the paddles, or remove it (`None`).
-
-        Raises:
-            ConfigError: It is wider than the paddles are open.
-        """
+        """Put an object between the paddles, or `None`; ConfigError if it is too wide for them."""
         if held is not None and held.width > self.opening:
             raise ConfigError(
                 f"{held.width} m do not fit between paddles {self.opening:.3f} m apart"

@@ -80,11 +80,7 @@ class Elements:
                     )
 
     def compiled(self) -> Any:
-        """Return the model.
-
-        Raises:
-            ConfigError: MuJoCo refuses an element, which is named.
-        """
+        """Return the model; ConfigError, which names it, for an element that MuJoCo refuses."""
         try:
             return self._spec.compile()
         except ValueError as error:
@@ -173,11 +169,7 @@ def shown_name(name: str) -> str:
 
 
 def check_hull(name: str, hull: Hull, source: str) -> None:
-    """Refuse a mesh that its convex hull is much larger than.
-
-    Raises:
-        ConfigError: It is, or MuJoCo cannot use the mesh.
-    """
+    """Refuse, with a ConfigError, a mesh much smaller than its hull, or of no use to MuJoCo."""
     try:
         volume = _hull_volume(hull.triangles)
     except ValueError as error:

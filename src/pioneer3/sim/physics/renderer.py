@@ -128,11 +128,7 @@ class SceneRenderer:
         self._show(model)
 
     def picture(self, asked: TakePicture) -> bytes:
-        """Return a picture as JPEG.
-
-        Raises:
-            ValueError: No world was loaded, or it has no such camera.
-        """
+        """Return a picture as JPEG; ValueError if no world was loaded, or it has no such camera."""
         from PIL import Image
 
         file = BytesIO()

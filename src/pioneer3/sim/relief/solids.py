@@ -73,11 +73,7 @@ class Solid(Protocol):
 
     @property
     def parts(self) -> tuple[SolidPart, ...]:
-        """Its shapes.
-
-        Raises:
-            ConfigError: Its file cannot be read, or holds no solid.
-        """
+        """Its shapes; ConfigError if its file cannot be read, or holds no solid."""
 
     @property
     def walls(self) -> Float:
@@ -239,11 +235,7 @@ class HeightField(GroundSolid):
 
     @cached_property
     def parts(self) -> tuple[SolidPart, ...]:
-        """One terrain.
-
-        Raises:
-            ConfigError: The picture cannot be read, is too large, or of one shade.
-        """
+        """One terrain; ConfigError for a picture that is damaged, too large, or of one shade."""
         shades = read_image(self.file).shades
         if max(shades.shape) > MOST_ROWS or min(shades.shape) < 2:
             rows, columns = shades.shape

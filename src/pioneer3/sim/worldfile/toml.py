@@ -114,11 +114,7 @@ def parse_equipment(text: str) -> EquipmentOptions:
 
 
 def write_world(world: WorldFile, path: Path) -> None:
-    """Write a world file; paths in it are relative to its folder.
-
-    Raises:
-        ConfigError: It cannot be written.
-    """
+    """Write a world file, whose paths are relative to its folder; ConfigError if that fails."""
     write_bytes(path, to_toml(world, path.parent).encode())
 
 

@@ -73,11 +73,7 @@ class LoginSessions:
         self._count = count(1)
 
     def make_room(self) -> None:
-        """End idle sessions.
-
-        Raises:
-            OverflowError: there is no room for another session.
-        """
+        """End idle sessions; OverflowError if there is no room for another one."""
         self._end_idle()
         if len(self._by_fingerprint) >= MOST:
             raise OverflowError(f"there are {MOST} sessions already; revoke some first")
