@@ -146,11 +146,7 @@ async def _driver(options: LaserOptions) -> "AsyncIterator[LaserDriver]":
 
 
 async def _identified(driver: "LaserDriver") -> None:
-    """Wait until the laser has said what it is.
-
-    Raises:
-        LinkError: the first attempt to reach it has failed; the message has the reason.
-    """
+    """Wait until the laser has said what it is; LinkError, with the reason, if it cannot."""
     import asyncio
 
     from pioneer3.robot.supervisor import Connection

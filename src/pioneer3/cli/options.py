@@ -81,11 +81,7 @@ def repeated(robots: tuple[str, ...], number: int | None) -> tuple[str, ...]:
 
 
 def fleet_of(given: Path | None) -> "Fleet":
-    """Return the fleet in the file of `--fleet`, else in the usual places.
-
-    Raises:
-        ConfigError: There is none, or it is wrong.
-    """
+    """Return the fleet in the file of `--fleet`, else in the usual places; ConfigError for none."""
     from pioneer3.fleet.inventory import find_fleet, read_fleet
 
     return read_fleet(find_fleet(given, environment=os.environ, here=Path(), home=Path.home()))

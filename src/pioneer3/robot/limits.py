@@ -52,11 +52,7 @@ def checked(speed: float, turn_rate: float) -> Twist2:
 
 
 def wheels_as_twist(left: float, right: float, model: RobotModel) -> Twist2:
-    """Return the twist of a robot whose wheels of each side have these speeds [m/s].
-
-    Raises:
-        CommandError: as for :func:`finite`.
-    """
+    """Return the twist of wheels with these speeds [m/s]; CommandError as of :func:`finite`."""
     left, right = finite("left", left), finite("right", right)
     return Twist2((left + right) / 2, (right - left) / model.true_base)
 

@@ -347,11 +347,7 @@ def obstacle_outlines(world: WorldFile) -> list[Float]:
 
 
 def assign_names(robots: Sequence[RobotSpec], models: Sequence[RobotModel]) -> list[str]:
-    """Return a name for each robot: its own, or its model's, numbered where several have it.
-
-    Raises:
-        ConfigError: Two robots have been given one name.
-    """
+    """Return a name for each robot: its own, or its model's, numbered; ConfigError for doubles."""
     given = Counter(robot.name for robot in robots if robot.name)
     for name, count in given.items():
         if count > 1:

@@ -172,11 +172,7 @@ class RobotNavigation:
     async def drive(
         self, operator: Operator, place: Destination, speed: float
     ) -> messages.PlannedWay:
-        """Have the robot set out to a place for a script; return the way.
-
-        Raises:
-            MotionError: It does not set out; see the message.
-        """
+        """Have the robot set out for a script; return the way; MotionError if it does not."""
         self._sender = operator
         begin = partial(self._control.start, operator, seconds=GOTO_TIME, patience=inf)
         goal = NavigationGoal(places=lambda: (place,), speed=speed, begin=begin, by=operator.name)

@@ -89,11 +89,7 @@ def is_old(cls: type[Command]) -> bool:
 
 
 def to_payload(command: Command) -> bytes:
-    """Return id and arguments of `command`.
-
-    Raises:
-        CommandError: a value is not finite, of the wrong type or out of the protocol's range.
-    """
+    """Return id and arguments of `command`; CommandError if a value does not fit the protocol."""
     if isinstance(command, Unknown):
         return pack(command)
     return bytes([command.ID]) + pack(command)

@@ -237,11 +237,7 @@ class Gripper(Sensor[GripperReading]):
         self._supervisor.send(commands.GripperVal(seconds))
 
     async def exercise(self) -> None:
-        """Open, close, raise and lower until any other action, or until cancelled; then halt.
-
-        Raises:
-            DeviceError: there is no gripper.
-        """
+        """Open, close, raise and lower until any other action; DeviceError without a gripper."""
         self._require()
         exercise = self._exercise = Exercise(self._clock())
         for action in Exercise.FIRST:

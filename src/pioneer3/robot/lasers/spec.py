@@ -108,11 +108,7 @@ def refuse_robots(specs: Iterable[LaserSpec], robots: Iterable[str]) -> None:
 
 
 def own_lasers(own: OwnFile, robots: Iterable[str] = ()) -> tuple[LaserSpec, ...]:
-    """Return the lasers that a robot's own file gives it.
-
-    Raises:
-        ConfigError: one of them has no port, or that of another, or of one of the `robots`.
-    """
+    """Return the lasers of a robot's own file; ConfigError for a port that is none, or taken."""
     kinds = (laser.mount.kind for laser in own.lasers)
     urls = [
         f"{kind}@{laser.port}" if kind in LASERS else laser.port

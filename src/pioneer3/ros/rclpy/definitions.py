@@ -39,11 +39,7 @@ class Definitions:
         return kind
 
     def service(self, type_: ServiceType) -> Any:
-        """Return the class of a type of services, which has those of requests and responses.
-
-        Raises:
-            ConfigError: ROS has no such type, or another one.
-        """
+        """Return the class of a type of services; ConfigError if ROS has none, or another one."""
         kind = self._generated(type_.name)
         with self._lock:
             self._check(type_.request.name, kind.Request)

@@ -39,11 +39,7 @@ def robots_of(graph: Graph) -> list[RobotTopics]:
 
 
 async def find_robots(options: NodeOptions) -> list[RobotTopics]:
-    """Return the robots on the network, once nodes had time to find each other.
-
-    Raises:
-        ConfigError: a library is missing, or an option is wrong.
-    """
+    """Return the robots that are found on the network in time; ConfigError for a wrong option."""
     async with on_ros2(options, lambda line: None) as (backend, _, _, _):
         await asyncio.sleep(DISCOVERY)
         return robots_of(backend.graph())

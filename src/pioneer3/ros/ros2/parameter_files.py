@@ -54,11 +54,7 @@ def value_of(name: str, text: str) -> object:
 
 
 def parameters_in(path: Path, node: NodeName) -> dict[str, object]:
-    """Return the parameters of `node` in a file: those of wildcards first, then its own.
-
-    Raises:
-        ConfigError: it cannot be read, or it is no parameter file.
-    """
+    """Return the parameters of `node` in a file, wildcards first; ConfigError for another file."""
     try:
         text = path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:

@@ -191,11 +191,7 @@ DEFAULT: Final = ZenohOptions(mode="router", connect=(), listen=(ROUTER,))
 async def serve_router(
     options: ZenohOptions = DEFAULT, tell: Callable[[str], None] = lambda line: None
 ) -> None:
-    """Run a router until cancelled; `tell` is given a line for a person once it runs.
-
-    Raises:
-        ConfigError: a setting is wrong, or a port is taken.
-    """
+    """Run a router until cancelled, and `tell` so; ConfigError for a setting or a taken port."""
     load_zenoh()
     import zenoh
 

@@ -46,11 +46,7 @@ class Elements:
         self._meshes: dict[Triangles, str] = {}
 
     def add_solids(self) -> None:
-        """Add a geom for each part of each solid.
-
-        Raises:
-            ConfigError: A file cannot be read, or a hull is no likeness of its mesh.
-        """
+        """Add a geom for each part of each solid; ConfigError, which names it, for a wrong file."""
         for name, solid in self._relief.solids.items():
             for part in solid.parts:
                 self._add(f"{name}_{part.name}" if part.name else name, solid, part.shape)

@@ -60,11 +60,7 @@ class Triangles:
 
 
 def read_mesh(path: Path) -> Triangles:
-    """Read an STL or OBJ file, in the units of the file.
-
-    Raises:
-        ConfigError: It is missing, damaged, too large, or holds no triangles.
-    """
+    """Read an STL or OBJ file, in its units; ConfigError if it is damaged, too large or empty."""
     try:
         there = path.stat()
         key = there.st_mtime_ns, there.st_size

@@ -17,11 +17,7 @@ LONGEST_PATH = 300
 
 
 def load_map(name_or_path: str | Path) -> LineMap:
-    """Return the walls and places of a shipped map, a map file or a world.
-
-    Raises:
-        ConfigError: Neither a shipped name nor a readable file.
-    """
+    """Return the walls and places of a shipped map, a map file or a world, or ConfigError."""
     return load_world(name_or_path).line_map()
 
 

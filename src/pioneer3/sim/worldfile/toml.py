@@ -51,11 +51,7 @@ def is_world(path: Path) -> bool:
 
 
 def read_world(path: Path) -> WorldFile:
-    """Read a world file; the map it names is read by :meth:`WorldFile.line_map`.
-
-    Raises:
-        ConfigError: It cannot be read, or is wrong; names file, line and key.
-    """
+    """Read a world file, but not its map; ConfigError, with line and key, if it is wrong."""
     return parse_world(path, decoded(read_bytes(path, LARGEST_WORLD)))
 
 
@@ -93,11 +89,7 @@ def parse_world(path: Path, text: str) -> WorldFile:
 
 
 def parse_equipment(text: str) -> EquipmentOptions:
-    """Read the value of `--fit`, such as `gripper,gyro=2,camera=vcc4,table-ir=new`.
-
-    Raises:
-        ConfigError: A word is unknown, or its value is wrong.
-    """
+    """Read the value of `--fit`, such as `gripper,gyro=2,camera=vcc4`; ConfigError for others."""
     switches = get_type_hints(EquipmentOptions).items()
     alone = {name: "true" for name, kind in switches if kind == bool | None} | _ALONE
     source = Source("--fit", "")
