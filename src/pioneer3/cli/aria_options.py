@@ -24,13 +24,48 @@ FIRST: Final = "1"
 """Number of the laser whose options end in no digit."""
 SIMULATOR_LONG: Final = frozenset(
     (
-        *("map", "nomap", "robot", "port", "start", "cwd", "html", "resolution", "verbose"),
-        *("noninteractive", "stageworld", "daemonize", "bind-to-address", "log-file"),
-        *("no-gui", "no-graphics", "lite-graphics", "no-network-discovery", "odom-error-mode"),
-        *("update-interval", "update-sim-time", "ignore-command", "log-timing-stats"),
+        *("map", "nomap", "robot", "port", "start", "cwd", "verbose", "stageworld"),
+        *("bind-to-address", "log-file", "no-network-discovery", "odom-error-mode"),
     )
 )
 """Options of MobileSim that are one word; others with one dash are short ones that are joined."""
+SIMULATOR_SILENT: Final = frozenset(
+    (
+        *("no-gui", "no-graphics", "lite-graphics"),
+        *("fullscreen-gui", "maximize-gui", "minimize-gui"),
+        *("noninteractive", "no-crash-debug", "no-crash-restart"),
+    )
+)
+"""Options of MobileSim that change nothing: no window opens, nothing is asked or started again."""
+SIMULATOR_NO_EFFECT: Final = _by_word(
+    {
+        "the log is plain text": "html",
+        "a program of ours writes every byte with --record": (
+            "log-packets-received log-movement-sent"
+        ),
+        "unknown commands are ignored, as robots ignore them": "warn-unsupported-commands",
+        "nothing is made by Stage": "echo-stage-worldfile",
+        "the commands 62 and 66 to 69 are not obeyed; 224 and 225 are": "srisim-compat",
+        "the commands 35 to 38 are obeyed": "no-srisim-laser-compat",
+    }
+)
+"""The reasons why options of MobileSim without a value change nothing."""
+SIMULATOR_VALUE_WITHOUT_EFFECT: Final = _by_word(
+    {
+        "robots report every 100 ms of simulated time; see --speed": "update-interval",
+        "the world moves in steps of 20 ms; see --speed": "update-sim-time",
+        "walls are exact, there is no grid": "resolution",
+        "every command is obeyed": "ignore-command",
+        "the log is one file": "log-file-max-size",
+        "the time that steps take is told to programs that ask for SIMSTAT": "log-timing-stats",
+        "maps are loaded at once": "lines-chunksize points-chunksize",
+    }
+)
+"""The reasons why options of MobileSim with a value change nothing."""
+SIMULATOR_REFUSED: Final = {
+    "daemonize": "it stays in the foreground; end the line with &, or let systemd start it",
+}
+"""The remedies for options of MobileSim without which a script would go wrong."""
 END: Final = "--"
 """Word after which none is an option."""
 LASER_KINDS: Final = _by_word(
@@ -113,10 +148,10 @@ def in_our_words(words: Sequence[str], warn: Callable[[str], None]) -> list[str]
         warn: Told of options that have no effect.
 
     Raises:
-        ConfigError: An option of ARIA has another form here, which is told.
+        ConfigError: An option has another form here, which is told.
     """
     if words[:1] == [SIMULATOR]:
-        return [f"-{w}" if w[:1] == "-" and w[1:] in SIMULATOR_LONG else w for w in words]
+        return [*_simulator_words(iter(words), warn)]
     if list(words[:2]) in NAMING:
         return list(words)
     end = words.index(END) if END in words else len(words)
@@ -142,6 +177,23 @@ def in_our_words(words: Sequence[str], warn: Callable[[str], None]) -> list[str]
         *(_laser_option(lasers[each]) for each in sorted(lasers)),
     ]
     return [*kept, *(word for option in options for word in option), *words[end:]]
+
+
+def _simulator_words(words: Iterator[str], warn: Callable[[str], None]) -> Iterator[str]:
+    """Yield the words with MobileSim's options in our form."""
+    warned: set[str] = set()
+    for word in words:
+        name, equals, _ = word.lstrip("-").partition("=") if word[:1] == "-" else ("", "", "")
+        if name in SIMULATOR_REFUSED:
+            raise ConfigError(f"--{name} is not supported: {SIMULATOR_REFUSED[name]}")
+        why = SIMULATOR_NO_EFFECT.get(name) or SIMULATOR_VALUE_WITHOUT_EFFECT.get(name)
+        if name in SIMULATOR_VALUE_WITHOUT_EFFECT and not equals:
+            _value(word, words)
+        if why and name not in warned:
+            warned.add(name)
+            warn(f"--{name} has no effect: {why}")
+        if not why and name not in SIMULATOR_SILENT:
+            yield f"-{word}" if word[:1] == "-" and word[1:] in SIMULATOR_LONG else word
 
 
 def _name(word: str) -> tuple[str, str]:

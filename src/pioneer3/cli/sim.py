@@ -5,7 +5,7 @@ Options that are wrong, or contradict each other, raise :exc:`ConfigError`.
 
 import logging
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import AsyncExitStack, ExitStack
 from dataclasses import dataclass
 from math import inf
@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Group, Parameter
-from cyclopts.validators import Number
 
 from pioneer3.cli.options import (
     WORLD,
@@ -51,37 +50,6 @@ MOBILESIM = Group.create_ordered("Accepted as MobileSim's")
 LOOPBACK = {"127.0.0.1", "localhost", "::1"}
 Unset = Parameter(show_default=False)
 OdometryMode = Literal["none", "constant", "random_init", "random_each_update", "all"]
-WINDOW = (
-    "--no-gui",
-    "--no-graphics",
-    "--lite-graphics",
-    "--fullscreen-gui",
-    "--maximize-gui",
-    "--minimize-gui",
-)
-UNATTENDED = ("--noninteractive", "--no-crash-debug", "--no-crash-restart")
-NO_EFFECT = {
-    "update_interval": "robots report every 100 ms of simulated time; see --speed",
-    "update_sim_time": "the world moves in steps of 20 ms; see --speed",
-    "resolution": "walls are exact, there is no grid",
-    "ignore_command": "every command is obeyed",
-    "html": "the log is plain text",
-    "log_file_max_size": "the log is one file",
-    "log_timing_stats": "the time that steps take is told to programs that ask for SIMSTAT",
-    "log_packets_received": "a program of ours writes every byte with --record",
-    "log_movement_sent": "a program of ours writes every byte with --record",
-    "warn_unsupported_commands": "unknown commands are ignored, as robots ignore them",
-    "echo_stage_worldfile": "nothing is made by Stage",
-    "lines_chunksize": "maps are loaded at once",
-    "points_chunksize": "maps are loaded at once",
-    "srisim_compat": "the commands 62 and 66 to 69 are not obeyed; 224 and 225 are",
-    "no_srisim_laser_compat": "the commands 35 to 38 are obeyed",
-}
-"""Reason for each option of MobileSim that is taken and changes nothing."""
-NOT_SUPPORTED = {
-    "daemonize": "it stays in the foreground; end the line with &, or let systemd start it",
-}
-"""Remedy for each option of MobileSim without which a script would go wrong."""
 
 
 @Parameter(name="*", group=WORLD)
@@ -208,48 +176,12 @@ class MobileSimOptions:
     """Options of scripts for MobileSim.
 
     Attributes:
-        window: There is never a window.
-        noninteractive: Nothing is ever asked, and nothing starts it again after a crash.
         cwd: Folder to change to first: maps are found there.
         log_file: File that gets a line when somebody connects or leaves.
-        update_interval: No effect; [ms].
-        update_sim_time: No effect; [ms].
-        resolution: No effect; [mm].
-        ignore_command: No effect; number of a command.
-        html: No effect.
-        log_file_max_size: No effect; [bytes].
-        log_timing_stats: No effect; [s].
-        log_packets_received: No effect.
-        log_movement_sent: No effect.
-        warn_unsupported_commands: No effect.
-        echo_stage_worldfile: No effect.
-        lines_chunksize: No effect.
-        points_chunksize: No effect.
-        srisim_compat: No effect.
-        no_srisim_laser_compat: No effect.
-        daemonize: Refused: it stays in the foreground.
     """
 
-    window: Annotated[int, Parameter(name=WINDOW, count=True), Unset] = 0
-    noninteractive: Annotated[int, Parameter(name=UNATTENDED, count=True), Unset] = 0
     cwd: Path | None = None
     log_file: Annotated[Path | None, Parameter(name=["--log-file", "-l"])] = None
-    update_interval: int | None = None
-    update_sim_time: int | None = None
-    resolution: Annotated[float | None, Parameter(validator=Number(gt=0))] = None
-    ignore_command: Annotated[tuple[int, ...], Parameter(negative=(), show_default=False)] = ()
-    html: Flag = False
-    log_file_max_size: int | None = None
-    log_timing_stats: int | None = None
-    log_packets_received: Flag = False
-    log_movement_sent: Flag = False
-    warn_unsupported_commands: Flag = False
-    echo_stage_worldfile: Flag = False
-    lines_chunksize: int | None = None
-    points_chunksize: int | None = None
-    srisim_compat: Flag = False
-    no_srisim_laser_compat: Flag = False
-    daemonize: Flag = False
 
     def enter_folder(self) -> None:
         """Change to the folder of `--cwd`."""
@@ -268,17 +200,6 @@ class MobileSimOptions:
             raise ConfigError(f"--log-file {self.log_file}: {error.strerror}") from None
         handler.setFormatter(LogFormatter("%(asctime)s %(levelname)s %(message)s"))
         return handler
-
-    def notes(self) -> list[str]:
-        """Return a line for each option that was given in vain."""
-        for option, remedy in self._given(NOT_SUPPORTED):
-            raise ConfigError(f"{option} is not supported: {remedy}")
-        return [f"{option} has no effect: {reason}" for option, reason in self._given(NO_EFFECT)]
-
-    def _given(self, table: Mapping[str, str]) -> Iterator[tuple[str, str]]:
-        for name, text in table.items():
-            if getattr(self, name) not in (None, (), False):
-                yield f"--{name.replace('_', '-')}", text
 
 
 MAP, DEFAULT_WORLD, DEFAULT_PORTS, DEFAULT_TIME = (
@@ -329,8 +250,6 @@ def sim(
         verbose: Tell who connects and leaves.
     """
     _log(mobilesim, verbose=verbose)
-    for note in mobilesim.notes():
-        write_warning(note)
     mobilesim.enter_folder()
     if ports.warning:
         write_warning(ports.warning)

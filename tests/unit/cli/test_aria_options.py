@@ -36,7 +36,7 @@ def ours(line: str) -> tuple[str, list[str]]:
         ),
         (
             "sim -log-file x -no-gui -bind-to-address ::",
-            "sim --log-file x --no-gui --bind-to-address ::",
+            "sim --log-file x --bind-to-address ::",
         ),
         ("robot show -rb", "robot show -rb"),
         ("robot edit -laserFlipped", "robot edit -laserFlipped"),

@@ -213,7 +213,6 @@ def test_every_port_there_is_may_be_given(port: int, simulated: Seen) -> None:
         "--no-error --odom-error-mode constant",
         "--log-file /nowhere/sim.log",
         "-r p3dx:",
-        "--resolution 0",
         "--fly",
     ],
 )
@@ -260,8 +259,6 @@ def test_the_help_names_every_option_and_shows_an_example(
         "--odom-error-mode",
         "--no-error",
         "--fault",
-        "--no-gui",
-        "--noninteractive",
     ):
         assert option in shown
 
