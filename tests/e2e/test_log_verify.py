@@ -8,11 +8,14 @@ from pathlib import Path
 import pytest
 
 from pioneer3.arcos.reports import Config, Sip
+from pioneer3.behaviors import engine
 from pioneer3.cli.log_verify import verify as verify_command
 from pioneer3.errors import ConfigError
 from pioneer3.log.excerpt import write_excerpt
 from pioneer3.log.index import LogIndex
 from pioneer3.log.reader import open_log
+from pioneer3.models import load_model
+from pioneer3.models.own import find_own, own_path
 from pioneer3.navigation.connect import connect_async
 from pioneer3.robot import assemble
 from pioneer3.runtime.recording import recorded
@@ -65,6 +68,7 @@ def test_all_readings_are_as_recorded_over_losses_and_noise(two: Path) -> None:
     found = verify(log)
     assert [(each.robot, each.difference) for each in found] == [("amy", None), ("bob", None)]
     assert [each.compared for each in found] == [counts["amy/snapshot"], counts["bob/snapshot"]]
+    assert [each.decisions for each in found] == [counts["amy/decision"], counts["bob/decision"]]
     *_, last = log.snapshots("amy/snapshot")
     assert last.link.sessions == 2
     assert any(each.link.bad_checksums for each in log.snapshots("amy/snapshot"))
@@ -87,7 +91,8 @@ def test_the_first_difference_is_told_with_time_field_and_both_values(
     monkeypatch.setattr(assemble, "_battery", wrong_at_tenth)
     assert verify_command(str(two)) == 1
     text = capsys.readouterr().out
-    assert "amy: 9 readings as recorded, then a difference at 20" in text
+    assert "amy: 9 readings and " in text
+    assert " decisions as recorded, then a difference at 20" in text
     assert "battery.voltage: recorded 12.9" in text
     assert "now      11.5" in text
     count = 0
@@ -95,6 +100,33 @@ def test_the_first_difference_is_told_with_time_field_and_both_values(
     first, second = json.loads(capsys.readouterr().out)
     assert (first["compared"], first["difference"]["field"]) == (9, "battery.voltage")
     assert second["difference"] is None
+
+
+def test_a_decision_that_is_another_today_is_a_difference(
+    two: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(engine, "_clip", lambda value, top, bottom: value * 1.001)
+    first = verify(open_log(two))[0]
+    assert first.difference is not None
+    assert first.difference.field == "twist.v"
+    assert float(first.difference.now) == float(first.difference.recorded) * 1.001
+
+
+def test_the_model_of_that_time_counts_whatever_file_the_robot_has_today(
+    two: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
+    name = open_log(two).info().texts["amy/robot"]["name"]
+    own = own_path(name)
+    assert own is not None
+    own.parent.mkdir(parents=True)
+    own.write_text("distance_factor = 0.002\n")
+    today = find_own([name], load_model("p3at-sh"))
+    assert today is not None
+    difference = verify(open_log(two), today.model)[0].difference
+    assert difference is not None
+    assert difference.field.startswith("odometry")
+    assert verify(open_log(two))[0].difference is None
 
 
 def test_readings_that_do_not_come_any_more_are_a_difference(

@@ -190,7 +190,9 @@ def test_messages_of_older_logs_are_read() -> None:
     assert list(unpack_pieces(7, msgspec.msgpack.encode(told))) == [(7, readings)]
     scan = scan_fields(SCAN)
     assert unpack_scan(msgspec.msgpack.encode(scan), SCAN.angles) == SCAN
-    scan |= {"ranges": differences(scan["ranges"], 2), "step": 2}
+    ranges = scan["ranges"]
+    assert isinstance(ranges, bytes)
+    scan |= {"ranges": differences(ranges, 2), "step": 2}
     assert unpack_scan(msgspec.msgpack.encode(scan), SCAN.angles) == SCAN
 
 

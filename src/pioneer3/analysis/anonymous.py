@@ -215,6 +215,9 @@ def _texts(
             kept = {key: told[key] for key in OF_ROBOT if key in told}
             kept["name"] = names.hidden(told.get("name", ""))
             kept["configuration"] = _hidden_json(told.get("configuration", "null"))
+            if "parameters" in told:
+                model = msgspec.json.decode(told["parameters"])
+                kept["parameters"] = msgspec.json.encode(_mapped(model, names.hidden)).decode()
             yield f"{prefixes[prefix + slash]}robot", kept
 
 

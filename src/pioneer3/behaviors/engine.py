@@ -65,7 +65,7 @@ def combine(above: Combined, group: Iterable[Proposal], theta: float) -> Combine
         for proposal, weighted in found:
             counted = Weighted(weighted.value, weighted.strength * scale)
             parts.append(_contribution(proposal, channel, counted))
-            motion[channel] = _mean(motion.get(channel), counted)
+            _add(motion, limits, parts[-1])
             until = min(until, proposal.desire.until)
             answers_stall = answers_stall or proposal.desire.answers_stall
     limiting = [each for each in group if _limits_of(each.desire) != NO_LIMITS]
@@ -74,8 +74,17 @@ def combine(above: Combined, group: Iterable[Proposal], theta: float) -> Combine
             limit = as_weighted(getattr(proposal.desire, channel))
             if limit is not None:
                 parts.append(_contribution(proposal, channel, Weighted(limit.value)))
-                limits[channel] = _safest(channel, limits.get(channel), limit.value)
+                _add(motion, limits, parts[-1])
     return Combined(motion, limits, until, answers_stall, tuple(parts))
+
+
+def _add(motion: dict[str, Weighted], limits: dict[str, float], part: Contribution) -> None:
+    """Add the part of an action to the motion or the limits."""
+    channel = part.channel
+    if channel in MOTION:
+        motion[channel] = _mean(motion.get(channel), Weighted(part.value, part.strength))
+    else:
+        limits[channel] = _safest(channel, limits.get(channel), part.value)
 
 
 _limits_of = attrgetter(*LOWEST, *HIGHEST)
@@ -220,6 +229,16 @@ def _decision(combined: Combined, limits: Limits) -> Decision:
         combined.limits,
         combined.answers_stall,
     )
+
+
+def decided_again(decision: Decision, limits: Limits) -> Decision:
+    """Return the decision that the contributions to another one come to."""
+    motion: dict[str, Weighted] = {}
+    known: dict[str, float] = {}
+    for part in decision.contributions:
+        _add(motion, known, part)
+    twist = decided(Combined(motion, known), limits)
+    return replace(decision, twist=twist, limits=known)
 
 
 def decided(combined: Combined, limits: Limits) -> Twist2:

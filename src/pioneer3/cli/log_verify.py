@@ -9,14 +9,15 @@ from pioneer3.cli.process import write_json, write_line
 def verify(name: LogName = "", /, *, model: Model = None, json: Flag = False) -> int:
     """Run the driver over the bytes of a log, and compare what it sees.
 
-    Each reading of the robot is compared, field by field and bit by bit. The first
-    difference is printed, and the exit code is 1 then.
+    Each reading of the robot is compared, field by field and bit by bit, and each
+    decision is made again of what was wanted then. The first difference is printed,
+    and the exit code is 1 then.
 
     Example: pioneer3 log verify drive
 
     Args:
         name: A file, or a part of the log's name; without it, the newest.
-        model: That was named at the recording.
+        model: That was named at the recording of an older log, which does not tell it.
         json: Print JSON.
     """
     from pioneer3.log.folder import named_log_path
@@ -29,12 +30,13 @@ def verify(name: LogName = "", /, *, model: Model = None, json: Flag = False) ->
         write_json(found)
     for each in () if json else found:
         who = f"{printable(each.robot)}: " if each.robot else ""
+        count = f"{who}{each.compared} readings and {each.decisions} decisions"
         if (first := each.difference) is None:
-            write_line(f"{who}{each.compared} readings, all as recorded")
+            write_line(f"{count}, all as recorded")
             continue
         when = datetime.fromtimestamp(first.time / 1e9, UTC).astimezone()
         clock = when.isoformat(sep=" ", timespec="milliseconds")
-        write_line(f"{who}{each.compared} readings as recorded, then a difference at {clock}:")
+        write_line(f"{count} as recorded, then a difference at {clock}:")
         write_line(f"  {first.field}: recorded {printable(first.recorded)}")
         write_line(f"  {' ' * len(first.field)}  now      {printable(first.now)}")
     return int(any(each.difference for each in found))

@@ -13,7 +13,6 @@ from pioneer3.log.rows import pack_rows
 from pioneer3.log.topics import (
     COLUMNS,
     PIECES,
-    ROWS,
     STEADY,
     TOTALS,
     LogTopic,
@@ -65,7 +64,7 @@ class McapFile:
     def __init__(self, descriptor: int) -> None:
         self._sink = _Sink(descriptor)
         self._writer = Writer(cast("IO[Any]", self._sink), compression=CompressionType.ZSTD)
-        self._schemas: dict[type, int] = dict.fromkeys((bytes, *ROWS), 0)
+        self._schemas: dict[type, int] = {}
         self._channels: dict[tuple[str, ...], int] = {}
         self._parts: dict[str, tuple[object, bytes]] = {}
         self._sequences = Counter[int]()
@@ -94,7 +93,7 @@ class McapFile:
         self._ended = max(self._ended, messages[-1][0])
         if topic.kind is bytes:
             self._add(topic, messages[0][0], OF_PIECES, pack_pieces(messages, topic.tick))
-        elif topic.kind in ROWS:
+        elif topic.in_rows:
             self._add_rows(topic, messages)
         else:
             for time, message in messages:
@@ -157,6 +156,8 @@ class McapFile:
         return part
 
     def _schema(self, topic: LogTopic[Any]) -> int:
+        if topic.encoding != "json":
+            return 0
         found = self._schemas.get(topic.kind)
         if found is None:
             name = f"pioneer3.{topic.kind.__name__}"

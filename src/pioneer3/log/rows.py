@@ -36,7 +36,7 @@ PLACE: Final = re.compile(rb":(\d+)(?=[,}])")
 """Number of a column in a shape, as JSON has it."""
 ENCODER: Final = msgspec.json.Encoder()
 """Writes JSON."""
-Shape = dict[str, Any]
+Shape = dict[str, "int | Shape"]
 """Fields of messages by their names, each the number of its column, or the fields inside."""
 
 

@@ -26,7 +26,7 @@ OTHERS: Final = tuple(each.name for each in fields(Scan) if each.name not in {"a
 """Fields that stay as they are."""
 
 
-def scan_fields(scan: Scan) -> dict[str, Any]:
+def scan_fields(scan: Scan) -> dict[str, object]:
     """Return the fields of a scan, without its angles."""
     unit, kind, ranges = _packed(np.array(scan.ranges, dtype=np.float64))
     others = {name: msgspec.to_builtins(getattr(scan, name)) for name in OTHERS}

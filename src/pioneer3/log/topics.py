@@ -38,7 +38,7 @@ MICRO: Final = 1000
 ROUGH: Final = 100_000
 """Times of pieces are told in so many ns where nobody needs them exactly."""
 ROWS: Final = (Snapshot, Scan)
-"""Messages that are written as columns."""
+"""Messages that are always written as columns."""
 LASER_BYTES: Final = 2048
 """Bytes of a link in one message that are worth a look how they take less room: a laser's."""
 USUAL_SIZE: Final = 4000
@@ -60,6 +60,7 @@ class LogTopic(Generic[T]):
         make: Makes the message of what was put, in the thread that writes.
         tick: Unit of the times of pieces [ns].
         repeated: Whether its newest message is in each further file of the log, too.
+        rows: Whether its messages are written as columns, as snapshots and scans are.
     """
 
     name: str
@@ -69,14 +70,20 @@ class LogTopic(Generic[T]):
     make: Callable[[Any], T] | None = None
     repeated: bool = False
     tick: int = ROUGH
+    rows: bool = False
 
-    def fields(self, message: Any) -> dict[str, Any]:
+    @property
+    def in_rows(self) -> bool:
+        """Whether its messages are written as columns."""
+        return self.rows or self.kind in ROWS
+
+    def fields(self, message: Any) -> dict[str, object]:
         """Return the fields of a message, without the steady one."""
         if self.kind is Scan:
             from pioneer3.log.scans import scan_fields  # numpy loads slowly
 
             return scan_fields(message)
-        fields: dict[str, Any] = msgspec.to_builtins(self.make(message) if self.make else message)
+        fields: dict[str, object] = msgspec.to_builtins(self.make(message) if self.make else message)
         fields.pop(self.steady, None)
         return fields
 
@@ -93,7 +100,7 @@ class LogTopic(Generic[T]):
     @property
     def encoding(self) -> str:
         """The encoding of the messages, as MCAP names it."""
-        return "msgpack" if self.kind is bytes or self.kind in ROWS else "json"
+        return "msgpack" if self.kind is bytes or self.in_rows else "json"
 
     def schema(self) -> bytes:
         """Return the schema of messages in JSON."""

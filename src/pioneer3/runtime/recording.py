@@ -97,7 +97,7 @@ class RobotLog:
         self._snapshots = self.topic("snapshot", Snapshot)
         self._commands = self.topic("command", CommandGiven)
         self._decisions = self.topic("decision", DecisionMade, _told)
-        self._truths = self.topic("truth", TruePoseTold)
+        self._truths = self.topic("truth", TruePoseTold, rows=True)
         self._reasons = self.topic("standing", StandsBecause)
         self._scans: dict[str, LogTopic[Scan]] = {}
         self._newest: dict[str, Scan] = {}
@@ -121,9 +121,10 @@ class RobotLog:
         make: Callable[[Any], Any] | None = None,
         *,
         repeated: bool = False,
+        rows: bool = False,
     ) -> LogTopic[Any]:
         """Return a topic of this robot; arguments as of :class:`LogTopic`."""
-        return LogTopic(self._prefix + name, kind, make=make, repeated=repeated)
+        return LogTopic(self._prefix + name, kind, make=make, repeated=repeated, rows=rows)
 
     def put(self, topic: LogTopic[Any], message: Any) -> None:
         """Take a message of now; one that is repeated is the same object until it changes."""
@@ -214,14 +215,15 @@ class RobotLog:
             self.event("link", f"robot: {status.connection}: {status.message}")
             if supervisor.info is not None and supervisor.info is not described:
                 described = supervisor.info
-                self._describe(described)
+                self.describe(described)
 
     async def follow_laser(self, laser: "LaserDriver") -> None:
         """Log changes of the connection of a laser."""
         async for status in laser.status.values(latest_first=True):
             self.event("link", f"{laser.name}: {status.connection}: {status.message}")
 
-    def _describe(self, info: RobotInfo) -> None:
+    def describe(self, info: RobotInfo) -> None:
+        """Describe the robot in the log."""
         self.log.describe(
             f"{self._prefix}{ROBOT}",
             {
@@ -229,6 +231,7 @@ class RobotLog:
                 "kind": kind(info).lower(),
                 "url": without_secrets(info.url),
                 "model": info.model.name,
+                "parameters": msgspec.json.encode(info.model).decode(),
                 "limits": msgspec.json.encode(info.limits).decode(),
                 "configuration": msgspec.json.encode(info.config).decode(),
             },

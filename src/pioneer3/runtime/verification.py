@@ -1,12 +1,12 @@
 """Today's driver over the bytes of a log: does it see what was seen then, bit for bit?
 
 Each piece of bytes is read at the very time that the log tells, in virtual time, and each snapshot
-is compared with the recorded one. What a robot sends depends on what it was told, which the log
-does not decide anew: commands and decisions are not compared.
+is compared with the recorded one, by the model that was in force. Each decision is made again of
+what the actions wanted then: a log has their wishes, not their reasons to have them.
 """
 
 import asyncio
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 from math import inf
@@ -15,13 +15,16 @@ from typing import Any, Final
 import msgspec
 
 from pioneer3.arcos.host_events import Timing
+from pioneer3.behaviors.engine import decided_again
 from pioneer3.errors import ConfigError, LinkError, NoRobotError, RecordingOverError
+from pioneer3.limits import Limits
 from pioneer3.links import Link
 from pioneer3.links.tap import ROBOT
 from pioneer3.log.reader import RunLog
 from pioneer3.log.topics import EVENT, LogEvent, LogTopic
-from pioneer3.models import GivenModel
+from pioneer3.models import GivenModel, RobotModel
 from pioneer3.robot.supervisor import Supervisor
+from pioneer3.runtime.recording import DecisionMade
 from pioneer3.state import Snapshot
 from pioneer3.tasks import FastTimeLoop
 
@@ -45,20 +48,21 @@ class Difference:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Verification:
-    """The result for one robot of a log: snapshots that are equal, and the first that is not.
+    """The result for one robot of a log: snapshots and decisions that are equal, the first not.
 
     `robot` is its name in the log, empty for the only one.
     """
 
     robot: str
     compared: int
+    decisions: int
     difference: Difference | None
 
 
 def verify(log: RunLog, model: GivenModel = None) -> list[Verification]:
     """Run the driver over the bytes of each robot of a log, and compare what it sees.
 
-    `model` is given if somebody named one at the recording.
+    `model` is given if somebody named one at the recording, and an older version wrote the log.
 
     Raises:
         ConfigError: The log is damaged, or has nothing to compare; or there is no such model.
@@ -77,14 +81,36 @@ def verify(log: RunLog, model: GivenModel = None) -> list[Verification]:
 
 def _verify(log: RunLog, prefix: str, model: GivenModel) -> Verification:
     wire = _Wire(log, prefix + ROBOT)
+    known = log.info().texts.get(prefix + ROBOT, {})
+    if model is None and "parameters" in known:
+        with log.damage_told():
+            model = msgspec.json.decode(known["parameters"], type=RobotModel)
     with asyncio.Runner(loop_factory=partial(FastTimeLoop, wire.begin)) as runner:
         comparison = _Comparison(log, prefix + SNAPSHOT)
         runner.run(_play(wire, comparison, model))
+    decisions, differs = _decide_again(log, prefix, known) if "limits" in known else (0, None)
     return Verification(
         robot=prefix.rstrip("/"),
         compared=comparison.compared,
-        difference=comparison.difference or comparison.missing(),
+        decisions=decisions,
+        difference=comparison.difference or comparison.missing() or differs,
     )
+
+
+def _decide_again(
+    log: RunLog, prefix: str, known: Mapping[str, str]
+) -> tuple[int, Difference | None]:
+    """Return how many decisions are as recorded, and the first that is not."""
+    with log.damage_told():
+        limits = msgspec.json.decode(known["limits"], type=Limits)
+    count = 0
+    for time, made in log.of(LogTopic(f"{prefix}decision", DecisionMade)):
+        with log.damage_told():
+            again = decided_again(made.decision, limits)
+        if differs := _difference(time, made.decision, again):
+            return count, differs
+        count += 1
+    return count, None
 
 
 async def _play(wire: "_Wire", comparison: "_Comparison", model: GivenModel) -> None:
@@ -117,16 +143,12 @@ class _Comparison:
         time, recorded = self._next
         if snapshot.link.sessions < recorded.link.sessions:
             return  # likewise
-        was, now = _told(recorded), _told(snapshot)
-        if was == now:
-            self.compared += 1
-            self._next = next(self._recorded, None)
+        self.difference = _difference(time, recorded, snapshot)
+        if self.difference is not None:
+            self.differs.set()
             return
-        field = next(each for each in {**was, **now} if was.get(each) != now.get(each))
-        self.difference = Difference(
-            time=time, field=field, recorded=was.get(field, NONE), now=now.get(field, NONE)
-        )
-        self.differs.set()
+        self.compared += 1
+        self._next = next(self._recorded, None)
 
     def missing(self) -> Difference | None:
         """Return the difference of a snapshot that today's driver did not come to, if any."""
@@ -137,9 +159,15 @@ class _Comparison:
         return Difference(time=time, field="sequence", recorded=number, now=NONE)
 
 
-def _told(snapshot: Snapshot) -> dict[str, str]:
-    """Return the fields of a snapshot, each as a text that tells it exactly."""
-    return dict(_fields("", msgspec.to_builtins(snapshot)))
+def _difference(time: int, recorded: object, found: object) -> Difference | None:
+    """Return the first field in which two objects differ, by texts that tell each value exactly."""
+    was, now = (dict(_fields("", msgspec.to_builtins(each))) for each in (recorded, found))
+    field = next((each for each in was | now if was.get(each) != now.get(each)), None)
+    if field is None:
+        return None
+    return Difference(
+        time=time, field=field, recorded=was.get(field, NONE), now=now.get(field, NONE)
+    )
 
 
 def _fields(name: str, value: Any) -> Iterator[tuple[str, str]]:
