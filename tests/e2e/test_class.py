@@ -18,6 +18,7 @@ from websockets.asyncio.client import ClientConnection, connect
 
 from pioneer3 import Robot, connect_async
 from pioneer3.errors import ConfigError, LinkError, MotionError
+from pioneer3.log.reader import open_log
 from pioneer3.sim.server.start import simulator
 from pioneer3.web.classroom import robot as class_robot
 from pioneer3.web.classroom.live import ClassOptions, RemoteRobot, class_live
@@ -485,6 +486,8 @@ async def test_a_run_is_recorded_handed_in_and_played(tmp_path: Path) -> None:
     async with connect_async(f"replay:{tmp_path / 'runs' / run['file']}") as replayed:
         speeds = [snapshot.odometry.twist.v async for snapshot in replayed.snapshots(3.0)]
         assert max(speeds) > 0.15
+    topics = open_log(tmp_path / "runs" / run["file"]).topics()
+    assert topics >= {"snapshot", "truth", "map"}  # a replay shows them
 
 
 async def test_a_disk_that_fills_ends_a_run_and_not_the_class(tmp_path: Path) -> None:

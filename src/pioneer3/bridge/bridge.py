@@ -79,7 +79,7 @@ class Bridge:
         self._drained.set()
         self._sockets: set[SocketPort] = set()
         self._link: Link | None = None
-        self._log: LogWriter | None = None
+        self.log: LogWriter | None = None
         self._recording: WireRecording | None = None
         self.failed = ""
 
@@ -199,8 +199,8 @@ class Bridge:
         Raises ConfigError if the file cannot be written; one that exists is left alone.
         """
         self.stop_recording()
-        self._log = named_log(path, self._clock)
-        self._recording = WireRecording(self._log)
+        self.log = named_log(path, self._clock)
+        self._recording = WireRecording(self.log)
         relay = self._relay
         if relay.robot.state is RobotSideState.SERVING:
             for payload in filter(None, (b"\0", b"\1", relay.robot.identity, relay.robot.config)):
@@ -210,13 +210,13 @@ class Bridge:
     @property
     def recording_failure(self) -> str:
         """The reason why the recording has ended by itself; empty if it has not."""
-        return self._log.failure if self._log is not None else ""
+        return self.log.failure if self.log is not None else ""
 
     def stop_recording(self) -> None:
         """End the recording, if there is one."""
-        if self._log is not None:
-            self._log.close("stopped", LAST_WRITE)
-        self._log = self._recording = None
+        if self.log is not None:
+            self.log.close("stopped", LAST_WRITE)
+        self.log = self._recording = None
 
     # Connections, as of `ports.Server`
 

@@ -16,8 +16,9 @@ from pioneer3.links import Opener
 from pioneer3.models import GivenModel
 from pioneer3.nav.settings import AS_SHIPPED, NavigationSettings
 from pioneer3.navigation.blocking import BlockingRobot
+from pioneer3.robot.supervisor import is_simulator
 from pioneer3.runtime.connect import connect_robot
-from pioneer3.runtime.recording import Record
+from pioneer3.runtime.recording import Record, RobotLog
 from pioneer3.runtime.robot import Robot
 from pioneer3.tasks import running
 
@@ -101,7 +102,7 @@ async def connect_async(
         camera=camera,
         shadow=shadow,
     )
-    async with connection as robot:
+    async with connection as robot, _truth_recorded(robot, record):
         robot.settings = settings
         if line_map is None:
             yield robot
@@ -111,6 +112,19 @@ async def connect_async(
             robot.shadow.odom_in_map = lambda: navigator.sure_odom_in_map
         async with running(navigator.run()):
             yield robot
+
+
+@asynccontextmanager
+async def _truth_recorded(robot: Robot, record: Record) -> AsyncIterator[None]:
+    """Record where a robot of another program's simulator truly is, in a log of its own."""
+    log = robot.arbiter.log
+    if log is None or isinstance(record, RobotLog) or not is_simulator(robot.info):
+        yield
+        return
+    from pioneer3.navigation.simulator import TruePose
+
+    async with running(TruePose(robot, told=log.truth).follow()):
+        yield
 
 
 def connect(

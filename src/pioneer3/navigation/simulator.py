@@ -1,6 +1,7 @@
 """The map and the true pose of a simulated robot, as its simulator tells them over its link."""
 
 import asyncio
+from collections.abc import Callable
 from contextlib import suppress
 from functools import lru_cache
 from math import radians
@@ -25,17 +26,23 @@ LOCAL = "localhost"
 class TruePose:
     """Asks the simulator of a robot for its pose, at every connection.
 
-    Between two questions passes the `period` [s]; `None` asks for a pose with each report.
+    Between two questions passes the `period` [s]; `None` asks for a pose with each report. Each
+    pose is `told`.
 
     Attributes:
         pose: In the simulated world [m, rad]; `None` while none is told, as by a real robot.
         odom_in_world: Pose of odometry's origin when that was told, or `None`.
     """
 
-    def __init__(self, robot: Robot, period: float | None = None) -> None:
+    def __init__(
+        self,
+        robot: Robot,
+        period: float | None = None,
+        told: Callable[[Pose2], None] = lambda robot_in_world: None,
+    ) -> None:
         self.pose: Pose2 | None = None
         self.odom_in_world: Pose2 | None = None
-        self._robot, self._period = robot, period
+        self._robot, self._period, self._told = robot, period, told
 
     @property
     def world(self) -> str:
@@ -71,6 +78,7 @@ class TruePose:
         if isinstance(report, SimStat):
             heading = wrap(radians(report.heading_deg))
             self.pose = Pose2(report.x_mm * MM, report.y_mm * MM, heading)
+            self._told(self.pose)
             if (now := self._robot.snapshot) is not None:
                 self.odom_in_world = self.pose @ now.odometry.robot_in_odom.inverse()
 

@@ -2,16 +2,16 @@
 
 import asyncio
 import time
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Final
 
-from pioneer3.errors import CommandError, ConfigError
+from pioneer3.errors import CommandError, ConfigError, PortNotFoundError
 from pioneer3.log.excerpt import NOTE, save_excerpt
 from pioneer3.log.folder import logs_folder, user_logs
 from pioneer3.log.index import LogIndex
-from pioneer3.log.reader import open_log
+from pioneer3.log.reader import RunLog, open_log, whole_log
 from pioneer3.log.writer import CHUNK_PERIOD
 from pioneer3.names import printable
 from pioneer3.web.api.types import LoggedRun
@@ -26,10 +26,15 @@ SAVED_TIME: Final = 300.0
 
 
 class PageLogs:
-    """The logs in the user's folder; nothing else is found by any name."""
+    """The logs in the user's folder, and the runs that were `handed_in`; nothing else is found."""
 
-    def __init__(self, clients: Clients, folder: Path | None = None) -> None:
-        self._clients = clients
+    def __init__(
+        self,
+        clients: Clients,
+        folder: Path | None = None,
+        handed_in: Callable[[str], Path | None] = lambda name: None,
+    ) -> None:
+        self._clients, self._handed_in = clients, handed_in
         self._folder = logs_folder() if folder is None else folder
         self._replays = 0
 
@@ -38,6 +43,8 @@ class PageLogs:
         for path in user_logs(self._folder):
             if path.name == name:
                 return path
+        if (run := self._handed_in(name)) is not None:
+            return run
         raise CommandError(f"there is no log {printable(name[:80])}")
 
     async def listed(self) -> list[LoggedRun]:
@@ -45,12 +52,17 @@ class PageLogs:
         return await asyncio.to_thread(self._listed)
 
     def _listed(self) -> list[LoggedRun]:
-        found = []
+        found = list[LoggedRun]()
+        listed = set[Path]()
         for path in reversed(user_logs(self._folder)[-MOST_LISTED:]):
-            try:
-                found.append(_facts(path))
-            except (ConfigError, OSError):  # it is damaged, or has gone just now
+            if path in listed:  # it is part of a later one
                 continue
+            try:
+                log = whole_log(path)
+                found.append(_facts(log))
+            except (ConfigError, PortNotFoundError, OSError):  # it is damaged, or has gone just now
+                continue
+            listed |= {*log.files}
         return found
 
     async def save(self, note: str, by: str) -> LoggedRun:
@@ -73,7 +85,7 @@ class PageLogs:
 
     def _save(self, running: Path, until: int, about: dict[str, str]) -> LoggedRun:
         begin = until - round(SAVED_TIME * 1e9)
-        return _facts(save_excerpt(LogIndex(running), self._folder, begin, until, about))
+        return _facts(open_log(save_excerpt(LogIndex(running), self._folder, begin, until, about)))
 
     @asynccontextmanager
     async def opened(self, name: str) -> AsyncIterator[LogIndex]:
@@ -88,20 +100,22 @@ class PageLogs:
             raise CommandError(f"{MOST_REPLAYS} replays are open here: close one of them first")
         self._replays += 1
         try:
-            yield await asyncio.to_thread(LogIndex, path)
+            log = await asyncio.to_thread(whole_log, path)
+            yield await asyncio.to_thread(LogIndex, *log.files)
         finally:
             self._replays -= 1
 
 
-def _facts(path: Path) -> LoggedRun:
+def _facts(log: RunLog) -> LoggedRun:
     """Return the facts of a log.
 
     Raises:
         ConfigError, OSError: It cannot be read.
     """
-    info = open_log(path).info()
+    info = log.info()
     return LoggedRun(
-        file=path.name,
+        file=log.path.name,
+        more=tuple(each.name for each in log.files[1:]),
         began=info.began / 1e9,
         seconds=info.seconds,
         size=info.size,

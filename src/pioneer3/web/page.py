@@ -5,6 +5,7 @@ from collections.abc import AsyncIterator, Iterable, Sequence
 from contextlib import asynccontextmanager
 from functools import partial
 from itertools import count
+from pathlib import Path
 
 from pioneer3 import __version__
 from pioneer3.errors import CommandError, Refusal
@@ -56,11 +57,15 @@ class Page:
         self.traffic = Traffic()
         self.classroom: Classroom | None = None
         self.replay: LogPlayer | None = None
-        self.logs = PageLogs(self.clients)
+        self.logs = PageLogs(self.clients, handed_in=self._handed_in)
         self.closed = asyncio.Event()
         self._count = count(1)
         self._labels: dict[int, str] = {}
         self._editor: Editor | None = None
+
+    def _handed_in(self, name: str) -> Path | None:
+        """Return the run of a name that was handed in to the class."""
+        return self.classroom.runs.find(name) if self.classroom is not None else None
 
     @asynccontextmanager
     async def hosting(

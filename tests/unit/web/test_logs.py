@@ -10,11 +10,14 @@ from urllib.parse import quote
 import pytest
 from starlette.types import ASGIApp
 
-from pioneer3.log.folder import create_log, is_pinned, user_logs
+from pioneer3.log.folder import create, create_log, is_pinned, user_logs
+from pioneer3.log.mcap import McapFile
 from pioneer3.log.reader import open_log
 from pioneer3.log.target import UserFolder
+from pioneer3.log.topics import END, GOES_ON, PROGRAM, LogTopic
 from pioneer3.log.writer import LogWriter
 from pioneer3.runtime.recording import RobotLog
+from pioneer3.state import Snapshot
 from pioneer3.tasks import running
 from pioneer3.web.access.sessions import Role, SessionKind
 from pioneer3.web.app import make_app
@@ -208,6 +211,43 @@ async def test_what_cannot_be_saved_is_told_and_leaves_nothing(folder: Path) -> 
         assert (answer.status, answer.detail.endswith("no messages were logged")) == (409, True)
         writer.close("done")
         assert not [path for path in user_logs(folder) if "saved" in path.name]
+
+
+def part(folder: Path, number: int, why: str) -> Path:
+    """Write a file of a log that goes on in others."""
+    path = folder / f"2026-03-02T09-30-0{number}Z-run.mcap"
+    file = McapFile(create(path))
+    file.add_metadata(PROGRAM, {"command": "pioneer3 run", "began_ns": str(10**18)})
+    began = 10**18 + number * 10 * 10**9
+    file.add(LogTopic("snapshot", Snapshot), [(began + n, snapshot(n / 10)) for n in range(3)])
+    file.add_metadata(END, {"why": why})
+    file.finish()
+    return path
+
+
+async def test_a_log_in_several_files_is_one(folder: Path) -> None:
+    first, second = part(folder, 0, GOES_ON), part(folder, 1, "left as usual")
+    async with opened(folder) as (app, _):
+        listed, other = (await Script(app).ask("GET", "/api/logs")).json
+        assert (listed["file"], listed["more"], other["file"]) == (first.name, [second.name], NAME)
+        assert (listed["end"], round(listed["seconds"])) == ("left as usual", 10)
+        async with at_replay(app, first.name) as ann:
+            await until(lambda: ann.all("replay"))
+            told = ann.latest("replay")
+            assert round(told["ended"] - told["began"]) == 10
+
+
+async def test_a_run_that_was_handed_in_is_replayed_for_owners_alone(folder: Path) -> None:
+    run = drive(folder.parent / "Ann-1.mcap")
+    async with opened(folder) as (app, page):
+        page.logs = PageLogs(page.clients, folder, {run.name: run}.get)
+        async with at_replay(app, run.name) as teacher:
+            await until(lambda: teacher.all("robots"))
+            assert teacher.latest("hello")["robots"][0]["kind"] == "REPLAY"
+        cookie = as_role(page, Role.STUDENT)
+        async with at_replay(app, run.name, host=LAN, peer=ELSEWHERE, cookie=cookie) as ann:
+            await until(lambda: ann.closed)
+            assert (ann.closed, ann.heard) == (POLICY_VIOLATION, [])
 
 
 async def test_damaged_logs_are_left_out_of_the_list(folder: Path) -> None:

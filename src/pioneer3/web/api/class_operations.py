@@ -121,7 +121,7 @@ def list_runs(request: ApiRequest) -> list[messages.HandedIn] | ErrorResponse:
 
 
 def get_run(request: ApiRequest) -> RunFile | ErrorResponse:
-    """Return a run that was handed in; `pioneer3 run --port replay:FILE` shows it."""
+    """Return a run that was handed in; `pioneer3 replay FILE` shows it."""
     classroom = request.classroom
     name = request.path["file"]
     own = {run.file for run in classroom.handed_in(request.caller.robot)}

@@ -27,10 +27,12 @@ class LogNote(RequestBody):
 class LoggedRun(msgspec.Struct):
     """A log; `began` is the Unix time [s], `seconds` its length, `size` in bytes.
 
-    `end` is why it ended; while it `goes_on`, a program writes it. A `note` is of a saved one.
+    `end` is why it ended; while it `goes_on`, a program writes it. A `note` is of a saved one. A
+    long one goes on in `more` files.
     """
 
     file: str
+    more: tuple[str, ...]
     began: float
     seconds: float
     size: int

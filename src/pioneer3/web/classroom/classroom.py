@@ -346,8 +346,10 @@ class Classroom:
         return run
 
     def _follow(self, robot: ClassRobot) -> None:
-        """Note what has changed by itself: the teacher's control, a recording that failed."""
+        """Note what has changed by itself: readings, the teacher's control, a recording's end."""
         view = self._page.robots.get(robot.number)
+        if view is not None:
+            robot.tell_recording(view)
         holder = view.control.holder if view is not None else None
         if robot.bridge.reserved_for and (holder is None or self._is_student(holder)):
             robot.bridge.reserved_for = ""

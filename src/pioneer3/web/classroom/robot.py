@@ -8,7 +8,10 @@ from pioneer3.bridge import Bridge
 from pioneer3.classroom.runs import FULL, MOST_BYTES, Draft, RunFolder
 from pioneer3.errors import CommandError
 from pioneer3.geometry import Pose2
+from pioneer3.navigation.recording import use_map
+from pioneer3.runtime.recording import RobotLog
 from pioneer3.sim.server.running import RunningSimulation, SimulatedRobot
+from pioneer3.state import Snapshot
 from pioneer3.web import messages
 from pioneer3.web.control import Operator
 from pioneer3.web.robot_view import RobotView
@@ -64,6 +67,8 @@ class ClassRobot:
         self.url = url
         self.start = start
         self.recording: RunRecording | None = None
+        self._run: RobotLog | None = None
+        self._told: Snapshot | None = None
         self._clock = clock
 
     @property
@@ -85,6 +90,22 @@ class ClassRobot:
         draft = runs.draft(self.number, self._clock())
         self.bridge.start_recording(draft.path)
         self.recording = RunRecording(draft)
+        self._run = RobotLog(self.bridge.log) if self.bridge.log else None
+        self._told = None
+
+    def tell_recording(self, view: RobotView) -> None:
+        """Put the newest readings, the map and the true pose into the recording, for a replay."""
+        newest = view.robot.supervisor.snapshot
+        if self._run is None or newest is None or newest is self._told:
+            return
+        if self._told is None:
+            self._run.describe(view.robot.info)
+        self._told = newest
+        if (line_map := view.scene.map_now) is not None:
+            use_map(self._run, line_map)
+        if (robot_in_world := view.scene.true_pose) is not None:
+            self._run.truth(robot_in_world)
+        self._run.snapshot(newest)
 
     def end_recording(self) -> RunRecording:
         """End the recording; return it.
@@ -96,6 +117,7 @@ class ClassRobot:
         if recording is None:
             raise CommandError("nothing was recorded: press Record first")
         if recording.seconds is None:
+            self._run = None
             self.bridge.stop_recording()
             recording.seconds = max(0.0, self._clock() - recording.draft.began)
         return recording

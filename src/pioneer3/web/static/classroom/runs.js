@@ -1,4 +1,4 @@
-// The runs that students handed in: how many, and a list with downloads.
+// The runs that students handed in: how many, and a list with downloads and replays.
 
 import { byId, make, number, put, putItems } from "../dom.js";
 
@@ -13,8 +13,9 @@ export function showRuns(runs) {
 
 function row({ file, student, robot, at, seconds, size }) {
   const link = make("a", { href: `/api/class/runs/${encodeURIComponent(file)}`, download: file, "aria-label": `Download ${file}` }, file);
+  const replay = make("a", { href: `/?replay=${encodeURIComponent(file)}`, target: "_blank", "aria-label": `Replay ${file}` }, "Replay");
   const cells = [student, String(robot), new Date(at * 1000).toLocaleTimeString([], { hour: "2-digit", minute: "2-digit" }), duration(seconds), inWords(size)];
-  return make("tr", {}, ...cells.map((text) => make("td", {}, text)), make("td", {}, link));
+  return make("tr", {}, ...cells.map((text) => make("td", {}, text)), make("td", {}, link), make("td", {}, replay));
 }
 
 /** Minutes and seconds, such as 1:05. */

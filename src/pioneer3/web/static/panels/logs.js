@@ -48,14 +48,15 @@ export class Logs {
   }
 }
 
-function row({ file, began, seconds, size, robot, end, note, pinned, goes_on: goesOn }) {
+function row({ file, more, began, seconds, size, robot, end, note, pinned, goes_on: goesOn }) {
   const name = file.replace(/\.mcap$/, "");
   const when = new Date(began * 1000).toLocaleString("en-GB", { dateStyle: "short", timeStyle: "short" });
   const facts = [robot, duration(seconds), inWords(size), end, ...(pinned ? ["kept"] : [])].filter(Boolean).join(", ");
   const path = encodeURIComponent(file);
   const replay = make("a", { class: "choice", href: `/?replay=${path}`, target: "_blank", "aria-label": `Replay ${name}` }, "Replay");
-  const download = make("a", { class: "choice", href: `/api/logs/${path}`, download: file, "aria-label": `Download ${name}` }, "Download");
-  return make("li", {}, make("b", {}, note || name.replace(/^[^Z]*Z-/, "")), make("span", {}, `${when}: ${facts}`), make("span", { class: "row" }, replay, ...(goesOn ? [] : [download])));
+  const files = goesOn ? [file, ...more].slice(0, -1) : [file, ...more];
+  const downloads = files.map((each, at) => make("a", { class: "choice", href: `/api/logs/${encodeURIComponent(each)}`, download: each, "aria-label": `Download ${each.replace(/\.mcap$/, "")}` }, files.length > 1 ? `Download ${at + 1}` : "Download"));
+  return make("li", {}, make("b", {}, note || name.replace(/^[^Z]*Z-/, "")), make("span", {}, `${when}: ${facts}`), make("span", { class: "row" }, replay, ...downloads));
 }
 
 function duration(seconds) {
