@@ -83,7 +83,8 @@ class LogTopic(Generic[T]):
             from pioneer3.log.scans import scan_fields  # numpy loads slowly
 
             return scan_fields(message)
-        fields: dict[str, object] = msgspec.to_builtins(self.make(message) if self.make else message)
+        made = self.make(message) if self.make else message
+        fields: dict[str, object] = msgspec.to_builtins(made)
         fields.pop(self.steady, None)
         return fields
 
