@@ -132,6 +132,15 @@ def test_snapshots_and_scans_come_back_from_their_columns(
         assert exact(decode(row, topic.kind, topic.steady, part)) == exact(message)
 
 
+def test_lists_of_lists_of_any_lengths_are_columns(tmp_path: Path) -> None:
+    path, topic = tmp_path / "a.mcap", LogTopic("scan/laser", Scan, steady="angles")
+    scans = [replace(SCAN, echoes=each) for each in (((1.0,), ()), ((2.0, 3.0), (4.0,)))]
+    file = McapFile(create(path))
+    file.add(topic, [(number, scan) for number, scan in enumerate(scans)])
+    file.finish()
+    assert [scan for _, scan in open_log(path).of(topic)] == scans
+
+
 @given(st.data())
 def test_damaged_columns_are_read_or_refused(data: st.DataObject) -> None:
     rows = [scan_fields(SCAN), scan_fields(replace(SCAN, stamp=2.5, sequence=4))]

@@ -6,18 +6,20 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import msgspec
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from mcap.reader import make_reader
 from mcap.writer import CompressionType, Writer
 
-from pioneer3.errors import PioneerError
+from pioneer3.errors import ConfigError, PioneerError
 from pioneer3.log.reader import open_log
 from pioneer3.log.tables import TableKind, write_tables
 from pioneer3.navigation.recording import KINDS, MapUsed
 from pioneer3.ros.bag.convert import BagKind, write_bag
+from pioneer3.ros.bag.robots import MOST_ROBOTS
 from pioneer3.ros.node.names import Profile
-from tests.logs import drive, write_log
+from tests.logs import drive, snapshot, write_log
 
 MAP = "2D-Map\nLineMinPos: 0 0\nLineMaxPos: 2000 1000\nNumLines: 1\nLINES\n0 0 2000 0\n"
 BAGS = ((BagKind.ROS2, Profile.ROS2), (BagKind.ROS1, Profile.BOTH))
@@ -94,6 +96,14 @@ def test_bytes_that_are_others_end_with_a_sentence_at_worst(
         at = place % len(data)
         data[at : at + len(others)] = others
     assert all(problem.isprintable() for problem in problems(bytes(data)))
+
+
+def test_a_bag_of_too_many_robots_is_refused_before_the_work(tmp_path: Path) -> None:
+    many = [(0.0, f"r{number}/snapshot", snapshot(0.0)) for number in range(MOST_ROBOTS + 1)]
+    log = open_log(write_log(tmp_path / "a.mcap", many))
+    with pytest.raises(ConfigError, match="more than 256 robots"):
+        write_bag(log, tmp_path / "made", *BAGS[0])
+    assert not (tmp_path / "made").exists()
 
 
 @given(

@@ -7,7 +7,7 @@ same in all is there once, and numbers are told by their differences.
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from enum import IntEnum
-from itertools import accumulate, pairwise, repeat
+from itertools import accumulate, chain, pairwise, repeat
 from typing import Any, Final
 
 import msgspec
@@ -22,6 +22,8 @@ NO_NUMBERS: Final = (np.inf, -np.inf, np.nan)
 """Values that the whole numbers behind the greatest one stand for."""
 LARGEST: Final = 2.0**53
 """Whole numbers are exact up to it."""
+LONGEST_WAY: Final = 1e9
+"""Longer numbers are no lengths [m]."""
 SIZES: Final = (1, 2, 4, 8)
 """Sizes of whole numbers [bytes]."""
 EXACT: Final = 8
@@ -112,33 +114,33 @@ def _column(values: Sequence[Any]) -> list[Any]:
         joined = b"".join(values)
         if all(len(each) == len(first) for each in values):
             return [Kind.BYTES, planes(differences(joined, STEP), STEP)]
-    elif not isinstance(first, list | tuple) or _is_even(values):
-        numbers = np.array(values)
-        if numbers.dtype == np.float64:
-            return _floats(numbers)
-        if numbers.dtype == np.int64 and (np.abs(numbers) < LARGEST).all():
-            return [Kind.COUNTS, *_counts(numbers)]
+        return [Kind.PLAIN, values]
+    kinds = {*map(type, chain.from_iterable(values) if _are_even_lists(values) else values)}
+    if kinds == {float}:
+        return _floats(np.array(values))
+    whole = np.array(values if kinds == {int} else 0.0)
+    if whole.dtype == np.int64 and (np.abs(whole) < LARGEST).all():
+        return [Kind.COUNTS, *_counts(whole)]
     return [Kind.PLAIN, values]
 
 
-def _is_even(values: Sequence[Any]) -> bool:
-    """Whether values are lists of one length, and not too long."""
+def _are_even_lists(values: Sequence[Any]) -> bool:
+    """Whether values are lists of one length that is not too long."""
+    if not all(isinstance(each, list | tuple) for each in values):
+        return False
     length = len(values[0])
-    return 0 < length <= LONGEST and all(
-        isinstance(each, list | tuple) and len(each) == length for each in values
-    )
+    return 0 < length <= LONGEST and all(len(each) == length for each in values)
 
 
 def _floats(numbers: NDArray[np.float64]) -> list[Any]:
     is_number = np.isfinite(numbers)
     known = numbers[is_number]
-    whole = np.rint(known / MM)
+    whole = np.rint(np.clip(known, -LONGEST_WAY, LONGEST_WAY) / MM)
     if (whole * MM == known).all() and not np.signbit(known[known == 0]).any():
         most = int(whole.max(initial=0))
-        if np.abs(whole).max(initial=0) < LARGEST:
-            full = np.where(np.isnan(numbers), most + 3, most + np.where(numbers > 0, 1, 2))
-            full[is_number] = whole
-            return [Kind.LENGTHS, most, *_counts(full)]
+        full = np.where(np.isnan(numbers), most + 3, most + np.where(numbers > 0, 1, 2))
+        full[is_number] = whole
+        return [Kind.LENGTHS, most, *_counts(full)]
     return [Kind.FLOATS, planes(numbers.astype("<f8").tobytes(), EXACT)]
 
 

@@ -54,7 +54,8 @@ def _packed(ranges: NDArray[np.float64]) -> tuple[float, str, bytes]:
     is_number = np.isfinite(ranges)
     known = ranges[is_number]
     for unit in UNITS:
-        counts = np.rint(known / unit)
+        with np.errstate(over="ignore"):
+            counts = np.rint(known / unit)
         if not (counts * unit == known).all() or (known < 0).any() or np.signbit(known).any():
             continue
         for kind, code in NO_ECHO.items():

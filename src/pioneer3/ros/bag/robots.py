@@ -17,7 +17,10 @@ from pioneer3.models.model import UnknownModel
 from pioneer3.names import free_name
 from pioneer3.robot.session import model_of
 from pioneer3.state import Identity, Scan
+from pioneer3.text import wrong
 
+MOST_ROBOTS: Final = 256
+"""Robots of one bag at most: each has some twenty topics."""
 SNAPSHOT: Final = "snapshot"
 """Last part of the topic of snapshots; the name of one of several robots comes before it."""
 LASER: Final = re.compile(r"laser(\d?\d?)", re.ASCII)
@@ -49,9 +52,11 @@ def robots_of(log: RunLog, given: GivenModel = None) -> list[LoggedRobot]:
     """Return the robots of a log that have snapshots, by their names; all of a model if `given`.
 
     Raises:
-        ConfigError: The log is damaged, or there is no such model.
+        ConfigError: The log is damaged or has too many, or there is no such model.
     """
     topics = sorted(log.topics())
+    if sum(topic.rpartition("/")[2] == SNAPSHOT for topic in topics) > MOST_ROBOTS:
+        raise wrong(log.path, f" has more than {MOST_ROBOTS} robots, too many for one bag")
     texts, mounted = log.info().texts, _mounted(log, topics)
     given, robots, taken = loaded_model(given), [], set[str]()
     for topic in topics:
