@@ -154,7 +154,9 @@ class Submap:
         normals = np.concatenate([cloud.normals for cloud in moved] or [np.empty((0, 2))])
         straight = (normals[:, 0] != 0) | (normals[:, 1] != 0)
         points = self._points[straight]
-        low, self._shape, cells = _cells(points, TARGET_CELL)
+        low, self._shape = _box(points, TARGET_CELL)
+        columns, rows = ((points - low) / TARGET_CELL).astype(np.int64).T
+        cells = rows * self._shape[1] + columns
         self._grid = np.array([*low, TARGET_CELL])
         self._starts = np.zeros(int(self._shape.prod()) + 1, dtype=np.int64)
         order = np.empty(len(points), dtype=np.int64)
@@ -259,7 +261,7 @@ class Submap:
         """Return the grid of a search and its pyramid: see :func:`.kernels.matching.search`."""
         profile = _profile()
         margin = FINE_CELL * (len(profile) + 2**levels)
-        low, shape, _ = _cells(self._points, FINE_CELL, margin)
+        low, shape = _box(self._points, FINE_CELL, margin)
         grid = np.array([*low, FINE_CELL])
         pyramid = np.zeros((levels + 1, int(shape[0]), int(shape[1])), dtype=np.uint8)
         fast(smear, CACHE)(self._points, grid, profile, pyramid[0])
@@ -284,14 +286,15 @@ def rotation(theta: float) -> Float:
     return np.array([[c, -s], [s, c]])
 
 
-def _cells(points: Float, cell: float, margin: float = 0.0) -> tuple[Float, Int, Int]:
-    """Return lower left corner [m], rows and columns of cells around points, and their cells."""
+def _box(points: Float, cell: float, margin: float = 0.0) -> tuple[Float, Int]:
+    """Return lower left corner [m], rows and columns of the cells around points."""
     if not len(points):
-        return np.zeros(2), np.ones(2, dtype=np.int64), np.empty(0, dtype=np.int64)
-    low = points.min(axis=0) - margin
-    places = np.floor((points - low) / cell).astype(np.int64)
-    columns, rows = np.floor((points.max(axis=0) + margin - low) / cell).astype(np.int64) + 1
-    return low, np.array([rows, columns]), places[:, 1] * columns + places[:, 0]
+        return np.zeros(2), np.ones(2, dtype=np.int64)
+    # columns one by one: numpy takes ten times as long along the other axis
+    low = np.array([points[:, 0].min(), points[:, 1].min()]) - margin
+    high = np.array([points[:, 0].max(), points[:, 1].max()]) + margin
+    shape: Int = np.floor((high - low) / cell).astype(np.int64)[::-1] + 1
+    return low, shape
 
 
 @lru_cache

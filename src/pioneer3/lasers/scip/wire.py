@@ -110,8 +110,8 @@ def decode_stamp(line: bytes) -> int | None:
 
 def to_lines(text: bytes) -> bytes:
     """Return data as lines with checksums and LF."""
-    pieces = (text[start : start + LINE] for start in range(0, len(text), LINE))
-    return b"".join([seal(piece) + b"\n" for piece in pieces])
+    pieces = [text[start : start + LINE] for start in range(0, len(text), LINE)]
+    return b"".join([b"%b%c\n" % (piece, (sum(piece) & 0x3F) + ZERO) for piece in pieces])
 
 
 def from_lines(lines: Sequence[bytes], others: bytes = b"") -> bytes | None:
@@ -120,10 +120,11 @@ def from_lines(lines: Sequence[bytes], others: bytes = b"") -> bytes | None:
     The checksum counts six bits. An error in the other two shows in a character that is none of
     SCIP's 64, and none of `others`.
     """
-    if any(len(line) != LINE + 1 for line in lines[:-1]):
+    if not {*map(len, lines[:-1])} <= {LINE + 1}:
         return None
     texts = [line[:-1] for line in lines]
-    if any((sum(text) & 0x3F) + ZERO != line[-1] for text, line in zip(texts, lines, strict=True)):
+    sums = bytes([(sum(text) & 0x3F) + ZERO for text in texts])
+    if sums != b"".join([line[-1:] for line in lines]):
         return None
     text = b"".join(texts)
     return None if text.translate(None, ALPHABET + others) else text
