@@ -22,8 +22,9 @@ from pioneer3.sim.kernels.walls import Grid, build_grid
 
 _HERE = Path(__file__).parent
 CACHE = KernelCache(_HERE, [_HERE.parent / "collision.py", _HERE.parent / "raycast.py"])
-WORTH_COMPILING = 10
-"""Robots from which on compiled kernels pay in real time; they take a second and 130 MB."""
+WORTH_COMPILING = 6
+"""Robots from which on compiled kernels pay in real time: they take a second and 130 MB, and half
+of the processor."""
 
 WORTH_THREADS = 50
 """Robots from which on sharing the work among threads pays."""
