@@ -7,10 +7,11 @@ it drives a square of 4 m both ways, with and without the correction, in simulat
 
 import argparse
 import asyncio
-from collections.abc import Mapping
+from collections.abc import Coroutine, Mapping
 from dataclasses import replace
 from math import hypot, pi, radians
 from statistics import median
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -27,6 +28,8 @@ from pioneer3.runtime.robot import Robot
 from pioneer3.sim.realism import OdometryErrors, Realism
 from pioneer3.tasks import FastTimeLoop
 from tests.support import SimulatedRobot
+
+Result = TypeVar("Result")
 
 SIDE = 4.0
 """Side of the square that judges [m]."""
@@ -140,6 +143,15 @@ def odometry(robot: Robot) -> Pose2:
     return robot.snapshot.odometry.robot_in_odom
 
 
+def in_simulated_time(run: Coroutine[Any, Any, Result]) -> Result:
+    """Return the result of what runs as fast as it can be simulated."""
+    loop = FastTimeLoop()
+    try:
+        return loop.run_until_complete(run)
+    finally:
+        loop.close()
+
+
 def measured(model: str, by: str, seed: int, *, mass: bool) -> tuple[float, float]:
     """Return the error before and after of a robot [m]."""
     rng = np.random.default_rng(seed)
@@ -156,11 +168,7 @@ def measured(model: str, by: str, seed: int, *, mass: bool) -> tuple[float, floa
         ]
         return pair[0], pair[1]
 
-    loop = FastTimeLoop()
-    try:
-        return loop.run_until_complete(run())
-    finally:
-        loop.close()
+    return in_simulated_time(run())
 
 
 HEADER = "| robot | moves by | measured by | before | after | times smaller | at least |"

@@ -8,22 +8,24 @@ from random import Random
 
 import pytest
 
+from benchmarks.shadow import WITHIN, Fault, drags, holds, named
 from pioneer3 import connect_async
+from pioneer3.cli.diagnosis import _driven
+from pioneer3.doctor.facts import Level
 from pioneer3.errors import MotionError
 from pioneer3.geometry import Pose2
+from pioneer3.maps import LineMap
 from pioneer3.runtime.robot import Robot
 from pioneer3.runtime.shadow import Cause, Shadow
-from pioneer3.sim.kernels.drives import STALLED, TARGET, VELOCITY
+from pioneer3.sim.kernels.drives import BOTH_STALLED, STALLED, TARGET, VELOCITY
 from pioneer3.sim.realism import OdometryErrors, Realism
 from pioneer3.sim.worldfile import load_map
-from tests.support import SimulatedRobot
+from tests.support import SLOW, SimulatedRobot, wall_at
 
 SPEEDS = (-0.2, 0.0, 0.1, 0.2, 0.3, 0.5, 0.7)
 TURN_RATES = (0.0, 0.0, 0.3, -0.5, 0.8, -1.0)
 RAMP = 0.02
 """More than a wheel's speed changes in a tick [m/s]."""
-WITHIN = 5.0
-"""A fault is named after at most so long [s]."""
 SLIPPERY = OdometryErrors(mode="constant", scale=0.95, base_ratio=1.0, wheel_ratio=1.0)
 
 
@@ -113,6 +115,27 @@ async def test_slow_wheels_are_named(left: float, right: float, cause: Cause) ->
         assert set(await drive(robot, 0.3, 0.0, 1.0)) == {cause}
 
 
+@pytest.mark.parametrize(
+    ("line_map", "drag", "level", "found"),
+    [
+        (None, 0.1, Level.OK, "does what its simulated twin does"),
+        (None, 1.0, Level.FAIL, "not as its simulated twin: its left side drags"),
+        (wall_at(0.8), 0.0, Level.WARN, "could not be tried: something is 0"),
+    ],
+)
+async def test_the_doctor_drives_beside_a_twin(
+    line_map: LineMap | None, drag: float, level: Level, found: str
+) -> None:
+    pytest.importorskip("mujoco")
+    simulated = SimulatedRobot(line_map, model="p3dx-sh", physics="mujoco")
+    drags(drag, 0)(simulated)
+    async with simulated:
+        told = await _driven(simulated.open, None, None, json=True)
+        assert abs(simulated.body.speeds[0]) < SLOW
+    assert (told.check, told.level) == ("drive", level)
+    assert told.found.startswith(found)
+
+
 async def test_an_empty_battery_is_the_reason_for_slow_wheels() -> None:
     simulated = SimulatedRobot(model="p3dx-sh")
     simulated.body.battery.fixed = 11.2
@@ -127,12 +150,27 @@ async def test_wheels_that_stall_in_the_open_are_held() -> None:
 
     def held() -> None:
         simulated.body.drives.axes[VELOCITY, :, 0] = 0.0
-        simulated.body.drives.flags[STALLED] = 1
+        simulated.body.drives.flags[STALLED] = BOTH_STALLED
 
     async with shadowed(simulated) as (robot, _):
         assert await drive(robot, 0.3, 0.0, 6.0) == []
         simulated.stepped = held
         assert set(await drive(robot, 0.3, 0.0, 1.0)) == {Cause.HELD}
+
+
+@pytest.mark.parametrize(
+    ("fault", "cause"),
+    [
+        (holds, Cause.HELD),
+        (drags(1.0, 0), Cause.LEFT_DRAGS),
+        (drags(1.0, 1), Cause.RIGHT_DRAGS),
+    ],
+)
+async def test_robots_with_mass_that_stall_tell_who_holds_what(fault: Fault, cause: Cause) -> None:
+    pytest.importorskip("mujoco")
+    at, told = await named("p3dx-sh", 3, fault)
+    assert told is cause
+    assert 0 < at <= WITHIN
 
 
 async def test_wheels_that_stall_at_a_wall_met_something() -> None:

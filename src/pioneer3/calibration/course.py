@@ -22,6 +22,7 @@ from pioneer3.behaviors.surroundings import Buffer
 from pioneer3.calibration.track import RawTrack
 from pioneer3.errors import DeviceError, MotionError
 from pioneer3.geometry import ORIGIN, Extent, Pose2, wrap
+from pioneer3.models import RobotModel
 from pioneer3.robot.devices.laser import LaserSource
 from pioneer3.runtime.driven import Driven
 from pioneer3.runtime.motions import lost_as_motion_error
@@ -126,6 +127,12 @@ def leg_stack(robot: Driven, leg: CourseLeg) -> Stack:
         Ranked(50, Advancing(motion=motion)),
     ]
     return Stack.of("calibration", MODE, actions, "drives to be measured")
+
+
+def ground_of(model: RobotModel, length: float) -> Extent:
+    """Return the ground that a robot takes that turns at both ends of a line of `length` [m]."""
+    reach = model.corner + CLEARANCE
+    return Extent(-reach, -reach, length + reach, reach)
 
 
 def require_room(robot: Driven, room: Extent) -> None:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from math import floor, pi
 
-from pioneer3.calibration.course import CLEARANCE, CourseLeg
+from pioneer3.calibration.course import CLEARANCE, CourseLeg, ground_of
 from pioneer3.geometry import Extent
 from pioneer3.models import RobotModel
 
@@ -77,7 +77,7 @@ def plan(
     Squares are driven so many `rounds`, each both ways, over the same ground.
     """
     reach = model.corner + CLEARANCE
-    around = Extent(-reach, -reach, reach, reach)
+    around = ground_of(model, 0.0)
     ground = Extent(-reach, -reach, side + reach, side + reach)
     steps = []
     for left, word in ((True, "left"), (False, "right")):

@@ -11,10 +11,15 @@ from pioneer3.cli.process import (
     write_json,
 )
 
+COURSE = 1.0
+"""How far `doctor --drive` drives, there and back [m]."""
+
 if TYPE_CHECKING:
     from pioneer3.doctor.facts import Finding
     from pioneer3.doctor.ports import SerialPort
     from pioneer3.doctor.probe import Probed
+    from pioneer3.links import Opener
+    from pioneer3.models import GivenModel
     from pioneer3.runtime.robot import Robot
 
 
@@ -61,18 +66,26 @@ def _as_data(robot: "Robot") -> dict[str, object]:
 
 @until_told_to_leave
 async def doctor(
-    *, which: RobotOptions = WHICH, baud: Baud = None, seconds: Seconds = 3.0, json: Json = False
+    *,
+    which: RobotOptions = WHICH,
+    baud: Baud = None,
+    seconds: Seconds = 3.0,
+    drive: Flag = False,
+    json: Json = False,
 ) -> int:
     """Check everything from the plug to the wheels; say what is wrong and what to do.
 
-    Nothing moves, and the motors stay off. Variables of ROS 1 are checked, too, if
-    they are set. The exit code is 0 unless a check failed; then 3 (no robot can be
-    reached), 4 (no permission) or 1.
+    Nothing moves, and the motors stay off. With --drive the robot MOVES at the end,
+    if all else is well: a metre there and back, with two half turns. A simulated
+    twin tells whether its wheels do what they should. Any key stops it, k is the
+    emergency stop. Variables of ROS 1 are checked, too, if they are set. The exit code
+    is 0 unless a check failed; then 3 (no robot can be reached), 4 (no permission) or 1.
 
     Example: pioneer3 doctor --port /dev/ttyUSB0
 
     Args:
         seconds: How long to listen to the robot.
+        drive: Drive a metre, too: do its wheels do what they are told?
     """
     import asyncio
 
@@ -87,12 +100,54 @@ async def doctor(
     with busy_sign(f"Asking {port}, and listening for {seconds:g} s ..."):
         facts = await gather(port, baud=baud, model=which.given_model, seconds=seconds)
         findings = (*diagnose(facts), *await asyncio.to_thread(lambda: [*check_environment()]))
+    if drive and not exit_code(findings):
+        findings = (*findings, await _driven(port, which.given_model, baud, json=json))
     code = exit_code(findings)
     if json:
         write_json({"port": port, "exit_code": code, "findings": findings}, indent=2)
     else:
         _show_findings(findings)
     return code
+
+
+async def _driven(
+    port: "str | Opener", model: "GivenModel", baud: int | None, *, json: bool
+) -> "Finding":
+    """Drive a short course beside a simulated twin; return the finding about it."""
+    import asyncio
+    from math import pi
+
+    from pioneer3.calibration.course import CourseLeg, drive, ground_of
+    from pioneer3.cli.live import announce, how_to_stop, show_while
+    from pioneer3.doctor.robot_checks import drive_finding
+    from pioneer3.errors import MotionError
+    from pioneer3.runtime.connect import connect_robot
+    from pioneer3.runtime.shadow import STALL
+    from pioneer3.tasks import running
+
+    legs = [CourseLeg(way=COURSE), CourseLeg(turn=pi), CourseLeg(way=COURSE), CourseLeg(turn=-pi)]
+    told = None
+    async with connect_robot(port, baud=baud, model=model, shadow=True) as robot:
+        announce(robot, f"drives {COURSE:g} m and back; {how_to_stop()}", json=json)
+
+        async def watch() -> None:
+            nonlocal told
+            async for _ in robot.snapshots():
+                parting = robot.shadow and robot.shadow.parting
+                told = told or (parting.text if parting else None)
+
+        held_up = None
+
+        async def go() -> None:
+            await drive(robot, legs, ground_of(robot.info.model, COURSE))
+
+        async with running(watch()):
+            try:
+                await show_while(robot, go())
+            except MotionError as error:
+                held_up = str(error)
+                await asyncio.sleep(STALL)  # a stall is told once the robot stands
+    return drive_finding(told, held_up)
 
 
 def _show_findings(findings: "tuple[Finding, ...]") -> None:

@@ -179,6 +179,27 @@ def check_state(facts: LinkFacts) -> Iterator[Finding]:
     yield from _faults(now)
 
 
+def drive_finding(parting: str | None, held_up: str | None) -> Finding:
+    """Do the wheels do what they are told? A drive was `held_up`, or parted from the twin's."""
+    if parting is None and held_up is None:
+        return _ok("drive", "does what its simulated twin does")
+    if parting is None:
+        return _warning(
+            check="drive",
+            found=f"could not be tried: {held_up}",
+            advice="Make room, and begin again.",
+            symptom=Symptom.DOES_NOT_MOVE,
+        )
+    return Finding(
+        check="drive",
+        level=Level.FAIL,
+        found=f"not as its simulated twin: {parting}",
+        meaning="The wheels do not do what they are told.",
+        advice="See that nothing holds the robot, then look at that wheel, its tyre and its motor.",
+        symptom=Symptom.WRONG_DISTANCES,
+    )
+
+
 def _stop_button(now: Snapshot) -> Finding:
     if not now.motors.stop_button:
         return _ok("stop button", "not pressed")

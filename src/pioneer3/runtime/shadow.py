@@ -39,7 +39,9 @@ GROUND_LEAST = 0.025
 GROUND_SHARE = 0.02
 """So do those that differ by less than this share: odometry that was never calibrated is so wrong,
 and a place on a map is known to a centimetre or two."""
-SKID = 0.1
+PIECE = 1.0
+"""Ways are compared in pieces of so long: within them, a turn that slips bends nothing [s]."""
+SKID = 0.02
 """Share of the way of its sides around each other that a skid-steered robot may lose besides."""
 STANDS = 0.15
 """Wheels that went less than this share of the way that they should have gone stand."""
@@ -47,6 +49,12 @@ ALIKE = 0.5
 """Both sides are slow if the better one lacks at least this share of what the other lacks."""
 LASTS = 1.0
 """A difference that lasts for so long is believed [s]: on hard turns wheels lag behind for less."""
+SLIP_LASTS = 0.3
+"""The same of the way over the ground, which no ramp holds back [s]."""
+STALL = 1.0
+"""A robot that stands within this time of a stall was stopped by it [s]."""
+PUSHES = 0.35
+"""A side is stalled after it has pushed for about so long [s]."""
 READ = 2.0
 """Shortest time for which it is told [s]."""
 NEAR = 0.3
@@ -163,6 +171,7 @@ class Shadow:
         self._moments: deque[_Moment] = deque()
         self._encoder = ORIGIN
         self._since, self._until = inf, -inf
+        self._stall: Snapshot | None = None
 
     def now(self) -> float:
         """Return the time [s]."""
@@ -171,7 +180,7 @@ class Shadow:
     def remark(self, words: str) -> None:
         """Begin anew with each connection."""
         if words.startswith(OPEN):
-            self._twin, self.parting = None, None
+            self._twin, self.parting, self._stall = None, None, None
             self._unheard.clear()
             self._moments.clear()
 
@@ -205,8 +214,45 @@ class Shadow:
         self._encoder = here
         if not snapshot.motors.enabled or snapshot.motors.stop_button:
             self._moments.clear()  # it stands, whatever it was told before
+        if snapshot.motors.stalled:
+            self._stall = snapshot
+        if len(self._moments) > 1 and self._is_blocked(snapshot):
+            self._tell(self._parting(self._cause_of_stall(snapshot, model), 1.0), snapshot)
+            self._moments.clear()  # the driver stops what stalls
+            return self.parting
         self._decide(self._judge(snapshot, model) if len(self._moments) > 1 else None, snapshot)
         return self.parting
+
+    def _is_blocked(self, snapshot: Snapshot) -> bool:
+        """Whether the motors push, or did just now, and nothing turns any more.
+
+        On hard turns they may push hard, too.
+        """
+        stall = self._stall
+        return stall is not None and snapshot.stamp - stall.stamp < STALL and stands(snapshot)
+
+    def _cause_of_stall(self, snapshot: Snapshot, model: RobotModel) -> Cause:
+        """Return why a robot stalls: one side that drags stalls alone, while the other one goes."""
+        assert self._stall is not None
+        motors, at = self._stall.motors, self._stall.stamp
+        pushing = [each for each in self._moments if -PUSHES < each.stamp - at <= 0]
+        first, last = (pushing or self._moments)[0], (pushing or self._moments)[-1]
+        if motors.left_stalled != motors.right_stalled:
+            side = 1 if motors.left_stalled else 0
+            told = last.twin[side] - first.twin[side]
+            if self._went(first, last)[side] / (told or inf) > ALIKE:
+                return Cause.LEFT_DRAGS if motors.left_stalled else Cause.RIGHT_DRAGS
+        return _held(snapshot, model, back=sum(last.twin) < sum(first.twin))
+
+    def _went(self, first: _Moment, last: _Moment) -> tuple[float, float]:
+        """Return the ways of both sides [m], over the ground where that is known."""
+        if first.robot_in_map is None or last.robot_in_map is None:
+            left, right = (b - a for a, b in zip(first.wheels, last.wheels, strict=True))
+            return left, right
+        assert self._twin is not None
+        moved, _ = arc_to(first.robot_in_map.inverse() @ last.robot_in_map)
+        aside = moved.w * self._twin.body.track / 2
+        return moved.v - aside, moved.v + aside
 
     def _decide(self, found: Parting | None, snapshot: Snapshot) -> None:
         """Believe what lasts, and keep it for as long as people need to read it."""
@@ -217,8 +263,12 @@ class Shadow:
                 self.parting = None
             return
         self._since = min(self._since, now)
-        if now - self._since >= LASTS or _is_blocked(snapshot):
-            self.parting, self._until = found, now + READ
+        lasts = SLIP_LASTS if found.cause in {Cause.SLIPS, Cause.SPINS} else LASTS
+        if now - self._since >= lasts:
+            self._tell(found, snapshot)
+
+    def _tell(self, parting: Parting, snapshot: Snapshot) -> None:
+        self.parting, self._until = parting, snapshot.stamp + READ
 
     def _twin_of(self, model: RobotModel, now: float) -> Twin:
         if self._twin is None:
@@ -259,7 +309,7 @@ class Shadow:
     def _judge(self, snapshot: Snapshot, model: RobotModel) -> Parting | None:
         lags = range(min(LAGS, len(self._moments) - 1))
         lacks = min(map(self._lacks, lags), key=lambda both: max(each.excess for each in both))
-        if any(each.excess > 0 for each in lacks) or _is_blocked(snapshot):
+        if any(each.excess > 0 for each in lacks):
             cause = _cause(lacks, snapshot, model)
             return self._parting(cause, max(each.share for each in lacks))
         return self._judge_ground(model)
@@ -286,11 +336,12 @@ class Shadow:
         known = [each for each in self._moments if each.robot_in_map is not None]
         if not known:
             return None
-        first, last = known[0], known[-1]
-        assert first.robot_in_map is not None
-        assert last.robot_in_map is not None
-        rolled = _distance(first.robot_in_odom, last.robot_in_odom)
-        went = _distance(first.robot_in_map, last.robot_in_map)
+        marks = known[:1]
+        for each in known:
+            if each.stamp - marks[-1].stamp >= PIECE:
+                marks.append(each)
+        rolled = _way([each.robot_in_odom for each in marks])
+        went = _way([each.robot_in_map for each in marks if each.robot_in_map is not None])
         allowed = GROUND_LEAST + GROUND_SHARE * rolled
         if model.drive == "skid":
             aside = [each.wheels[1] - each.wheels[0] for each in known]
@@ -337,10 +388,8 @@ class _Lack:
 def _cause(lacks: Sequence[_Lack], snapshot: Snapshot, model: RobotModel) -> Cause:
     """Return why the wheels differ from what they were told."""
     shares = [each.share for each in lacks]
-    if _is_blocked(snapshot) or min(shares) > 1 - STANDS:
-        is_met = any((*snapshot.bumpers.front, *snapshot.bumpers.rear))
-        back = sum(each.told for each in lacks) < 0
-        return Cause.IN_THE_WAY if is_met or _is_near(snapshot, model, back=back) else Cause.HELD
+    if min(shares) > 1 - STANDS:
+        return _held(snapshot, model, back=sum(each.told for each in lacks) < 0)
     if not any(each.slow for each in lacks):
         return Cause.PUSHED
     if min(shares) < ALIKE * max(shares):
@@ -348,9 +397,10 @@ def _cause(lacks: Sequence[_Lack], snapshot: Snapshot, model: RobotModel) -> Cau
     return Cause.BATTERY if snapshot.battery.low else Cause.SLOW
 
 
-def _is_blocked(snapshot: Snapshot) -> bool:
-    """Whether the motors push, and nothing turns; on hard turns they may push hard, too."""
-    return snapshot.motors.stalled and stands(snapshot)
+def _held(snapshot: Snapshot, model: RobotModel, *, back: bool) -> Cause:
+    """Return why no wheel turns."""
+    is_met = any((*snapshot.bumpers.front, *snapshot.bumpers.rear))
+    return Cause.IN_THE_WAY if is_met or _is_near(snapshot, model, back=back) else Cause.HELD
 
 
 def _is_near(snapshot: Snapshot, model: RobotModel, *, back: bool) -> bool:
@@ -362,5 +412,6 @@ def _is_near(snapshot: Snapshot, model: RobotModel, *, back: bool) -> bool:
     )
 
 
-def _distance(one: Pose2, other: Pose2) -> float:
-    return hypot(other.x - one.x, other.y - one.y)
+def _way(poses: Sequence[Pose2]) -> float:
+    """Return how far a way leads by poses on it, which are close together [m]."""
+    return sum(hypot(b.x - a.x, b.y - a.y) for a, b in pairwise(poses))

@@ -20,11 +20,13 @@ from pioneer3.sim.kernels.drives import (
     ENERGY,
     HEAT,
     LEFT,
+    LEFT_STALLED,
     LINEAR,
     ODOM_THETA,
     ODOM_X,
     ODOM_Y,
     RIGHT,
+    RIGHT_STALLED,
     STALLED,
     SUPPLY,
     TOP,
@@ -169,7 +171,13 @@ class Body:
     @property
     def stalled(self) -> bool:
         """Whether the drive pushes and nothing moves."""
-        return bool(self.drives.flags.item(STALLED, self.number))
+        return any(self.stalled_sides)
+
+    @property
+    def stalled_sides(self) -> tuple[bool, bool]:
+        """Whether the left and the right side push and do not turn."""
+        bits = int(self.drives.flags[STALLED, self.number])
+        return bool(bits & LEFT_STALLED), bool(bits & RIGHT_STALLED)
 
     @property
     def front_bumpers(self) -> int:

@@ -9,7 +9,7 @@ from pioneer3.arcos import commands
 from pioneer3.arcos.reports import SIP_STOPPED, Config, Fault, Sip, SipFlag
 from pioneer3.sim.body import AMBIENT
 from pioneer3.sim.firmware.instruments import HOT
-from pioneer3.sim.kernels.drives import CAPACITY, HEAT, STALLED, SUPPLY
+from pioneer3.sim.kernels.drives import CAPACITY, HEAT, LEFT_STALLED, STALLED, SUPPLY
 from pioneer3.sim.realism import Realism, SonarErrors
 from tests.support import wall_at
 from tests.unit.sim.bench import ON, Bench
@@ -29,9 +29,9 @@ def test_bumpers_lie_beside_the_stall_bits(bench: Bench) -> None:
     sip = bench.sip()
     assert sip.right_stall_front_bumpers == SEGMENTS
     assert sip.left_stall_rear_bumpers == 1 << 5
-    bench.body.drives.flags[STALLED, bench.body.number] = 1
+    bench.body.drives.flags[STALLED, bench.body.number] = LEFT_STALLED
     sip = bench.firmware.information(bench.now)
-    assert sip.right_stall_front_bumpers == SEGMENTS | 1
+    assert sip.right_stall_front_bumpers == SEGMENTS
     assert sip.left_stall_rear_bumpers == 1 << 5 | 1
 
 

@@ -150,7 +150,7 @@ class Instruments:
         odom, angular = body.robot_in_odom, body.drive.angular
         v, w = body.speeds
         half = w * body.track / 2
-        stalled = int(body.stalled or self._bumped)
+        left_stalled, right_stalled = (int(each or self._bumped) for each in body.stalled_sides)
         faked = self._fake_temperature
         celsius = body.motor_temperature if faked is None else faked
         hot = celsius >= HOT or self._fake_heat
@@ -164,8 +164,8 @@ class Instruments:
             left_speed_raw=round((v - half) / model.speed_factor),
             right_speed_raw=round((v + half) / model.speed_factor),
             battery_decivolts=min(decivolts, 255),
-            left_stall_rear_bumpers=stalled | body.rear_bumpers,
-            right_stall_front_bumpers=stalled | body.front_bumpers,
+            left_stall_rear_bumpers=left_stalled | body.rear_bumpers,
+            right_stall_front_bumpers=right_stalled | body.front_bumpers,
             control_raw=round(wrap(odom.theta + (angular.remaining or 0.0)) / model.heading_factor),
             flags=self._flags(hot=hot) | inputs.flags,
             compass_raw=inputs.compass_raw,

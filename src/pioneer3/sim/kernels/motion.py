@@ -19,6 +19,7 @@ from pioneer3.sim.kernels.drives import (
     ANGULAR,
     ARRIVED,
     BASE,
+    BOTH_STALLED,
     BRAKING,
     CAPACITY,
     DECELERATION,
@@ -318,7 +319,7 @@ def _use_energy(n: int, dt: float, drives: Wheels) -> None:
     v, w = abs(axes[VELOCITY, LINEAR, n]), abs(axes[VELOCITY, ANGULAR, n])
     power = wheels[SUPPLY, n] - IDLE_POWER - DRIVE_POWER * v
     wheels[ENERGY, n] = min(max(wheels[ENERGY, n] + power * dt, 0.0), CAPACITY)
-    warm = DRIVE_HEAT * v + TURN_HEAT * w + STALL_HEAT * flags[STALLED, n]
+    warm = DRIVE_HEAT * v + TURN_HEAT * w + STALL_HEAT * (flags[STALLED, n] != 0)
     wheels[HEAT, n] += (warm - wheels[HEAT, n]) * (dt / HEAT_TIME)
 
 
@@ -343,7 +344,8 @@ def step(
         if _collides(n, px, py, theta, moved_by, BETWEEN, state, walls, others, found):
             share = _free_share(n, motion, moved_by, state, walls, others, found)
             axes[VELOCITY, LINEAR, n] = axes[VELOCITY, ANGULAR, n] = 0.0
-        flags[STALLED, n] = flags[TOUCHED, n] = share < 1.0
+        flags[TOUCHED, n] = share < 1.0
+        flags[STALLED, n] = BOTH_STALLED * (share < 1.0)
         if share > 0.0:
             _apply(n, share, motion, drives, state)
             outline(n, state, others[1])

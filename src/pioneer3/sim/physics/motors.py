@@ -12,8 +12,10 @@ from pioneer3.sim.kernels.drives import (
     ANGULAR,
     BASE,
     BRAKING,
+    LEFT_STALLED,
     LINEAR,
     POWERED,
+    RIGHT_STALLED,
     STALLED,
     VELOCITY,
     W_OF_W,
@@ -143,8 +145,9 @@ class MotorArrays:
         force = abs(scene.data.actuator_force[scene.motors])
         pushes = (force > FULL_SHARE * self._torque) & (drives.flags[POWERED] != 0)
         self._pushing = np.where(pushes, self._pushing + dt, 0.0)
-        stalled = (self._pushing >= STALL_TIME).any(axis=0)
-        drives.flags[STALLED] = stalled
+        left, right = self._pushing >= STALL_TIME
+        drives.flags[STALLED] = LEFT_STALLED * left + RIGHT_STALLED * right
+        stalled = left | right
         # ramps begin anew at the speeds of the wheels, so that another command counts at once
         speeds = [self.speeds(number) for number in np.flatnonzero(stalled).tolist()]
         drives.axes[VELOCITY][:, stalled] = np.array(speeds).reshape(-1, 2).T
