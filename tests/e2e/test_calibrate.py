@@ -4,6 +4,7 @@ import asyncio
 from collections.abc import AsyncIterator, Iterator
 from contextlib import AsyncExitStack, asynccontextmanager
 from math import degrees, radians
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -22,6 +23,7 @@ from pioneer3.models import load_model
 from pioneer3.models.own import own_path, read_own
 from pioneer3.robot.lasers.mounting import Mounting
 from pioneer3.runtime.robot import Robot
+from pioneer3.sim.equipment import Equipment
 from pioneer3.sim.realism import OdometryErrors, Realism
 from tests.lasers import LaserUnit
 from tests.support import SimulatedRobot, is_at
@@ -178,6 +180,23 @@ async def test_what_comes_in_the_way_ends_a_step() -> None:
             await drive(robot, [CourseLeg(way=4.0)], Extent(0, -0.4, 1.0, 0.4))
         there = sim.body.robot_in_world
         assert 2.2 < there.x + robot.info.model.length_front < 3.4
+
+
+async def test_turns_tell_the_scale_of_a_gyro(tmp_path: Path) -> None:
+    own = tmp_path / "rosie.toml"
+    own.write_text('like = "p3dx-sh"\ngyro_scaler = 1.72\n')
+    fitted = Equipment(gyro_type=1, gyro_bias=radians(2), gyro_noise=radians(0.5))
+    sim = SimulatedRobot(
+        room(), model=str(own), realism=Realism(odometry=ERRORS), equipment=fitted, seed=2
+    )
+    async with sim, connect_async(sim.open) as robot:
+        told = Calibration(robot.info.model)
+        for step in plan(robot.info.model, 1.2, 1.2, 1, by_laser=False, by_sonar=True)[:2]:
+            told.take(step, await drive(robot, step.legs, step.room))
+    found = told.gyro_scaler()
+    assert found is not None
+    assert found[0] == pytest.approx(1.72, abs=0.01)
+    assert found[1] < 0.01
 
 
 async def test_a_laser_tells_the_errors_and_its_own_place_and_delay() -> None:

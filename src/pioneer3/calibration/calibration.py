@@ -24,6 +24,10 @@ ANGLE_SIGMA = radians(1)
 """Standard deviation of an angle by eye, and of how well a robot is set on its mark [rad]."""
 MOST_OFF = 0.3
 """Error of an end over the way that is believed at most."""
+GYRO_SIGMA = radians(1)
+"""Standard deviation of a turn by the gyro, by the drift of its zero [rad]."""
+LEAST_TURN = radians(300)
+"""Shorter turns tell nothing about the gyro [rad]."""
 MOST_TURNED = radians(120)
 """Error of a heading that is believed at most [rad]."""
 
@@ -172,6 +176,21 @@ class Calibration:
             late.append(delays(each.drive, self._poses, headings, places))
         return delay_of(late)
 
+    def gyro_scaler(self) -> tuple[float, float] | None:
+        """Return the factor on the gyro's rates and its standard deviation; `None` without one."""
+        factors, weights = [], []
+        for each in self.measured:
+            turn, by_gyro = each.runs[-1].end[2], each.drive.gyro_turn
+            if abs(turn) > LEAST_TURN and abs(by_gyro) > LEAST_TURN:  # both are known then
+                factors.append(turn / by_gyro)
+                weights.append(turn**2 / (each.runs[-1].sigma[2] ** 2 + GYRO_SIGMA**2))
+        if len(factors) < 2:
+            return None
+        factor = float(np.average(factors, weights=weights))
+        spread = float(np.std(factors, ddof=1) / np.sqrt(len(factors)))
+        scaler = self._model.gyro_scaler
+        return scaler * factor, scaler * max(spread, 1 / np.sqrt(sum(weights)))
+
     def lines(self) -> list[str]:
         """Return the lines about the calibration for people."""
         told = self.estimate()
@@ -206,6 +225,8 @@ class Calibration:
             )
             if (late := self.delay()) is not None:
                 lines.append(f"its scans are {1000 * late[0]:.0f} ms late +- {1000 * late[1]:.0f}")
+        if (gyro := self.gyro_scaler()) is not None:
+            lines.append(f"gyro_scaler = {gyro[0]:.4f} +- {gyro[1]:.4f}")
         if not told.is_certain:
             lines.append("this is not better than chance: leave it, or measure more steps")
         return lines

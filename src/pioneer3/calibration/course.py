@@ -2,9 +2,9 @@
 
 import asyncio
 from collections.abc import Sequence
-from contextlib import nullcontext
+from contextlib import AsyncExitStack, suppress
 from dataclasses import dataclass, field
-from math import degrees, inf, isfinite, radians
+from math import degrees, inf, isfinite, nan, radians
 from typing import Protocol
 
 import numpy as np
@@ -23,6 +23,8 @@ from pioneer3.calibration.track import RawTrack
 from pioneer3.errors import DeviceError, MotionError
 from pioneer3.geometry import ORIGIN, Extent, Pose2, wrap
 from pioneer3.models import RobotModel
+from pioneer3.robot.devices import Devices
+from pioneer3.robot.devices.gyro import GyroReading
 from pioneer3.robot.devices.laser import LaserSource
 from pioneer3.runtime.driven import Driven
 from pioneer3.runtime.motions import lost_as_motion_error
@@ -66,6 +68,7 @@ class StepDrive:
         scans: Scans in motion.
         echoes: Raw heading, which goes on beyond a full turn [rad], number of the transducer, and
             range [m] of what sonars heard, shape (M, 3).
+        gyro_turn: Turn from the first to the last of the marks by the gyro [rad]; NaN without one.
     """
 
     track: RawTrack
@@ -73,10 +76,15 @@ class StepDrive:
     stands: Sequence[Scan]
     scans: Sequence[Scan]
     echoes: Float
+    gyro_turn: float = nan
 
 
 class Measurable(Driven, Protocol):
-    """A robot whose laser can be looked through."""
+    """A robot whose laser can be looked through, and whose gyro read."""
+
+    @property
+    def devices(self) -> Devices:
+        """What it carries."""
 
     @property
     def laser(self) -> LaserSource:
@@ -168,6 +176,8 @@ class _Recorder:
     scans: list[Scan] = field(default_factory=list)
     heading: float = 0.0
     sessions: int | None = None
+    gyro: GyroReading | None = None
+    gyro_heading: float = 0.0
 
     async def run(self) -> None:
         """Take each snapshot."""
@@ -187,6 +197,10 @@ class _Recorder:
             self.heading += wrap(here.theta - self.poses[-1].theta)
         self.stamps.append(snapshot.stamp)
         self.poses.append(here)
+        gyro = self.robot.devices.gyro.latest
+        if gyro is not None:
+            self.gyro_heading += wrap(gyro.heading - self.gyro.heading) if self.gyro else 0.0
+            self.gyro = gyro
         ranges = snapshot.sonar.ranges
         self.echoes += [(self.heading, n, ranges[n]) for n in snapshot.sonar.fresh]
         scan = self.robot.laser.latest if self.by_laser else None
@@ -209,19 +223,28 @@ async def drive(
     recorder = _Recorder(robot, by_laser)
     marks: list[int] = []
     stands: list[Scan] = []
+    turned: list[float] = []
 
     async def stand() -> None:
         await asyncio.sleep(STILL_TIME)
         if by_laser:
             stands.append(await _standing(robot))
         marks.append(len(recorder.poses) - 1)
+        turned.append(recorder.gyro_heading if recorder.gyro else nan)
 
-    with robot.laser.wanted() if by_laser else nullcontext():
-        async with running(recorder.run()):
+    gyro = robot.devices.gyro
+    async with AsyncExitStack() as stack:
+        if by_laser:
+            stack.enter_context(robot.laser.wanted())
+        await stack.enter_async_context(running(recorder.run()))
+        if gyro.presence.there:
+            stack.enter_context(gyro.wanted())
+            with suppress(DeviceError):
+                await gyro.reading()  # it learns its zero
+        await stand()
+        for leg in legs:
+            await robot.run(leg_stack(robot, leg))
             await stand()
-            for leg in legs:
-                await robot.run(leg_stack(robot, leg))
-                await stand()
     if marks[0] < 0:
         raise MotionError("the robot has told nothing: repeat this step")
     return StepDrive(
@@ -230,6 +253,7 @@ async def drive(
         stands=stands,
         scans=recorder.scans,
         echoes=np.array(recorder.echoes).reshape(-1, 3),
+        gyro_turn=turned[-1] - turned[0],
     )
 
 

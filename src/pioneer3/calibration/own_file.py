@@ -18,6 +18,8 @@ from pioneer3.text import shown, write_bytes
 
 OLD = ".old"
 """Ending of the copy of the file as it was before."""
+ABOVE = "[above all tables]"
+"""Stands for the heading that the keys at the beginning of a file do not have."""
 HEADING = re.compile(r"\s*\[")
 ODOMETRY = re.compile(r"\s*\[\s*odometry\s*\]\s*(#.*)?$")
 LASER = re.compile(r"\s*\[\[\s*lasers\s*\]\]\s*(#.*)?$")
@@ -31,11 +33,18 @@ class Numbers:
         odometry: Correction of its odometry.
         laser: Place of its first laser; `None` to leave it.
         delay: Time by which the scans of that are late [s]; `None` to leave it.
+        gyro_scaler: Factor on the rates of its gyro; `None` to leave it.
     """
 
     odometry: OdometryCorrection
     laser: Pose2 | None = None
     delay: float | None = None
+    gyro_scaler: float | None = None
+
+    @property
+    def of_robot(self) -> dict[str, float]:
+        """The keys above all tables."""
+        return {} if self.gyro_scaler is None else {"gyro_scaler": round(self.gyro_scaler, 4)}
 
     @property
     def of_odometry(self) -> dict[str, float]:
@@ -56,8 +65,10 @@ class Numbers:
     @property
     def text(self) -> str:
         """The tables as they stand in a file."""
+        keys = "".join(f"{key} = {value!r}\n\n" for key, value in self.of_robot.items())
         tables = written({"odometry": self.of_odometry})
-        return tables + (f"\n{written({'lasers': [self.of_laser]})}" if self.of_laser else "")
+        lasers = f"\n{written({'lasers': [self.of_laser]})}" if self.of_laser else ""
+        return keys + tables + lasers
 
 
 def file_of(info: RobotInfo) -> Path:
@@ -110,6 +121,10 @@ def with_numbers(text: str, numbers: Numbers, path: Path, kin: RobotModel | None
     """
     new = _with_keys(text, ODOMETRY, numbers.of_odometry, "[odometry]")
     expected = load(Source.of(path, text))
+    if numbers.of_robot:
+        new = _with_keys(f"{ABOVE}\n{new}", re.compile(re.escape(ABOVE)), numbers.of_robot, None)
+        new = new.removeprefix(f"{ABOVE}\n")
+        expected |= numbers.of_robot
     expected["odometry"] = {**expected.get("odometry", {}), **numbers.of_odometry}
     if numbers.of_laser and expected.get("lasers"):
         new = _with_keys(new, LASER, numbers.of_laser, None)

@@ -273,10 +273,12 @@ async def _write(robot: "Robot", told: "Calibration", options: _Options) -> int:
     given: Path | None = info.own.path if info.own else None
     own_laser = bool(info.own and info.own.lasers)
     late = told.delay() if own_laser else None
+    gyro = told.gyro_scaler()
     numbers = Numbers(
         odometry=estimate.correction,
         laser=estimate.laser if own_laser else None,
         delay=late[0] + (info.own.lasers[0].delay if info.own else 0.0) if late else None,
+        gyro_scaler=gyro[0] if gyro else None,
     )
     path = file_of(info)
     write_line(f"\nFor {given or path}:\n{numbers.text.rstrip()}")

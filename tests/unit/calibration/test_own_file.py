@@ -15,6 +15,7 @@ NUMBERS = Numbers(
     odometry=OdometryCorrection(1.0123456, 0.98, 1.005),
     laser=Pose2(0.123456, -0.01, radians(2)),
     delay=0.0412,
+    gyro_scaler=1.70014,
 )
 FILE = """\
 # rosie, of room 12
@@ -49,7 +50,7 @@ def test_numbers_are_replaced_and_comments_stay() -> None:
     assert (own.lasers[0].mount.x, own.lasers[0].delay) == (0.1235, 0.041)
     assert own.lasers[0].mount.theta == pytest.approx(radians(2))
     assert own.lasers[1].mount.x == -0.2
-    assert own.model.max_speed == 0.5
+    assert (own.model.max_speed, own.model.gyro_scaler) == (0.5, 1.7001)
     for comment in ("# rosie, of room 12", "# since 2024", "# by hand", "# five metres", "# tape"):
         assert comment in text
     assert with_numbers(text, NUMBERS, PATH) == text
