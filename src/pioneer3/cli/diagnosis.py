@@ -75,11 +75,12 @@ async def doctor(
 ) -> int:
     """Check everything from the plug to the wheels; say what is wrong and what to do.
 
-    Nothing moves, and the motors stay off. With --drive the robot MOVES at the end,
-    if all else is well: a metre there and back, with two half turns. A simulated
-    twin tells whether its wheels do what they should. Any key stops it, k is the
-    emergency stop. Variables of ROS 1 are checked, too, if they are set. The exit code
-    is 0 unless a check failed; then 3 (no robot can be reached), 4 (no permission) or 1.
+    Nothing moves, and the motors stay off. With --drive the robot MOVES at last, if
+    all else is well: a metre there and back, with two half turns. A simulated twin
+    tells whether its wheels do what they should. Any key stops it, k is the
+    emergency stop. Variables of ROS 1 are checked, too, if they are set. The exit
+    code is 0 unless a check failed; then 3 (no robot can be reached), 4 (no
+    permission) or 1.
 
     Example: pioneer3 doctor --port /dev/ttyUSB0
 

@@ -217,8 +217,11 @@ class Shadow:
         if snapshot.motors.stalled:
             self._stall = snapshot
         if len(self._moments) > 1 and self._is_blocked(snapshot):
-            self._tell(self._parting(self._cause_of_stall(snapshot, model), 1.0), snapshot)
+            cause = self._cause_of_stall(snapshot, model)
+            if cause is not None:
+                self._tell(self._parting(cause, 1.0), snapshot)
             self._moments.clear()  # the driver stops what stalls
+            self._stall = None
             return self.parting
         self._decide(self._judge(snapshot, model) if len(self._moments) > 1 else None, snapshot)
         return self.parting
@@ -231,16 +234,21 @@ class Shadow:
         stall = self._stall
         return stall is not None and snapshot.stamp - stall.stamp < STALL and stands(snapshot)
 
-    def _cause_of_stall(self, snapshot: Snapshot, model: RobotModel) -> Cause:
-        """Return why a robot stalls: one side that drags stalls alone, while the other one goes."""
+    def _cause_of_stall(self, snapshot: Snapshot, model: RobotModel) -> Cause | None:
+        """Return why a robot stalls: one side that drags stalls alone, while the other one goes.
+
+        A robot that brakes hard on a turn pushes as hard, and goes as it should: `None`.
+        """
         assert self._stall is not None
         motors, at = self._stall.motors, self._stall.stamp
         pushing = [each for each in self._moments if -PUSHES < each.stamp - at <= 0]
         first, last = (pushing or self._moments)[0], (pushing or self._moments)[-1]
         if motors.left_stalled != motors.right_stalled:
-            side = 1 if motors.left_stalled else 0
-            told = last.twin[side] - first.twin[side]
-            if self._went(first, last)[side] / (told or inf) > ALIKE:
+            stalled, other = (0, 1) if motors.left_stalled else (1, 0)
+            told = [b - a or inf for a, b in zip(first.twin, last.twin, strict=True)]
+            if (last.wheels[stalled] - first.wheels[stalled]) / told[stalled] > ALIKE:
+                return None
+            if self._went(first, last)[other] / told[other] > ALIKE:
                 return Cause.LEFT_DRAGS if motors.left_stalled else Cause.RIGHT_DRAGS
         return _held(snapshot, model, back=sum(last.twin) < sum(first.twin))
 
