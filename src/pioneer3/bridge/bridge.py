@@ -78,7 +78,6 @@ class Bridge:
         self._drained = asyncio.Event()
         self._drained.set()
         self._sockets: set[SocketPort] = set()
-        self._link: Link | None = None
         self.log: LogWriter | None = None
         self._recording: WireRecording | None = None
         self.failed = ""

@@ -216,7 +216,6 @@ class ColorFollow(Action):
     moving: bool = False
     acquiring: bool = False
     name: str = "color follow"
-    _seen: float = field(default=-inf, init=False)
     _side: int = field(default=1, init=False)
 
     def decide(self, situation: Situation) -> Desire:

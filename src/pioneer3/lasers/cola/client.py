@@ -73,7 +73,7 @@ class ColaClient:
             set_up(self._session)
         )
         self._answered = self._running = self._closed = False
-        self._asked_at = self._repeat = self._scan_due = now
+        self._asked_at = self._repeat = now
         self._surplus = self._refused_since = 0
         self._clock = ColaClock()
         self._events: list[Event] = []

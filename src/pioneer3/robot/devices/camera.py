@@ -44,7 +44,6 @@ class Camera:
     def __init__(self, supervisor: Supervisor, name: CameraName, port: int = 1) -> None:
         self.kind = kind_of(name)
         self.aim = Aim()
-        self._supervisor = supervisor
         self._port = AuxPort(supervisor, port)
         self._answers: bool | None = None
 

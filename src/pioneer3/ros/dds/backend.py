@@ -61,7 +61,7 @@ class DdsBackend:
                 f"DDS needs Cyclone DDS: {how_to_get('dds')}; on Linux it has no package"
                 " for arm64: take --backend zenoh there"
             ) from error
-        self._types, self._options, self._node = types, options, node
+        self._types, self._options = types, options
         self.title = (
             f"DDS (Cyclone DDS {version('cyclonedds')}), domain {options.domain}{options.reach}"
         )
