@@ -355,7 +355,7 @@ def test_the_example_of_the_page_runs(tabs: Tabs, class_: Class) -> None:
     assert done.returncode == 0, done.stderr
 
 
-def test_a_run_is_recorded_handed_in_and_downloaded(tabs: Tabs, class_: Class) -> None:
+def test_a_run_is_recorded_handed_in_downloaded_and_replayed(tabs: Tabs, class_: Class) -> None:
     with teacher(tabs, class_) as desk, student(tabs, class_, "Ann", PHONE) as ann:
         ann.click("#details")  # on a student's phone it opens the part about programs first
         ann.click("#recording-begin")
@@ -368,11 +368,14 @@ def test_a_run_is_recorded_handed_in_and_downloaded(tabs: Tabs, class_: Class) -
         expect(desk.locator("#runs-count")).to_have_text("1")
         desk.click("#runs-open")
         with desk.expect_download() as download:
-            desk.locator("#runs-list a").click()
+            desk.locator("#runs-list a[download]").click()
         counts = open_log(download.value.path()).info().counts
         assert download.value.suggested_filename in {path.name for path in class_.folder.iterdir()}
         assert counts is not None
         assert counts["wire/robot/in"] > 0
+        with desk.expect_popup() as beside:
+            desk.get_by_role("link", name="Replay Ann-1.mcap").click()
+        expect(beside.value.locator("body.replaying")).to_be_visible()
 
 
 def test_put_back_asks_first_and_moves_the_robot_to_its_start(tabs: Tabs, class_: Class) -> None:
