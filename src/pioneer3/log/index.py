@@ -7,7 +7,7 @@ records only. Chunks that were read last are kept.
 import struct
 from bisect import bisect_left, bisect_right
 from collections import OrderedDict
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Set
 from dataclasses import dataclass
 from functools import cached_property
 from operator import attrgetter
@@ -262,7 +262,7 @@ class LogIndex:
         """Yield the messages of a topic from `begin` to `end` [ns since 1970]; keep nothing."""
         for number in self._places.get(topic, ()):
             if self._latest_ends[number] >= begin and self._chunks[number].begin <= end:
-                yield from (m for m in self._read(number, topic) if begin <= m.time <= end)
+                yield from (m for m in self._read(number, {topic}) if begin <= m.time <= end)
 
     def records(self, begin: int, end: int) -> Iterator[LogRecord]:
         """Yield the messages from `begin` to `end` [ns since 1970] as they lie in the file.
@@ -288,8 +288,7 @@ class LogIndex:
         Nothing is kept of them.
         """
         for number in range(len(self._chunks)):
-            messages = [each for each in self._read(number) if each.topic in topics]
-            yield (number + 1) / len(self._chunks), messages
+            yield (number + 1) / len(self._chunks), self._read(number, topics)
 
     def _last_begun(self, time: int) -> int:
         """Return the number of the last chunk that begins until a time; -1 for none."""
@@ -306,14 +305,12 @@ class LogIndex:
                 self._kept.popitem(last=False)
         return messages if topic is None else [each for each in messages if each.topic == topic]
 
-    def _read(self, number: int, topic: str | None = None) -> list[LogMessage]:
-        """Read the messages of a chunk, or those of a topic, by their times, but those of bytes."""
+    def _read(self, number: int, topics: Set[str] | None = None) -> list[LogMessage]:
+        """Read the messages of topics in a chunk, by their times; of all but those of bytes."""
+        wanted = self.topics if topics is None else topics
         with self._log.damage_told():
             return messages_of(
-                record
-                for record in self._records(number)
-                if (known := record.channel.topic) == topic
-                or (topic is None and not known.startswith("wire/"))
+                record for record in self._records(number) if record.channel.topic in wanted
             )
 
     def _records(self, number: int) -> list[LogRecord]:

@@ -33,6 +33,8 @@ PIECES: Final = "pieces"
 """Key in the metadata of a channel whose messages are bytes in pieces."""
 NO_NUMBERS: Final = ("inf", "-inf", "nan")
 """Texts in place of numbers that JSON lacks."""
+AS_THEY_ARE: Final = {int, str, bool, type(None)}
+"""Types whose values JSON has, all of them."""
 MICRO: Final = 1000
 """Microsecond [ns], in which older logs tell the times of pieces."""
 ROUGH: Final = 100_000
@@ -190,10 +192,12 @@ def totals(counts: Mapping[str, int], ended: int) -> dict[str, str]:
 
 def with_texts(value: Any) -> Any:
     """Return a value with texts in place of numbers that JSON lacks."""
+    if type(value) in AS_THEY_ARE:
+        return value
     if isinstance(value, dict):
         return {key: with_texts(each) for key, each in value.items()}
     if isinstance(value, list | tuple):
-        if value and type(value[0]) is float and isfinite(sum(value)):
+        if {*map(type, value)} == {float} and isfinite(sum(value)):
             return value
         return [with_texts(each) for each in value]
     return str(value) if isinstance(value, float) and not isfinite(value) else value
