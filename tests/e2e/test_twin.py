@@ -90,12 +90,24 @@ async def test_a_log_with_a_map_tells_the_errors_and_its_twin_ends_where_the_rob
     right = replace(twin, model=drive.model, covariance=twin.covariance * 1e-6)
     assert not likeness(drive, right).agrees, "a robot without errors would end elsewhere"
 
-    with robot_like(str(tmp_path / "drive.mcap"), Realism()) as like:
+    await drive_with_map(tmp_path / "other.mcap", seed=6)
+    other = likeness(read_drive(open_log(tmp_path / "other.mcap")), twin)
+    assert other.agrees, "it was not fitted to this drive"
+    assert not np.array_equal(other.runs, likeness(drive, twin).runs)
+
+    log, against = (str(tmp_path / f"{name}.mcap") for name in ("drive", "other"))
+    with robot_like(log, Realism(), against) as like:
         assert load_model(like.robot.model).odometry == twin.model.odometry
         assert like.realism.odometry.turn_noise == pytest.approx(0.01 * twin.noise)
     told = capsys.readouterr().out
     assert f"from {twin.pieces} pieces" in told
     assert AGREES in told
+
+
+def test_a_twin_by_an_own_file_has_no_other_log() -> None:
+    rosie()
+    with pytest.raises(ConfigError, match="--against other: of a twin by a log"):
+        robot_like("rosie", Realism(), "other").__enter__()
 
 
 async def test_a_log_without_a_place_on_a_map_says_that_it_tells_nothing(tmp_path: Path) -> None:

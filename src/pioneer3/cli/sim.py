@@ -211,6 +211,7 @@ MAP, DEFAULT_WORLD, DEFAULT_PORTS, DEFAULT_TIME = (
 DEFAULT_ERRORS, DEFAULT_MOBILESIM = ErrorOptions(), MobileSimOptions()
 MANY = Parameter(negative=(), show_default=False)
 LikeOption = Annotated[str | None, Parameter(name="--like", metavar="FILE")]
+AgainstOption = Annotated[str | None, Parameter(name="--against", metavar="LOG")]
 FleetOption = Annotated[Path | None, Parameter(name="--fleet", metavar="FILE")]
 
 
@@ -221,6 +222,7 @@ def sim(
     robot_factory: Annotated[str, Parameter(name=["--robot-factory", "-R"]), MANY] = "",
     fleet: FleetOption = None,
     like: LikeOption = None,
+    against: AgainstOption = None,
     map_: MapOptions = MAP,
     world: WorldOptions = DEFAULT_WORLD,
     ports: PortOptions = DEFAULT_PORTS,
@@ -247,6 +249,7 @@ def sim(
         robot_factory: MODEL of which each client of the first port gets a robot while it stays.
         fleet: File of a fleet: a robot for each row, with its name, model and TCP port.
         like: A real robot's own file or name, or a log of it: a robot with its measured errors.
+        against: With a log at --like: another log of it, which the twin is compared with.
         verbose: Tell who connects and leaves.
     """
     _log(mobilesim, verbose=verbose)
@@ -265,12 +268,14 @@ def sim(
         robots = simulated(read_fleet(fleet), ports.bind, network=ports.bind not in LOOPBACK)
     realism = errors.realism()
     with ExitStack() as stack:
+        if against is not None and like is None:
+            raise ConfigError(f"--against {against}: give the log that tells the twin with --like")
         if like is not None:
             if robots or robot_factory:
                 raise ConfigError("--like gives the robot; leave the other robots out")
             from pioneer3.cli.sim_like import robot_like
 
-            found = stack.enter_context(robot_like(like, realism))
+            found = stack.enter_context(robot_like(like, realism, against))
             robots, realism = [found.robot], found.realism
         simulation = simulator(
             map_name=map_.name(),

@@ -35,12 +35,13 @@ class Like:
 
 
 @contextmanager
-def robot_like(name: str, realism: "Realism") -> Iterator[Like]:
+def robot_like(name: str, realism: "Realism", against: str | None = None) -> Iterator[Like]:
     """Find the robot that a file or a name tells of; print what a log tells.
 
     Args:
         name: A robot's own file, a robot that has one, a log, or a part of a log's name.
         realism: Errors of what is not told.
+        against: Another log of the robot, which the twin is compared with in place of its own.
 
     Raises:
         ConfigError: There is no such robot or log, or it is wrong, or tells too little.
@@ -50,10 +51,12 @@ def robot_like(name: str, realism: "Realism") -> Iterator[Like]:
 
     path = path_of((name,)) or Path(name)
     if path.suffix.lower() in {TOML, ARIA}:
+        if against is not None:
+            raise ConfigError(f"--against {against}: of a twin by a log; {path} is none")
         yield _of_own_file(path, realism)
         return
     with TemporaryDirectory(prefix="pioneer3-") as folder:
-        yield _of_log(name, Path(folder), realism)
+        yield _of_log(name, Path(folder), realism, against)
 
 
 def _of_own_file(path: Path, realism: "Realism") -> Like:
@@ -80,7 +83,7 @@ def _laser(own: "OwnFile") -> str | None:
         return None
 
 
-def _of_log(name: str, folder: Path, realism: "Realism") -> Like:
+def _of_log(name: str, folder: Path, realism: "Realism", against: str | None) -> Like:
     from pioneer3.analysis.open_log import open_log
     from pioneer3.analysis.twin import likeness, read_drive, twin_of
     from pioneer3.cli.terminal import Terminal
@@ -93,7 +96,7 @@ def _of_log(name: str, folder: Path, realism: "Realism") -> Like:
         f"{drive.log.path.name}: a {drive.model.title}, from {twin.pieces} pieces of its drive"
     )
     Terminal().print(_ratios(twin))
-    alike = likeness(drive, twin)
+    alike = likeness(read_drive(open_log(against)) if against else drive, twin)
     Terminal().print(_ends(alike))
     write_line(AGREES if alike.agrees else DIFFERS)
     write_line(UNTOLD)
