@@ -92,7 +92,8 @@ def _reason(
         return (DISCONNECTED.about(lost) if lost else SILENT.about(silent)), False
     if told is not None:
         return told[1].reason, True
-    return _by_readings(snapshot[1], decision), False
+    made = decision[1].decision if decision else Decision()
+    return reason_by_readings(snapshot[1], made), False
 
 
 def _after(time: float, event: tuple[float, LogEvent] | None) -> str:
@@ -100,11 +101,11 @@ def _after(time: float, event: tuple[float, LogEvent] | None) -> str:
     return f": {event[1].text}" if event and event[0] >= time and event[1].kind == "link" else ""
 
 
-def _by_readings(snapshot: Snapshot, decision: tuple[float, DecisionMade] | None) -> Reason | None:
-    """Return the reason that readings show, where none was logged."""
+def reason_by_readings(snapshot: Snapshot, made: Decision) -> Reason | None:
+    """Return the reason that readings and a decision show, where none was logged."""
     if not stands(snapshot):
         return None
-    motors, made = snapshot.motors, decision[1].decision if decision else Decision()
+    motors = snapshot.motors
     off = SWITCHED_OFF if made.wanted else IDLE.about(", and the motors are off")
     decided = explain_standstill(made)
     reasons = (

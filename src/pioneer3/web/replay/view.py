@@ -6,17 +6,16 @@ from typing import Final
 
 from msgspec.structs import replace
 
-from pioneer3.behaviors.explanations import explain_standstill
+from pioneer3.analysis.why import reason_by_readings
+from pioneer3.behaviors.engine import Decision
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import STILL
 from pioneer3.maps import LineMap
 from pioneer3.navigation.recording import MapUsed
 from pioneer3.robot.config_table import explained
-from pioneer3.robot.explain import DECIDED, IDLE, LATCHED, PRESSED, STALLED, Reason
+from pioneer3.robot.explain import LATCHED, Reason
 from pioneer3.robot.pilot import stands
 from pioneer3.robot.supervisor import Connection
-from pioneer3.runtime.recording import DecisionMade
-from pioneer3.state import Snapshot
 from pioneer3.web import messages
 from pioneer3.web.broadcast import RetainedChannel, Subscriber, sweep
 from pioneer3.web.details import details_of
@@ -75,22 +74,13 @@ def snapshot(robot: RecordedRobot) -> messages.SnapshotMessage | None:
 
 def _why(robot: RecordedRobot) -> Reason | None:
     """Return the reason to stand; older logs tell none, but what was read and decided then."""
-    now = robot.snapshot
+    now, made = robot.snapshot, robot.decision
     if now is None or not stands(now):
         return None
-    return robot.standing.reason if robot.standing else _reason(robot, now, robot.decision)
-
-
-def _reason(robot: RecordedRobot, now: Snapshot, made: DecisionMade | None) -> Reason:
-    if robot.emergency:
-        return LATCHED
-    if now.motors.stop_button:
-        return PRESSED
-    if made and now.stamp < made.decision.until and (why := explain_standstill(made.decision)):
-        return DECIDED.about(why)
-    if now.motors.stalled:
-        return STALLED
-    return IDLE.about("" if now.motors.enabled else ", and the motors are off")
+    if robot.standing:
+        return robot.standing.reason
+    decision = made.decision if made and now.stamp < made.decision.until else Decision()
+    return LATCHED if robot.emergency else reason_by_readings(now, decision)
 
 
 def navigation(robot: RecordedRobot) -> messages.Navigation | None:
