@@ -14,11 +14,12 @@ from mcap.writer import CompressionType, Writer
 
 from pioneer3.errors import ConfigError, PioneerError
 from pioneer3.log.reader import open_log
-from pioneer3.log.tables import TableKind, write_tables
+from pioneer3.log.tables import MOST_TABLES, TableKind, write_tables
 from pioneer3.navigation.recording import KINDS, MapUsed
 from pioneer3.ros.bag.convert import BagKind, write_bag
 from pioneer3.ros.bag.robots import MOST_ROBOTS
 from pioneer3.ros.node.names import Profile
+from pioneer3.runtime.recording import CommandGiven
 from tests.logs import drive, snapshot, write_log
 
 MAP = "2D-Map\nLineMinPos: 0 0\nLineMaxPos: 2000 1000\nNumLines: 1\nLINES\n0 0 2000 0\n"
@@ -103,6 +104,16 @@ def test_a_bag_of_too_many_robots_is_refused_before_the_work(tmp_path: Path) -> 
     log = open_log(write_log(tmp_path / "a.mcap", many))
     with pytest.raises(ConfigError, match="more than 256 robots"):
         write_bag(log, tmp_path / "made", *BAGS[0])
+    assert not (tmp_path / "made").exists()
+
+
+def test_tables_of_too_many_topics_are_refused_before_the_work(tmp_path: Path) -> None:
+    many = [
+        (0.0, f"r{number}/command", CommandGiven("a", "b")) for number in range(MOST_TABLES + 1)
+    ]
+    log = open_log(write_log(tmp_path / "a.mcap", many))
+    with pytest.raises(ConfigError, match="more than 900 topics"):
+        write_tables(log, tmp_path / "made", TableKind.CSV)
     assert not (tmp_path / "made").exists()
 
 

@@ -24,6 +24,8 @@ from pioneer3.text import one_line, wrong
 
 ANGLES: Final = "angles"
 """Field of scans that hardly ever changes: it has a table of its own, a row for each change."""
+MOST_TABLES: Final = 900
+"""Tables at most: each is an open file, of which a program has 1024."""
 WIRE: Final = re.compile(r"wire/.*/(in|out)", re.DOTALL)
 """Topics of bytes."""
 SCANS: Final = re.compile(r"(.*/)?scan/[^/]*", re.DOTALL)
@@ -108,6 +110,8 @@ def _shapes(log: RunLog, rows: Iterable[Row]) -> tuple[dict[str, ValueShape], in
             shapes.setdefault(row.table, ValueShape()).see(row.value)
         except ValueError as error:
             raise wrong(log.path, f" fits in no table: {row.table} has {error}") from None
+        if len(shapes) > MOST_TABLES:
+            raise wrong(log.path, f" has more than {MOST_TABLES} topics, too many for tables")
         count += 1
     return shapes, count
 
