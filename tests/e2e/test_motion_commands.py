@@ -7,6 +7,7 @@ from math import degrees, hypot, pi
 import pytest
 
 from pioneer3.geometry import Pose2
+from pioneer3.models.own import own_path
 from pioneer3.navigation.connect import connect_async
 from pioneer3.sim.server.start import simulator
 from tests.e2e.processes import KILLED, running, until
@@ -89,6 +90,25 @@ async def test_a_robot_that_another_program_has_says_so() -> None:
     assert code == 3
     assert err.count("\n") == 1
     assert "is another one connected to it?" in err
+
+
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+async def test_a_signal_ends_a_calibration_and_leaves_the_file_whole(
+    number: signal.Signals, code: int
+) -> None:
+    path = own_path("MobileSim")
+    assert path is not None
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text('like = "p3at-sh"\n')
+    async with simulator(port=0) as simulated:
+        arguments = ("calibrate", "--by-tape", "--yes", "--port", simulated.url)
+        async with running(*arguments) as command:
+            await until(lambda: abs(simulated.body.speeds[1]) > 0.2)
+            assert (await command.end(number))[0] == code
+        await until(lambda: not any(simulated.body.speeds))
+        await until(lambda: not simulated.body.drive.powered)
+    assert [each.name for each in path.parent.iterdir()] == [path.name]
+    assert path.read_text() == 'like = "p3at-sh"\n'
 
 
 @pytest.mark.parametrize(
