@@ -3,6 +3,7 @@
 import ast
 import re
 from collections.abc import Iterator
+from functools import cache
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
@@ -20,9 +21,15 @@ UNTYPED = ("sim.worldfile", "tables", "gym")
 """Readers of files, where anything may stand under any name; and Gymnasium's own interface."""
 
 
+@cache
+def tree_of(module: str) -> ast.Module:
+    """Return the syntax tree of a module."""
+    return ast.parse(MODULES[module].read_text())
+
+
 def imports(module: str) -> Iterator[str]:
     """Yield the modules of ours that `module` imports anywhere, for type checking too."""
-    for node in ast.walk(ast.parse(MODULES[module].read_text())):
+    for node in ast.walk(tree_of(module)):
         if isinstance(node, ast.Import):
             yield from (name.name for name in node.names if name.name in MODULES)
         elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
@@ -71,8 +78,8 @@ def test_all_text_for_terminals_and_logs_is_made_printable() -> None:
     """Names, reasons and answers of robots, hosts and networks come without escape sequences."""
     assert [
         f"{name}:{node.lineno}: {call}"
-        for name, path in MODULES.items()
-        for node in ast.walk(ast.parse(path.read_text()))
+        for name in MODULES
+        for node in ast.walk(tree_of(name))
         if isinstance(node, ast.Call)
         and (call := ast.unparse(node.func)) in OUTPUT
         and name not in OUTPUT[call]
@@ -83,8 +90,8 @@ def test_every_task_belongs_to_somebody() -> None:
     """A bare task dies with the first collection of garbage, and its errors with it."""
     bare = [
         f"{name}:{node.lineno}"
-        for name, path in MODULES.items()
-        for node in ast.walk(ast.parse(path.read_text()))
+        for name in MODULES
+        for node in ast.walk(tree_of(name))
         if isinstance(node, ast.Expr)
         and isinstance(node.value, ast.Call)
         and isinstance(node.value.func, ast.Attribute)
@@ -113,11 +120,12 @@ MARKS = {
 """Texts of two words or more that are looked for in others, as they are no sentences of ours."""
 
 
+@cache
 def constants(module: str) -> dict[str, str]:
     """Return the texts that a module gives names."""
     return {
         target.id: node.value.value
-        for node in ast.parse(MODULES[module].read_text()).body
+        for node in tree_of(module).body
         if isinstance(node, ast.Assign | ast.AnnAssign) and isinstance(node.value, ast.Constant)
         for target in (node.targets if isinstance(node, ast.Assign) else [node.target])
         if isinstance(target, ast.Name) and isinstance(node.value.value, str)
@@ -126,8 +134,8 @@ def constants(module: str) -> dict[str, str]:
 
 def named_texts(module: str) -> dict[str, str]:
     """Return the texts that have names in a module, its own and those that it imports."""
-    found = constants(module)
-    for node in ast.walk(ast.parse(MODULES[module].read_text())):
+    found = {**constants(module)}
+    for node in ast.walk(tree_of(module)):
         if isinstance(node, ast.ImportFrom) and node.module in MODULES:
             theirs = constants(node.module)
             found |= {each.name: theirs[each.name] for each in node.names if each.name in theirs}
@@ -146,22 +154,21 @@ def searched_texts(node: ast.AST) -> Iterator[ast.expr]:
 
 def test_no_code_looks_into_our_own_sentences() -> None:
     """The kind of a reason, a refusal or an error is data: an attribute, or the error's class."""
-    trees = {module: ast.parse(path.read_text()) for module, path in MODULES.items()}
     ours = "\n".join(
         node.value
-        for tree in trees.values()
-        for node in ast.walk(tree)
+        for module in MODULES
+        for node in ast.walk(tree_of(module))
         if isinstance(node, ast.Constant) and isinstance(node.value, str)
     )
     found = []
-    for module, tree in trees.items():
+    for module in MODULES:
         named = named_texts(module)
-        for text in (text for node in ast.walk(tree) for text in searched_texts(node)):
+        for text in (text for node in ast.walk(tree_of(module)) for text in searched_texts(node)):
             if isinstance(text, ast.Constant) and isinstance(text.value, str):
-                words = text.value if ours.count(text.value) > 1 else ""
+                words = text.value
             else:
                 words = named.get(text.id, "") if isinstance(text, ast.Name) else ""
-            if len(words.split()) > 1 and words not in MARKS:
+            if len(words.split()) > 1 and words not in MARKS and ours.count(words) > 1:
                 found.append(f"{module}:{text.lineno}: {words!r}")
     assert found == []
 
@@ -194,7 +201,7 @@ def listed(package: str) -> list[str]:
 
 
 def door(package: str) -> str:
-    return ast.get_docstring(ast.parse(MODULES[package].read_text())) or ""
+    return ast.get_docstring(tree_of(package)) or ""
 
 
 def test_a_door_lists_nothing_else() -> None:
