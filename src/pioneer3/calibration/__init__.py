@@ -12,6 +12,7 @@ echoes       true turns by what sonars hear
 scans        where a laser was at each stand, and how late its scans are
 steps        what is driven, and what is measured
 calibration  the steps that were measured, and what they tell together
+procedure    the steps of one robot in turn, and the numbers for its own file
 own_file     writes the numbers into the robot's own file
 ===========  ============================================================================
 """

@@ -49,6 +49,18 @@ class CalibrationStep:
     square: float = 0.0
     left: bool = True
 
+    @property
+    def needs(self) -> str:
+        """The sentences about its room and its preparations."""
+        room = self.room
+        words = (
+            f"It takes {max(0.0, room.x_max):.1f} m ahead, {max(0.0, -room.x_min):.1f} m behind, "
+            f"{room.y_max:.1f} m to the left and {-room.y_min:.1f} m to the right of its middle."
+        )
+        if self.by is By.TAPE:
+            words += " Mark where the robot's middle is and where it looks: measure from that mark."
+        return words
+
 
 QUESTIONS = {
     "way": "How far did it drive in truth",

@@ -25,6 +25,7 @@ from pioneer3.nav.place_text import pose_of
 if TYPE_CHECKING:
     from pioneer3.calibration.calibration import Calibration
     from pioneer3.calibration.course import StepDrive
+    from pioneer3.calibration.procedure import Procedure
     from pioneer3.calibration.steps import CalibrationStep
     from pioneer3.runtime.robot import Robot
 
@@ -100,38 +101,36 @@ class _EndError(Exception):
 
 
 async def _calibrate(robot: "Robot", options: _Options) -> int:
-    from pioneer3.calibration.steps import By, plan, usual_side
+    from pioneer3.calibration.procedure import Procedure
+    from pioneer3.calibration.steps import By
 
-    model = robot.info.model
     by_laser = bool(robot.laser.presence.there) and not options.by_tape
-    side = options.side or usual_side(model)
-    told = await _calibration(robot, by_laser=by_laser)
-    steps = plan(
-        model,
-        side,
-        options.length or side,
-        options.rounds,
+    procedure = Procedure(
+        robot.info,
+        await _calibration(robot, by_laser=by_laser),
         by_laser=by_laser,
-        by_sonar=bool(model.sonars),
+        side=options.side,
+        length=options.length,
+        rounds=options.rounds,
     )
-    reach = max(step.room.x_max - step.room.x_min for step in steps)
     announce(robot, f"is calibrated by {By.LASER if by_laser else By.TAPE}; {how_to_stop()}")
+    reach = procedure.reach
     write_line(
         f"It takes {reach:.1f} x {reach:.1f} m of free floor, ahead of the robot and to its left"
         + ("." if by_laser else ", a tape measure, and something to mark the floor with.")
     )
     whole = False
     try:
-        await _take_all(robot, told, steps, options)
+        await _take_all(robot, procedure, options)
         whole = True
     except _EndError:
         write_line("")
-    for line in told.lines():
+    for line in procedure.told.lines():
         write_line(line)
     if options.yes and not whole:
         write_warning("nothing is written: not all steps were measured")
         return 1
-    return await _write(robot, told, options)
+    return await _write(robot, procedure, options)
 
 
 async def _calibration(robot: "Robot", *, by_laser: bool) -> "Calibration":
@@ -160,74 +159,45 @@ async def _calibration(robot: "Robot", *, by_laser: bool) -> "Calibration":
     return Calibration(model, laser, navigator.line_map, here)
 
 
-async def _take_all(
-    robot: "Robot", told: "Calibration", steps: "tuple[CalibrationStep, ...]", options: _Options
-) -> None:
+async def _take_all(robot: "Robot", procedure: "Procedure", options: _Options) -> None:
     """Drive and measure each step, or what somebody wants in place of it."""
-    number, failed = 0, False
-    while number < len(steps):
-        step = steps[number]
-        write_line(f"\nStep {number + 1} of {len(steps)}: {step.title}.")
-        write_line(_needs(step))
+    failed = False
+    while (step := procedure.step) is not None:
+        write_line(f"\nStep {procedure.number + 1} of {len(procedure.steps)}: {step.title}.")
+        write_line(step.needs)
         answer = "" if options.yes and not failed else (await _asked(KEYS)).lower()
-        if options.yes and failed:
-            raise _EndError
-        if answer.startswith("q"):
+        if answer.startswith("q") or (options.yes and failed):
             raise _EndError
         if answer.startswith("s"):
-            number += 1
-            continue
-        if answer.startswith("u"):
-            forgotten = told.undo()
+            procedure.skip()
+        elif answer.startswith("u"):
+            forgotten = procedure.undo()
             write_line(f"forgot {forgotten.name}" if forgotten else "nothing was measured yet")
-            number = steps.index(forgotten) if forgotten else number
-            continue
-        failed = not await _take(robot, told, step, options)
-        number += not failed
+        else:
+            failed = not await _take(robot, procedure, step, options)
 
 
 async def _take(
-    robot: "Robot", told: "Calibration", step: "CalibrationStep", options: _Options
+    robot: "Robot", procedure: "Procedure", step: "CalibrationStep", options: _Options
 ) -> bool:
-    """Drive and measure a step; return whether it is to be kept."""
-    import asyncio
-
-    from pioneer3.calibration.course import drive
-    from pioneer3.calibration.steps import By
-
+    """Drive and measure the present step; return whether it is to be kept."""
     driven: list[StepDrive] = []
 
     async def going() -> None:
-        by_laser = step.by is By.LASER
-        driven.append(await drive(robot, step.legs, step.room, by_laser=by_laser))
+        driven.append(await procedure.drive(robot))
 
     try:
         await show_while(robot, going())
-        answers = await _answers(step)
-        await asyncio.to_thread(told.take, step, driven[0], answers)
+        await procedure.take(driven[0], await _answers(step))
     except (CommandError, DeviceError, MotionError) as error:
         write_warning(str(error))
         return False
     if options.yes or not step.asks:
         return True
     if (await _asked(AFTER)).lower().startswith("r"):
-        told.undo(step)
+        procedure.undo(step)
         return False
     return True
-
-
-def _needs(step: "CalibrationStep") -> str:
-    """Return the sentences about the room and the preparations of a step."""
-    from pioneer3.calibration.steps import By
-
-    room = step.room
-    words = (
-        f"It takes {max(0.0, room.x_max):.1f} m ahead, {max(0.0, -room.x_min):.1f} m behind, "
-        f"{room.y_max:.1f} m to the left and {-room.y_min:.1f} m to the right of its middle."
-    )
-    if step.by is By.TAPE:
-        words += " Mark where the robot's middle is and where it looks: measure from that mark."
-    return words
 
 
 async def _answers(step: "CalibrationStep") -> dict[str, float]:
@@ -260,26 +230,15 @@ async def _asked(question: str) -> str:
     return line.strip()
 
 
-async def _write(robot: "Robot", told: "Calibration", options: _Options) -> int:
+async def _write(robot: "Robot", procedure: "Procedure", options: _Options) -> int:
     """Write the numbers, if they are worth it and somebody wants it; return the exit code."""
-    from pioneer3.calibration.own_file import Numbers, file_of, write_numbers
+    from pioneer3.calibration.own_file import file_of, write_numbers
 
-    estimate = told.estimate()
-    if estimate is None or not estimate.is_known:
-        return 1
-    if not estimate.is_certain:
-        return 0
+    estimate, numbers = procedure.told.estimate(), procedure.numbers()
+    if numbers is None:
+        return int(estimate is None or not estimate.is_known)
     info = robot.info
     given: Path | None = info.own.path if info.own else None
-    own_laser = bool(info.own and info.own.lasers)
-    late = told.delay() if own_laser else None
-    gyro = told.gyro_scaler()
-    numbers = Numbers(
-        odometry=estimate.correction,
-        laser=estimate.laser if own_laser else None,
-        delay=late[0] + (info.own.lasers[0].delay if info.own else 0.0) if late else None,
-        gyro_scaler=gyro[0] if gyro else None,
-    )
     path = file_of(info)
     write_line(f"\nFor {given or path}:\n{numbers.text.rstrip()}")
     if not options.yes:
