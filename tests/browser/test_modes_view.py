@@ -172,3 +172,22 @@ def test_nothing_starts_while_the_emergency_stop_is_latched(modes: Page, product
     for name in ("wander", "follow", "goto"):
         expect(modes.locator(f"#{name}-start")).to_be_disabled()
     expect(modes.locator("#motors-switch")).to_be_disabled()
+
+
+def test_a_stop_ends_a_step_of_a_calibration(modes: Page, product: Product) -> None:
+    state = modes.locator("#calibration-state")
+    if modes.locator("#calibration-tape").is_visible():
+        modes.locator("#calibration-tape").check()
+    modes.locator("#calibration-begin").click()
+    expect(state).to_contain_text("Step 1 of")
+    while "square" not in (words := state.inner_text()):
+        modes.locator("#calibration-skip").click()
+        expect(state).not_to_have_text(words)
+    modes.locator("#calibration-drive").click()
+    until(lambda: speed(product) > 0.05)
+    modes.locator("#stop").click()
+    until(lambda: speed(product) == 0.0)
+    expect(modes.locator("#calibration-note")).not_to_be_empty()
+    expect(modes.locator("#calibration-drive")).to_be_enabled()
+    modes.locator("#calibration-end").click()
+    expect(modes.locator("#calibration-begin")).to_be_visible()

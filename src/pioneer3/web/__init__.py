@@ -21,6 +21,7 @@ map_editor   edits the map that robots of the page use: a draft, which is saved 
 page_map     the map of a page: the one that it shows, and the one that its robots drive on
 robot_view   one robot of the page: its control, and the messages that describe it
 mapping      makes maps with a robot of the page, and goes on with the one in use
+calibration  calibrates a robot of the page, a step at each request
 navigation   takes a robot of the page to places of its map, along planned ways
 details      details of a robot beyond its snapshots
 editor       changes of the simulated world that drivers make on the page

@@ -317,11 +317,12 @@ class Client:
                 return view.end_mode(self)
             case requests.MakeMap():
                 return view.mapping.ask(self, request)
+            case requests.Calibrate():
+                return view.calibration.ask(self, request)
         if view.navigation.possible:
             return self._navigate(view, request)
-        if forbidden := view.navigation.forbids:
-            return Refusal(forbidden)
-        return view.control.goto(self, request)
+        forbidden = view.navigation.forbids
+        return Refusal(forbidden) if forbidden else view.control.goto(self, request)
 
     def _navigate(
         self, view: RobotView, request: requests.GotoPlace | requests.MapRequest

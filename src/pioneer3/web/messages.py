@@ -294,6 +294,36 @@ class Mapping(Message, tag="mapping", frozen=True):
     asks: bool = False
 
 
+class CalibrationQuestion(Part, frozen=True):
+    """A length [m] or an `angle` [rad] that somebody measures, and may leave out if `optional`."""
+
+    name: str
+    text: str
+    angle: bool
+    optional: bool
+
+
+class CalibrationState(Message, tag="calibration", frozen=True):
+    """The calibration of a robot that goes on, or the end of the last one.
+
+    The present step is the one with a `number`, from 1, of so many `steps`; its `title` is empty
+    after the last one. It `needs` some room, and `asks` for measurements once it was driven. While
+    the robot `waits`, that says what for. The `lines` tell what was measured; the `note` is about
+    the last request.
+    """
+
+    robot: int
+    going: bool
+    number: int = 0
+    steps: int = 0
+    title: str = ""
+    needs: str = ""
+    asks: tuple[CalibrationQuestion, ...] = ()
+    waits: str = ""
+    note: str = ""
+    lines: tuple[str, ...] = ()
+
+
 class Robots(Message, tag="robots", frozen=True):
     """New snapshots, of one or several robots."""
 
@@ -742,7 +772,8 @@ class ClassRobots(Message, tag="class_robots", frozen=True):
 
 EVERY = (
     *(Hello, Status, Robots, Scans, Map, MapDraft, WorldChanges, People, Class, ClassRobots),
-    *(PlannedWay, Navigation, GoalProgress, Mapping, Told, Refused, EditRefused, Added, Pong),
+    *(PlannedWay, Navigation, GoalProgress, Mapping, CalibrationState, Told, Refused),
+    *(EditRefused, Added, Pong),
     *(Details, NoDetails, ConfigMessage, ReplayState, ReplayMarks),
 )
 """All messages."""

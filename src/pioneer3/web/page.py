@@ -18,6 +18,7 @@ from pioneer3.web import messages, requests
 from pioneer3.web.access.access import Access
 from pioneer3.web.access.sessions import LoginSession
 from pioneer3.web.audience import Audience, Audiences
+from pioneer3.web.calibration import RobotCalibration
 from pioneer3.web.classroom.classroom import Classroom
 from pioneer3.web.clients import Clients, PageClient
 from pioneer3.web.control import Control, Operator
@@ -97,6 +98,7 @@ class Page:
                     view.details.run(),
                     view.navigation.run(),
                     view.mapping.run(),
+                    view.calibration.run(),
                     view.details.ask(),
                     *followed,
                 ):
@@ -246,6 +248,12 @@ class Page:
             tell=tell,
             publish=partial(self.audiences.publish, number, "mapping"),
         )
+        calibration = RobotCalibration(
+            number,
+            robot,
+            control,
+            publish=partial(self.audiences.publish, number, "calibration"),
+        )
         return RobotView(
             number,
             name,
@@ -254,6 +262,7 @@ class Page:
             control=control,
             navigation=navigation,
             mapping=mapping,
+            calibration=calibration,
         )
 
     def _refusal(self, number: int, operator: Operator, *, take_over: bool) -> Refusal | None:

@@ -165,6 +165,18 @@ class MakeMap(RobotRequest, tag="make_map"):
     speed: Speed = 0.4
 
 
+class Calibrate(RobotRequest, tag="calibrate"):
+    """Begin a calibration, by laser if there is one, or `by_tape`; drive its next step, or end it.
+
+    `measure` gives the `answers` to what the step asks [m, rad], by their names; `skip` leaves the
+    step out, `undo` forgets the last one, and `write` writes the robot's own file.
+    """
+
+    step: Literal["begin", "drive", "measure", "skip", "undo", "write", "end"]
+    by_tape: bool = False
+    answers: Annotated[dict[str, float], Meta(max_length=8)] = {}
+
+
 class EndMode(RobotRequest, tag="end_mode"):
     """End the mode; its motion ends at once."""
 
@@ -395,7 +407,7 @@ DriveRequest = VelocityRequest | StopRequest | EmergencyStop | ResetEmergencySto
 """Drives or stops one robot."""
 ControlRequest = TakeControl | TakeOver | HandOver | ReleaseControl
 """Changes who has control of a robot."""
-ModeRequest = StartMode | GotoPlace | MakeMap | EndMode
+ModeRequest = StartMode | GotoPlace | MakeMap | Calibrate | EndMode
 """Starts or ends a mode."""
 MapRequest = Patrol | LookAround | PlaceRobot
 """Needs a map on which the robot can be found."""

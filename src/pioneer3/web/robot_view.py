@@ -15,6 +15,7 @@ from pioneer3.runtime.robot import Robot
 from pioneer3.state import Scan, Snapshot
 from pioneer3.web import messages
 from pioneer3.web.audience import Audience
+from pioneer3.web.calibration import RobotCalibration
 from pioneer3.web.control import Control, Operator
 from pioneer3.web.details import RobotDetails
 from pioneer3.web.mapping import RobotMapping
@@ -49,6 +50,7 @@ class RobotView:
         control: Control,
         navigation: RobotNavigation,
         mapping: RobotMapping,
+        calibration: RobotCalibration,
     ) -> None:
         self.number = number
         self.name = self.label = name
@@ -56,6 +58,7 @@ class RobotView:
         self.control = control
         self.navigation = navigation
         self.mapping = mapping
+        self.calibration = calibration
         self.scene = scene
         self.details = RobotDetails(number, robot, scene)
 

@@ -510,6 +510,29 @@ export interface Mapping {
   asks: boolean;
 }
 
+/** The calibration of a robot that goes on, or the end of the last one. The present step is the one with a `number`, from 1, of so many `steps`; its `title` is empty after the last one. It `needs` some room, and `asks` for measurements once it was driven. While the robot `waits`, that says what for. The `lines` tell what was measured; the `note` is about the last request. */
+export interface CalibrationState {
+  type: "calibration";
+  robot: number;
+  going: boolean;
+  number: number;
+  steps: number;
+  title: string;
+  needs: string;
+  asks: CalibrationQuestion[];
+  waits: string;
+  note: string;
+  lines: string[];
+}
+
+/** A length [m] or an `angle` [rad] that somebody measures, and may leave out if `optional`. */
+export interface CalibrationQuestion {
+  name: string;
+  text: string;
+  angle: boolean;
+  optional: boolean;
+}
+
 /** News for this client alone. */
 export interface Told {
   type: "told";
@@ -780,6 +803,15 @@ export interface MakeMap {
   step: "begin" | "discard" | "explore" | "finish" | "name_place" | "save" | "update";
   name?: string;
   speed?: number;
+  robot?: number | null;
+}
+
+/** Begin a calibration, by laser if there is one, or `by_tape`; drive its next step, or end it. `measure` gives the `answers` to what the step asks [m, rad], by their names; `skip` leaves the step out, `undo` forgets the last one, and `write` writes the robot's own file. */
+export interface Calibrate {
+  type: "calibrate";
+  step: "begin" | "drive" | "end" | "measure" | "skip" | "undo" | "write";
+  by_tape?: boolean;
+  answers?: object;
   robot?: number | null;
 }
 
@@ -1083,6 +1115,6 @@ export interface PlayRequest {
   at?: number | null;
 }
 
-export type ToPage = Hello | Status | Robots | Scans | Map | MapDraft | WorldChanges | People | Class | ClassRobots | PlannedWay | Navigation | GoalProgress | Mapping | Told | Refused | EditRefused | Added | Pong | Details | NoDetails | ConfigMessage | ReplayState | ReplayMarks;
+export type ToPage = Hello | Status | Robots | Scans | Map | MapDraft | WorldChanges | People | Class | ClassRobots | PlannedWay | Navigation | GoalProgress | Mapping | CalibrationState | Told | Refused | EditRefused | Added | Pong | Details | NoDetails | ConfigMessage | ReplayState | ReplayMarks;
 
-export type ToServer = VelocityRequest | StopRequest | EmergencyStop | ResetEmergencyStop | SwitchMotors | TakeControl | TakeOver | HandOver | ReleaseControl | StartMode | GotoPlace | MakeMap | EndMode | Patrol | LookAround | PlaceRobot | StartGroupMode | WatchDetails | AskConfig | WatchLasers | PlanWay | PingRequest | AddBox | AddPerson | AddRobot | MoveRequest | Remove | PressStopButton | PlugCable | SetCharge | PauseRequest | StepRequest | SetSpeed | EraseWalls | DrawWall | Forbid | NamePlace | RenameObject | RemoveObject | UndoMapEdit | DiscardMapEdits | SaveMap | PauseRobots | PutBack | FreeSeat | LockJoining | ShareAddresses | RecordRun | PlayRequest;
+export type ToServer = VelocityRequest | StopRequest | EmergencyStop | ResetEmergencyStop | SwitchMotors | TakeControl | TakeOver | HandOver | ReleaseControl | StartMode | GotoPlace | MakeMap | Calibrate | EndMode | Patrol | LookAround | PlaceRobot | StartGroupMode | WatchDetails | AskConfig | WatchLasers | PlanWay | PingRequest | AddBox | AddPerson | AddRobot | MoveRequest | Remove | PressStopButton | PlugCable | SetCharge | PauseRequest | StepRequest | SetSpeed | EraseWalls | DrawWall | Forbid | NamePlace | RenameObject | RemoveObject | UndoMapEdit | DiscardMapEdits | SaveMap | PauseRobots | PutBack | FreeSeat | LockJoining | ShareAddresses | RecordRun | PlayRequest;

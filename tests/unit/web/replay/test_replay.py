@@ -42,6 +42,7 @@ DRIVES: dict[str, dict[str, object]] = {
     "start_group_mode": {"robots": [1, 2], "mode": {"mode": "spread"}},
     "goto": POINT,
     "make_map": {"step": "begin"},
+    "calibrate": {"step": "begin"},
     "end_mode": {},
     "patrol": {"places": [POINT, POINT]},
     "look_around": {},

@@ -37,6 +37,7 @@ export class Model {
     else if (message.type === "scans") this.#takeScans(message);
     else if (message.type === "navigation") this.#takeNavigation(message);
     else if (message.type === "mapping") this.#takeMapping(message);
+    else if (message.type === "calibration") this.#takeCalibration(message);
     else if (message.type === "world") this.world.receive(message);
   }
 
@@ -188,6 +189,11 @@ export class Model {
   #takeMapping(mapping) {
     const robot = this.robots.get(mapping.robot);
     if (robot) robot.mapping = mapping;
+  }
+
+  #takeCalibration(calibration) {
+    const robot = this.robots.get(calibration.robot);
+    if (robot) robot.calibration = calibration;
   }
 
   #takeSnapshots({ snapshots }) {

@@ -18,6 +18,8 @@ export class Robot {
   navigation = null;
   /** The map that is being made with it, as told last. @type {import("../messages.d.ts").Mapping | null} */
   mapping = null;
+  /** The calibration of it, as told last. @type {import("../messages.d.ts").CalibrationState | null} */
+  calibration = null;
   /** Whether the user drags it in the editor: that leaves no trail. */
   lifted = false;
   /** Trail of [x, y] in the map; null separates pieces. */

@@ -1,6 +1,7 @@
 // The modes in which the robot drives by itself: a form for each, and the card of the running one.
 
 import { byId, degrees, make, put, putLines, putProse, sentence, set } from "../dom.js";
+import { CalibrationForm } from "./calibration.js";
 import { Fields, button, choice, loadForms } from "./fields.js";
 import { MapMaking } from "./map_making.js";
 import { part } from "./widgets.js";
@@ -27,6 +28,7 @@ export class ModesView {
   #time;
   #forms = make("div", {});
   #map;
+  #calibration;
   #starts = [];
   #toPlaces = []; // of forms of modes that go to places of the map: {form, reason: why it is not there}
 
@@ -44,6 +46,7 @@ export class ModesView {
     time.value = "300";
     this.#end = button("mode-end", "End", end, "danger wide");
     this.#map = new MapMaking({ send, notify });
+    this.#calibration = new CalibrationForm({ send, notify });
     this.#motors = button("motors-switch", "Switch the motors on", () => motors(this.#motors.dataset.on !== "true"));
     container.append(
       part("Now", this.#running, this.#decided, this.#end),
@@ -52,6 +55,7 @@ export class ModesView {
         part("Before you start", make("p", { class: "words", id: "mode-note" }, LEAVE), timeField),
         group,
         this.#map.element,
+        this.#calibration.element,
         this.#forms,
       ),
     );
@@ -65,7 +69,9 @@ export class ModesView {
 
   /** @param usable whether this page may drive; @param startedBy who started the mode, "you" or a name; @param robot the Robot */
   show(snapshot, usable, startedBy, robot) {
-    this.#map.show(robot?.mapping ?? null, usable && !snapshot.emergency_stop);
+    const free = usable && !snapshot.emergency_stop;
+    this.#map.show(robot?.mapping ?? null, free);
+    this.#calibration.show(robot?.calibration ?? null, free, Boolean(robot?.hello.laser));
     for (const { form, reason } of this.#toPlaces) {
       putProse(reason, robot?.hello.forbids ? sentence(robot.hello.forbids) : "");
       form.hidden = reason.textContent !== "";
