@@ -37,9 +37,9 @@ PIECE, WAVE, LASER_REACH = 0.03, 0.01, 32.0
 """Length of the pieces of a scanned wall, how far it waves, range of the simulator's laser [m]."""
 PLACES = 1000
 """Places that are looked from in turn: a processor soon knows by heart where ten robots look."""
-RAYS_BARS = {1: 0.5, 10: 2.0, 100: 2.0, 1000: 2.0}
+RAYS_BARS = {1: 1.5, 10: 3.0, 100: 3.0, 1000: 3.0}
 """Million per second, by robots; the 16 rays of one take no longer than their call."""
-BEAMS_BARS = {1: 5.0, 10: 10.0, 100: 5.0, 1000: 5.0}
+BEAMS_BARS = {1: 15.0, 10: 25.0, 100: 15.0, 1000: 15.0}
 """Million per second, by robots."""
 WARM = (
     "from time import perf_counter as now; import numba; from pioneer3.sim import kernels;"
@@ -161,7 +161,7 @@ def compiled_rows() -> Iterator[Row]:
         yield Row(f"numba: 181 beams, {count} robots", beams / 1e6, "M/s", BEAMS_BARS[count], True)
     few, many = speeds(kernels, 1, 10), speeds(kernels, 100, 1000)
     for what, one, other in zip(("sonar", "beams"), few, many, strict=True):
-        yield Row(f"numba: {what} per robot, 1000 as against 10", one / other, "times", 2.5)
+        yield Row(f"numba: {what} per robot, 1000 as against 10", one / other, "times", 2.2)
     growth = seconds_per_ray(kernels, 405) / seconds_per_ray(kernels, 1)
     yield Row("numba: ray among 100 000 segments as against 247", growth, "times", 2)
     yield Row("numba: 181 beams in a scanned map", 1000 * scan_time(kernels), "ms", 0.5)
