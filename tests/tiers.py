@@ -45,6 +45,14 @@ class Part:
 NONE: Mapping[str, str] = {}
 PARTS: Mapping[str, Part] = {
     "tests/unit": Part("values in, values out: cheap, and the first to find a fault"),
+    "tests/unit/web/test_map_update.py": Part(
+        "a robot that drives past all that has changed",
+        {
+            "test_the_page_shows_what_has_changed_and_asks_before_the_map_is_replaced": "the joint",
+            "test_a_robot_that_lost_its_link_leaves_the_old_map": "files",
+            "test_only_who_has_control_decides": "who may",
+        },
+    ),
     "tests/property": Part("codecs, kernels and limits against oracles, by a quarter of examples"),
     "tests/conformance": Part("frames and sessions that were recorded and captured"),
     "tests/architecture": Part("layers, names and pages"),

@@ -84,7 +84,7 @@ class Measurable(Driven, Protocol):
 
     @property
     def devices(self) -> Devices:
-        """What it carries."""
+        """Devices that it carries."""
 
     @property
     def laser(self) -> LaserSource:

@@ -50,7 +50,7 @@ ALIKE = 0.5
 LASTS = 1.0
 """A difference that lasts for so long is believed [s]: on hard turns wheels lag behind for less."""
 SLIP_LASTS = 0.3
-"""The same of the way over the ground, which no ramp holds back [s]."""
+"""Time for which a difference over the ground lasts that is believed [s]: no ramp is behind it."""
 STALL = 1.0
 """A robot that stands within this time of a stall was stopped by it [s]."""
 PUSHES = 0.35

@@ -1,5 +1,6 @@
 """Maps in files that are continued: what changes, and which files are there whatever fails."""
 
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -20,16 +21,27 @@ from tests.unit.nav.test_changes import BOX, SHELF, driven
 HOME = (MapObject(kind="RobotHome", name="Home", pose=ORIGIN),)
 
 
+@cache
+def days() -> tuple[Mapper, LineMap, Mapper, LineMap]:
+    """Return what a robot has made of the hall on one day, and on another one."""
+    old, new = driven(BOX, SHELF)
+    return (
+        old,
+        drawn(old.survey, 0.3, objects=HOME),
+        new,
+        drawn(new.survey, 0.3, objects=HOME),
+    )
+
+
 class Hall:
     """A map of the hall in a file, and what a robot has made of it on another day."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        self.old, self.mapper = driven(BOX, SHELF)
-        save_map(drawn(self.old.survey, 0.3, objects=HOME), path)
+        self.old, old_map, self.mapper, self.new = days()
+        save_map(old_map, path)
         save_survey(self.old, path)
         self.line_map = load_map(path)
-        self.new = drawn(self.mapper.survey, 0.3, objects=HOME)
 
     def is_old(self, path: Path) -> bool:
         """Return whether the map there and its survey are those of the day before."""

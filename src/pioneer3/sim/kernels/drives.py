@@ -48,7 +48,7 @@ POWERED, HELD, BRAKING, STALLED, TOUCHED = range(5)
 LEFT_STALLED = 1
 """Bit of the flag `STALLED` of a robot whose left side pushes and does not turn."""
 RIGHT_STALLED = 2
-"""The same of its right side."""
+"""Likewise for the right side."""
 BOTH_STALLED = LEFT_STALLED | RIGHT_STALLED
 # rows of Drives.wheels
 ODOM_X, ODOM_Y, ODOM_THETA, LEFT, RIGHT, BASE, ENERGY, SUPPLY, HEAT = range(9)
