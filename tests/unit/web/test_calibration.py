@@ -44,6 +44,13 @@ class Calibrating:
             await self.ann.stay(1.0)
         return self.state
 
+    async def begin(self) -> None:
+        """Begin by tape, with the first square."""
+        begun = await self.ask("begin", by_tape=True)
+        assert (begun["number"], begun["title"] != "", begun["needs"] != "") == (1, True, True)
+        for _ in range(SKIPPED):
+            await self.ask("skip")
+
     async def measure(self) -> dict[str, Any]:
         """Drive the present step, and answer what it asks."""
         self.sim.body.robot_in_world = Pose2()
@@ -75,10 +82,7 @@ async def test_the_steps_are_driven_measured_and_written(
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
     async with calibrating(monkeypatch) as here:
         assert here.state["going"] is False
-        begun = await here.ask("begin", by_tape=True)
-        assert (begun["number"], begun["title"] != "", begun["needs"] != "") == (1, True, True)
-        for _ in range(SKIPPED):
-            await here.ask("skip")
+        await here.begin()
         while here.state["title"]:
             measured = await here.measure()
             assert measured["note"] == ""
@@ -96,9 +100,7 @@ async def test_the_steps_are_driven_measured_and_written(
 
 async def test_the_robot_stops_when_the_page_leaves(monkeypatch: pytest.MonkeyPatch) -> None:
     async with calibrating(monkeypatch) as here:
-        await here.ask("begin", by_tape=True)
-        for _ in range(SKIPPED):
-            await here.ask("skip")
+        await here.begin()
         here.ann.say("calibrate", step="drive")
         await here.ann.stay(3.0)
         assert here.sim.speed > 0.1
@@ -109,9 +111,7 @@ async def test_the_robot_stops_when_the_page_leaves(monkeypatch: pytest.MonkeyPa
 
 async def test_a_stop_ends_the_step_and_it_is_driven_again(monkeypatch: pytest.MonkeyPatch) -> None:
     async with calibrating(monkeypatch) as here:
-        await here.ask("begin", by_tape=True)
-        for _ in range(SKIPPED):
-            await here.ask("skip")
+        await here.begin()
         here.ann.say("calibrate", step="drive")
         await here.ann.stay(2.0)
         here.ann.say("calibrate", step="skip")
@@ -128,9 +128,7 @@ async def test_an_answer_that_cannot_be_is_refused_and_undoing_goes_back(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     async with calibrating(monkeypatch) as here:
-        await here.ask("begin", by_tape=True)
-        for _ in range(SKIPPED):
-            await here.ask("skip")
+        await here.begin()
         asked = await here.ask("drive")
         assert {each["name"] for each in asked["asks"]} == {"ahead", "left", "turned"}
         far = {"ahead": 3.0, "left": 0.0}
