@@ -17,7 +17,7 @@ export class CalibrationForm {
   #note = make("p", { class: "words", id: "calibration-note", role: "status" });
   #lines = make("ul", { class: "lines-of-text", "aria-label": "What was measured" });
   #tape = make("input", { type: "checkbox", id: "calibration-tape" });
-  #by = make("label", { class: "row" }, this.#tape, "by tape, although there is a laser");
+  #by = make("label", { class: "row" }, this.#tape, "by tape, not by scans");
   #buttons;
 
   /** @param send function(message): returns whether it was sent @param notify function(text) */
