@@ -259,7 +259,7 @@ async def test_a_laser_that_sees_four_metres_reaches_all_places(name: str) -> No
 
 
 async def test_a_map_that_is_too_large_is_refused_before_the_work() -> None:
-    hall, called = LineMap(name="hall", walls=np.array([[0.0, 0.0, 300.0, 300.0]])), list[Any]()
+    hall, called = LineMap(name="hall", walls=np.array([[0.0, 0.0, 500.0, 500.0]])), list[Any]()
 
     async def noted(function: Callable[..., Any], *args: Any) -> Any:
         called.append(function)
@@ -267,7 +267,7 @@ async def test_a_map_that_is_too_large_is_refused_before_the_work() -> None:
 
     sim = SimulatedRobot(OFFICE, home=HOME or Pose2())
     async with sim, connect_async(sim.open) as robot:
-        with pytest.raises(ConfigError, match=r"300 x 300 m.* 40000 square metres"):
+        with pytest.raises(ConfigError, match=r"500 x 500 m.* 160000 square metres"):
             await Navigator.on(robot, hall, in_thread=noted)
     assert called
     assert CostMap.of not in called
