@@ -176,8 +176,8 @@ def test_nothing_starts_while_the_emergency_stop_is_latched(modes: Page, product
 
 def test_a_stop_ends_a_step_of_a_calibration(modes: Page, product: Product) -> None:
     state = modes.locator("#calibration-state")
-    if modes.locator("#calibration-tape").is_visible():
-        modes.locator("#calibration-tape").check()
+    if modes.locator("#calibration-by").is_visible():
+        modes.locator("#calibration-by").select_option("tape")
     modes.locator("#calibration-begin").click()
     expect(state).to_contain_text("Step 1 of")
     while "square" not in (words := state.inner_text()):

@@ -1,7 +1,7 @@
 // The calibration of a robot: a step at a time is driven, and its end is measured by a laser or by a tape.
 
 import { degrees, make, put, putItems, putLines, putProse, sentence } from "../dom.js";
-import { button } from "./fields.js";
+import { button, choice } from "./fields.js";
 import { part } from "./widgets.js";
 
 const IDLE = "Measures how wrong the wheels are, by a laser, or by a tape: turns, squares both ways, and a line. It takes two by two metres of free floor "
@@ -16,20 +16,21 @@ export class CalibrationForm {
   #asks = make("div", { class: "fields" });
   #note = make("p", { class: "words", id: "calibration-note", role: "status" });
   #lines = make("ul", { class: "lines-of-text", "aria-label": "What was measured" });
-  #tape = make("input", { type: "checkbox", id: "calibration-tape" });
-  #by = make("label", { class: "row" }, this.#tape, "by tape, not by scans");
+  #by;
+  #byField;
   #buttons;
 
   /** @param send function(message): returns whether it was sent @param notify function(text) */
   constructor({ send, notify }) {
     this.#notify = notify;
+    [this.#by, this.#byField] = choice("calibration-by", "Measured by", [["scans", "its scans"], ["tape", "a tape"]]);
     const ask = (step, rest = {}) => send({ type: "calibrate", step, ...rest }) || notify("Not connected: nothing was started.");
     const measure = () => {
       const answers = this.#answers();
       if (answers) ask("measure", { answers });
     };
     this.#buttons = {
-      begin: button("calibration-begin", "Calibrate", () => ask("begin", { by_tape: this.#tape.checked })),
+      begin: button("calibration-begin", "Calibrate", () => ask("begin", { by_tape: this.#by.value === "tape" })),
       measure: button("calibration-measure", "Keep these numbers", measure),
       drive: button("calibration-drive", "Drive this step", () => ask("drive")),
       skip: button("calibration-skip", "Skip it", () => ask("skip")),
@@ -38,7 +39,7 @@ export class CalibrationForm {
       end: button("calibration-end", "End the calibration", () => ask("end")),
     };
     const row = make("div", { class: "row" }, ...Object.values(this.#buttons));
-    this.element = part("Calibrate", this.#state, this.#needs, this.#asks, this.#by, row, this.#note, this.#lines);
+    this.element = part("Calibrate", this.#state, this.#needs, this.#asks, this.#byField, row, this.#note, this.#lines);
   }
 
   /** @param {import("../messages.d.ts").CalibrationState | null} calibration @param usable whether this page may drive @param laser whether the robot has one */
@@ -50,7 +51,7 @@ export class CalibrationForm {
     put(this.#state, !going ? IDLE : last ? "All steps are done." : `Step ${number} of ${steps}: ${title}.`);
     putProse(this.#needs, waits ? sentence(`Please wait: it ${waits}`) : asks.length ? "Measure where it stands now:" : needs);
     putItems(this.#asks, JSON.stringify([number, asks]), () => asks.map(field));
-    this.#by.hidden = going || !laser;
+    this.#byField.hidden = going || !laser;
     const there = { begin: !going, drive: going && title, measure: asks.length, skip: going && title, undo: lines.length && going, write: last && lines.length, end: going };
     for (const [name, shown] of Object.entries(there)) {
       this.#buttons[name].hidden = !shown;
