@@ -97,6 +97,7 @@ PARTS: Mapping[str, Part] = {
         "robots that drive squares for long",
         {
             "test_every_way_out_of_a_step_stops_the_robot": "safety",
+            "test_a_stop_while_it_stands_between_two_legs_ends_the_step": "safety",
             "test_nothing_is_driven_where_something_is_near": "safety",
             "test_what_comes_in_the_way_ends_a_step": "safety",
         },

@@ -26,7 +26,7 @@ from pioneer3.runtime.robot import Robot
 from pioneer3.sim.equipment import Equipment
 from pioneer3.sim.realism import OdometryErrors, Realism
 from tests.lasers import LaserUnit
-from tests.support import SimulatedRobot, is_at
+from tests.support import SimulatedRobot, is_at, until
 from tests.unit.web.test_navigation import at_once
 
 ERRORS = OdometryErrors(mode="constant", wheel_ratio=1.02, base_ratio=0.98, scale=1.015)
@@ -161,6 +161,18 @@ async def test_every_way_out_of_a_step_stops_the_robot(way_out: str) -> None:
         await asyncio.sleep(3)
         here = sim.body.robot_in_world
         await asyncio.sleep(2)
+        assert is_at(sim.body.robot_in_world, here)
+
+
+async def test_a_stop_while_it_stands_between_two_legs_ends_the_step() -> None:
+    async with in_a_room() as (sim, robot):
+        turning = asyncio.ensure_future(drive(robot, [CourseLeg(turn=0.5)] * 2, AROUND))
+        await until(lambda: sim.body.robot_in_world.theta > 0.3 and robot.arbiter.mode is None)
+        robot.stop()
+        with pytest.raises(MotionError, match="repeat this step"):
+            await turning
+        here = sim.body.robot_in_world
+        await asyncio.sleep(3)
         assert is_at(sim.body.robot_in_world, here)
 
 

@@ -93,11 +93,16 @@ class Measurable(Driven, Protocol):
 
 @dataclass(slots=True, kw_only=True)
 class Advancing(Action):
-    """Lets a motion drive, and gives up where that is held up."""
+    """Lets a motion drive, and gives up where that is held up.
+
+    Attributes:
+        last_stop: Number of the last stop before its end.
+    """
 
     motion: Move | Turn
     name: str = "calibration"
     failed: str | None = None
+    last_stop: int = 0
     _since: float = inf
     _place: Pose2 = ORIGIN
 
@@ -108,6 +113,7 @@ class Advancing(Action):
 
     def decide(self, situation: Situation) -> Desire | None:
         """Return the motion's desire."""
+        self.last_stop = situation.last_stop.number
         here, was = situation.pose, self._place
         moved = max(abs(here.x - was.x), abs(here.y - was.y), abs(wrap(here.theta - was.theta)))
         if moved > MOVED or self._since == inf:
@@ -117,8 +123,8 @@ class Advancing(Action):
         return self.motion.decide(situation)
 
 
-def leg_stack(robot: Driven, leg: CourseLeg) -> Stack:
-    """Return the mode that drives a leg, and stops for whatever is near."""
+def _leg(robot: Driven, leg: CourseLeg) -> tuple[Stack, Advancing]:
+    """Return the mode that drives a leg and stops for whatever is near, and what advances it."""
     limits = robot.info.limits
     motion: Move | Turn
     if leg.turn:
@@ -127,14 +133,15 @@ def leg_stack(robot: Driven, leg: CourseLeg) -> Stack:
     else:
         speed = min(SPEED, limits.max_speed)
         motion = Move(distance=leg.way, speed=speed, deceleration=limits.deceleration)
+    advancing = Advancing(motion=motion)
     actions = [
         Ranked(100, LimiterTableSensor()),
         Ranked(90, LimiterForwards(CLEARANCE, 0.5, SPEED)),
         Ranked(85, LimiterSweep()),
         Ranked(80, LimiterBackwards()),
-        Ranked(50, Advancing(motion=motion)),
+        Ranked(50, advancing),
     ]
-    return Stack.of("calibration", MODE, actions, "drives to be measured")
+    return Stack.of("calibration", MODE, actions, "drives to be measured"), advancing
 
 
 def ground_of(model: RobotModel, length: float) -> Extent:
@@ -220,6 +227,7 @@ async def drive(
             the link was lost; see the message.
     """
     require_room(robot, room)
+    known = robot.arbiter.last_stop.number
     recorder = _Recorder(robot, by_laser)
     marks: list[int] = []
     stands: list[Scan] = []
@@ -243,7 +251,11 @@ async def drive(
                 await gyro.reading()  # it learns its zero
         await stand()
         for leg in legs:
-            await robot.run(leg_stack(robot, leg))
+            if (stop := robot.arbiter.last_stop).outdates(known):  # no leg was there to end
+                raise MotionError(f"{stop.why}: repeat this step")
+            mode, advancing = _leg(robot, leg)
+            await robot.run(mode)
+            known = advancing.last_stop
             await stand()
     if marks[0] < 0:
         raise MotionError("the robot has told nothing: repeat this step")

@@ -235,7 +235,7 @@ class Shadow:
         return stall is not None and snapshot.stamp - stall.stamp < STALL and stands(snapshot)
 
     def _cause_of_stall(self, snapshot: Snapshot, model: RobotModel) -> Cause | None:
-        """Return why a robot stalls: one side that drags stalls alone, while the other one goes.
+        """Return the cause of a stall: a side that drags stalls alone, while the other one goes.
 
         A robot that brakes hard on a turn pushes as hard, and goes as it should: `None`.
         """
@@ -406,7 +406,7 @@ def _cause(lacks: Sequence[_Lack], snapshot: Snapshot, model: RobotModel) -> Cau
 
 
 def _held(snapshot: Snapshot, model: RobotModel, *, back: bool) -> Cause:
-    """Return why no wheel turns."""
+    """Return the cause for which no wheel turns."""
     is_met = any((*snapshot.bumpers.front, *snapshot.bumpers.rear))
     return Cause.IN_THE_WAY if is_met or _is_near(snapshot, model, back=back) else Cause.HELD
 
