@@ -9,7 +9,7 @@ from typing import IO, Any, Final, cast
 from mcap.writer import CompressionType, Writer
 
 from pioneer3 import __version__
-from pioneer3.log.rows import pack_rows
+from pioneer3.log.rows import fields_of, pack_rows
 from pioneer3.log.topics import (
     COLUMNS,
     PIECES,
@@ -103,7 +103,9 @@ class McapFile:
         """Take messages as columns; those with another steady field are another message."""
         for part, group in groupby(messages, lambda each: self._steady_part(topic, each[1])):
             times, values = zip(*group, strict=True)
-            shape, data = pack_rows(times, [topic.fields(each) for each in values])
+            fields = fields_of(values)
+            fields.pop(topic.steady, None)
+            shape, data = pack_rows(times, fields)
             told = {COLUMNS: shape.decode()}
             if topic.steady:
                 told |= {STEADY: topic.steady, topic.steady: part.decode()}

@@ -5,9 +5,12 @@ same in all is there once, and numbers are told by their differences.
 """
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from enum import IntEnum
 from itertools import accumulate, chain, pairwise, repeat
+from math import copysign, inf, isfinite
+from operator import attrgetter
+from struct import pack
 from typing import Any, Final
 
 import msgspec
@@ -15,7 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pioneer3.log.differences import differences, joined_planes, planes, sums
-from pioneer3.log.topics import with_texts
+from pioneer3.log.scans import packed_ranges
+from pioneer3.log.topics import AS_THEY_ARE, with_texts
+from pioneer3.state import Scan
 from pioneer3.units import MM
 
 NO_NUMBERS: Final = (np.inf, -np.inf, np.nan)
@@ -24,8 +29,8 @@ LARGEST: Final = 2.0**53
 """Whole numbers are exact up to it."""
 LONGEST_WAY: Final = 1e9
 """Longer numbers are no lengths [m]."""
-SIZES: Final = (1, 2, 4, 8)
-"""Sizes of whole numbers [bytes]."""
+SIZES: Final = {1: "b", 2: "h", 4: "i", 8: "q"}
+"""Sizes of whole numbers [bytes], with the format of each."""
 EXACT: Final = 8
 """Size of other numbers [bytes]."""
 LONGEST: Final = 64
@@ -38,6 +43,8 @@ PLACE: Final = re.compile(rb":(\d+)(?=[,}])")
 """Number of a column in a shape, as JSON has it."""
 ENCODER: Final = msgspec.json.Encoder()
 """Writes JSON."""
+Values = Sequence[Any]
+"""The values of one field in all messages."""
 Shape = dict[str, "int | Shape"]
 """Fields of messages by their names, each the number of its column, or the fields inside."""
 
@@ -59,24 +66,33 @@ class Kind(IntEnum):
     """Planes of the differences of all bytes, which are as many in each row."""
 
 
-def pack_rows(times: Sequence[int], rows: Sequence[Mapping[str, Any]]) -> tuple[bytes, bytes]:
+def pack_rows(times: Sequence[int], fields: Mapping[str, Values]) -> tuple[bytes, bytes]:
     """Return the shape of messages as JSON, and all as one, by their times [ns] and fields."""
     columns: list[list[Any]] = []
-    shape = _shape(rows, columns)
+    shape = _shape(fields, columns)
     steps = [after - before for before, after in pairwise(times)]
     return ENCODER.encode(shape), msgspec.msgpack.encode([steps, columns])
 
 
-def _shape(rows: Sequence[Mapping[str, Any]], columns: list[list[Any]]) -> Shape:
-    """Return the shape of rows, and append their columns."""
+def fields_of(messages: Sequence[Any]) -> dict[str, Values]:
+    """Return the values of each field of objects of one class."""
+    names = type(messages[0]).__dataclass_fields__
+    fields: dict[str, Values] = {name: [*map(attrgetter(name), messages)] for name in names}
+    if isinstance(messages[0], Scan):
+        fields |= packed_ranges(fields.pop("ranges"))
+    return fields
+
+
+def _shape(fields: Mapping[str, Values], columns: list[list[Any]]) -> Shape:
+    """Return the shape of messages, and append their columns."""
     shape: Shape = {}
-    for name, first in rows[0].items():
-        values = [row[name] for row in rows]
-        if type(first) is dict and all(type(each) is dict for each in values):
-            shape[name] = _shape(values, columns)
+    for name, values in fields.items():
+        kinds = {*map(type, values)}
+        if len(kinds) == 1 and hasattr(values[0], "__dataclass_fields__"):
+            shape[name] = _shape(fields_of(values), columns)
         else:
             shape[name] = len(columns)
-            columns.append(_column(values))
+            columns.append(_column(values, kinds))
     return shape
 
 
@@ -101,30 +117,34 @@ def unpack_rows(time: int, data: bytes, shape: bytes) -> Iterator[tuple[int, byt
         yield at, template % row
 
 
-def _lines(values: Sequence[Any]) -> list[bytes]:
+def _lines(values: Values) -> list[bytes]:
     """Return values as JSON, each."""
     return ENCODER.encode_lines([*map(with_texts, values)]).split(b"\n")[:-1]
 
 
-def _column(values: Sequence[Any]) -> list[Any]:
+def _column(values: Values, kinds: set[type]) -> list[Any]:
     first = values[0]
-    if values.count(first) == len(values) and len({*map(msgspec.msgpack.encode, values)}) == 1:
+    if values.count(first) == len(values) and (
+        (len(kinds) == 1 and kinds <= AS_THEY_ARE)
+        or len({*map(msgspec.msgpack.encode, values)}) == 1  # 0.0 is not -0.0
+    ):
         return [Kind.SAME, first]
-    if isinstance(first, bytes):
-        joined = b"".join(values)
-        if all(len(each) == len(first) for each in values):
-            return [Kind.BYTES, planes(differences(joined, STEP), STEP)]
+    if kinds == {bytes}:
+        if len({*map(len, values)}) == 1:
+            return [Kind.BYTES, planes(differences(b"".join(values), STEP), STEP)]
         return [Kind.PLAIN, values]
-    kinds = {*map(type, chain.from_iterable(values) if _are_even_lists(values) else values)}
+    places, begin = [values], first
+    if _are_even_lists(values):
+        places, begin = [*zip(*values, strict=True)], [*first]
+        kinds = {*map(type, chain.from_iterable(places))}
     if kinds == {float}:
-        return _floats(np.array(values))
-    whole = np.array(values if kinds == {int} else 0.0)
-    if whole.dtype == np.int64 and (np.abs(whole) < LARGEST).all():
-        return [Kind.COUNTS, *_counts(whole)]
+        return _floats(places, begin)
+    if kinds == {int} and max(map(abs, chain.from_iterable(places))) < LARGEST:
+        return [Kind.COUNTS, begin, *_steps(places)]
     return [Kind.PLAIN, values]
 
 
-def _are_even_lists(values: Sequence[Any]) -> bool:
+def _are_even_lists(values: Values) -> bool:
     """Whether values are lists of one length that is not too long."""
     if not all(isinstance(each, list | tuple) for each in values):
         return False
@@ -132,26 +152,42 @@ def _are_even_lists(values: Sequence[Any]) -> bool:
     return 0 < length <= LONGEST and all(len(each) == length for each in values)
 
 
-def _floats(numbers: NDArray[np.float64]) -> list[Any]:
-    is_number = np.isfinite(numbers)
-    known = numbers[is_number]
-    whole = np.rint(np.clip(known, -LONGEST_WAY, LONGEST_WAY) / MM)
-    if (whole * MM == known).all() and not np.signbit(known[known == 0]).any():
-        most = int(whole.max(initial=0))
-        full = np.where(np.isnan(numbers), most + 3, most + np.where(numbers > 0, 1, 2))
-        full[is_number] = whole
-        return [Kind.LENGTHS, most, *_counts(full)]
-    return [Kind.FLOATS, planes(numbers.astype("<f8").tobytes(), EXACT)]
+def _floats(places: Sequence[Values], begin: Any) -> list[Any]:
+    """Return a column of numbers by their places in lists, and those of the first row."""
+    whole = _lengths(chain.from_iterable(places))
+    if whole is None:
+        numbers = [*chain.from_iterable(zip(*places, strict=True))]
+        return [Kind.FLOATS, planes(pack(f"<{len(numbers)}d", *numbers), EXACT)]
+    most = max(whole.values(), default=0)
+    whole |= {inf: most + 1, -inf: most + 2}
+    counts = [[whole.get(number, most + 3) for number in place] for place in places]
+    first = [place[0] for place in counts]
+    return [Kind.LENGTHS, most, first if isinstance(begin, list) else first[0], *_steps(counts)]
 
 
-def _counts(whole: NDArray[np.int64]) -> list[Any]:
-    steps = np.diff(whole, axis=0)
-    bound = int(np.abs(steps).max())
+def _lengths(numbers: Iterable[float]) -> dict[float, int] | None:
+    """Return whole millimetres for each finite number; `None` where one is of another length."""
+    whole: dict[float, int] = {}
+    for number in numbers:
+        if number not in whole and isfinite(number):
+            count = round(number / MM) if abs(number) < LONGEST_WAY else 0
+            if count * MM != number:
+                return None
+            whole[number] = count
+        if not number and copysign(1, number) < 0:
+            return None
+    return whole
+
+
+def _steps(places: Sequence[Values]) -> tuple[int, bytes]:
+    """Return the size of what is added in each row, and its planes, place by place."""
+    steps = [after - before for place in places for before, after in pairwise(place)]
+    bound = max(map(abs, steps))
     size = next(size for size in SIZES if bound < 1 << (8 * size - 1))
-    return [whole[0].tolist(), size, planes(steps.T.astype(f"<i{size}").tobytes(), size)]
+    return size, planes(pack(f"<{len(steps)}{SIZES[size]}", *steps), size)
 
 
-def _values(kind: int, *parts: Any, rows: int) -> Sequence[Any]:
+def _values(kind: int, *parts: Any, rows: int) -> Values:
     """Return the values of a column that is not the same in all rows."""
     match kind, *parts:
         case Kind.PLAIN, list(values) if len(values) == rows:

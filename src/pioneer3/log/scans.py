@@ -4,7 +4,8 @@ They are msgpack with the fields of :class:`Scan`, but the angles. Ranges are by
 of a unit, as lasers send them: a chunk has the laser's own beside them, and grows little.
 """
 
-from dataclasses import fields
+from collections.abc import Sequence
+from itertools import accumulate, chain, pairwise
 from typing import Any, Final
 
 import msgspec
@@ -22,15 +23,15 @@ NO_ECHO: Final = {"<u2": 0x7FFF, "<u4": 0x7FFF_FFFF}
 NaN."""
 EXACT: Final = "<f8"
 """Type of ranges that are no whole numbers of a unit."""
-OTHERS: Final = tuple(each.name for each in fields(Scan) if each.name not in {"angles", "ranges"})
-"""Fields that stay as they are."""
 
 
-def scan_fields(scan: Scan) -> dict[str, object]:
-    """Return the fields of a scan, without its angles."""
-    unit, kind, ranges = _packed(np.array(scan.ranges, dtype=np.float64))
-    others = {name: msgspec.to_builtins(getattr(scan, name)) for name in OTHERS}
-    return others | {"unit": unit, "type": kind, "ranges": ranges}
+def packed_ranges(scans: Sequence[Sequence[float]]) -> dict[str, Sequence[Any]]:
+    """Return the ranges of scans as fields: the unit, the type and the bytes of each."""
+    every = np.fromiter(chain.from_iterable(scans), np.float64, sum(map(len, scans)))
+    unit, kind, data = _packed(every)
+    ends = [*accumulate((len(each) * np.dtype(kind).itemsize for each in scans), initial=0)]
+    ranges = [data[begin:end] for begin, end in pairwise(ends)]
+    return {"unit": [unit] * len(scans), "type": [kind] * len(scans), "ranges": ranges}
 
 
 def unpack_scan(data: bytes, angles: Any) -> Scan:
@@ -53,10 +54,10 @@ def _packed(ranges: NDArray[np.float64]) -> tuple[float, str, bytes]:
     """Return the unit of ranges, their type, and their bytes."""
     is_number = np.isfinite(ranges)
     known = ranges[is_number]
-    for unit in UNITS:
+    for unit in () if np.signbit(known).any() else UNITS:
         with np.errstate(over="ignore"):
             counts = np.rint(known / unit)
-        if not (counts * unit == known).all() or (known < 0).any() or np.signbit(known).any():
+        if not (counts * unit == known).all():
             continue
         for kind, code in NO_ECHO.items():
             if counts.max(initial=0) >= code - 2:

@@ -79,20 +79,13 @@ class LogTopic(Generic[T]):
         """Whether its messages are written as columns."""
         return self.rows or self.kind in ROWS
 
-    def fields(self, message: Any) -> dict[str, object]:
-        """Return the fields of a message, without the steady one."""
-        if self.kind is Scan:
-            from pioneer3.log.scans import scan_fields  # numpy loads slowly
-
-            return scan_fields(message)
-        made = self.make(message) if self.make else message
-        fields: dict[str, object] = msgspec.to_builtins(made)
-        fields.pop(self.steady, None)
-        return fields
-
     def encode(self, message: Any) -> bytes:
-        """Return a message as JSON, without its steady field."""
-        return msgspec.json.encode(with_texts(self.fields(message)))
+        """Return a message as JSON."""
+        made = self.make(message) if self.make else message
+        data = msgspec.json.encode(made)
+        if b"null" in data:  # perhaps in place of a number
+            data = msgspec.json.encode(with_texts(msgspec.to_builtins(made)))
+        return data
 
     def steady_part(self, message: Any) -> bytes:
         """Return the steady field as bytes; empty where there is none."""
@@ -150,17 +143,16 @@ def pack_pieces(pieces: Sequence[tuple[int, bytes]], tick: int = ROUGH) -> bytes
     Links are read in small pieces: a message for each would take more room than they do.
     """
     begin = pieces[0][0]
-    times = [(time - begin) // tick for time, _ in pieces]
-    steps = [after - before for before, after in pairwise([0, *times])]
-    joined, step = b"".join(data for _, data in pieces), 0
+    times, parts = zip(*pieces, strict=True)
+    ticks = [(time - begin) // tick for time in times]
+    steps = [after - before for before, after in pairwise([0, *ticks])]
+    joined, step = b"".join(parts), 0
     if len(joined) >= LASER_BYTES:
         from pioneer3.log.differences import best_step, differences, planes  # numpy loads slowly
 
         step = best_step(joined)
         joined = planes(differences(joined, step), step) if step else joined
-    return msgspec.msgpack.encode(
-        Pieces(steps, [len(data) for _, data in pieces], joined, step, tick, step)
-    )
+    return msgspec.msgpack.encode(Pieces(steps, [*map(len, parts)], joined, step, tick, step))
 
 
 def unpack_pieces(time: int, data: bytes) -> Iterator[tuple[int, bytes]]:

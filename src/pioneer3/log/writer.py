@@ -92,7 +92,7 @@ class LogWriter:
         self._target, self.clock, self._wall = target, clock, wall
         self._began, self._began_ns = clock(), wall()
         self._set_by = 0.0
-        self._queue: deque[tuple[float, LogTopic[Any], Any]] = deque()
+        self._queue: deque[tuple[float, LogTopic[Any], Any, int]] = deque()
         self._put = self._taken = self._lost = 0
         self._told = 0
         self._wake = threading.Event()
@@ -129,8 +129,9 @@ class LogWriter:
         """Take a message of `now` [s, of the clock], which must not change any more."""
         if self._ended:
             return
-        self._put += topic.size(message)
-        self._queue.append((self.clock() if now is None else now, topic, message))
+        size = topic.size(message)
+        self._put += size
+        self._queue.append((self.clock() if now is None else now, topic, message, size))
         if self._put - self._taken - self._lost > MOST_WAITING // 4:
             self._wake.set()
             if self._put - self._taken - self._lost > MOST_WAITING:
@@ -165,8 +166,7 @@ class LogWriter:
             log.warning("%s: the disk is too slow to record all: the oldest is lost", self.path)
         while self._put - self._taken - self._lost > MOST_WAITING // 2:
             with suppress(IndexError):  # the thread has taken all
-                _, topic, message = self._queue.popleft()
-                self._lost += topic.size(message)
+                self._lost += self._queue.popleft()[-1]
                 self.dropped += 1
                 continue
             return
@@ -216,14 +216,12 @@ class LogWriter:
         if self.dropped > self._told:
             lost, self._told = self.dropped - self._told, self.dropped
             self._note(self.clock(), "dropped", f"{lost} messages: a slow disk")
-        taken = []
+        by_topic: dict[str, tuple[LogTopic[Any], list[tuple[int, Any]]]] = {}
         with suppress(IndexError):  # the loop has dropped some
             for _ in range(len(self._queue)):
-                taken.append(self._queue.popleft())
-                self._taken += taken[-1][1].size(taken[-1][2])
-        by_topic: dict[str, tuple[LogTopic[Any], list[tuple[int, Any]]]] = {}
-        for now, topic, message in taken:
-            by_topic.setdefault(topic.name, (topic, []))[1].append((self._ns(now), message))
+                now, topic, message, size = self._queue.popleft()
+                self._taken += size
+                by_topic.setdefault(topic.name, (topic, []))[1].append((self._ns(now), message))
         for topic, messages in by_topic.values():
             self._file.add(topic, messages)
             if topic.repeated:

@@ -136,6 +136,8 @@ class Arbiter:
         self.remembers = True
         self._supervisor = supervisor
         self.log = robot_log
+        if robot_log is not None:
+            robot_log.why_not_moving = self.why_not_moving
         self._parts: list[_Part] = []
         self._stop_before_decision = self.last_stop
         self._memory: RangeMemory | None = None
@@ -362,7 +364,6 @@ class Arbiter:
             self.end_mode(failed)
         self._check_knowledge()
         self._check_progress(snapshot)
-        self._tell_standing()
 
     def _check_progress(self, snapshot: Snapshot) -> None:
         """End a mode that goes somewhere and does not get there."""
@@ -395,13 +396,7 @@ class Arbiter:
             why = refused.text if refused else ""
             given = CommandGiven(by, command, twist, seconds, why)
             self.log.soon(partial(self.log.asked, given, self._clock()))
-        self._tell_standing()
         return refused
-
-    def _tell_standing(self) -> None:
-        if self.log is not None:
-            reason = self.why_not_moving()
-            self.log.soon(partial(self.log.stands, reason, self._clock()))
 
     def _fail(self, error: ActionError) -> Refusal:
         """End the stack of an action that failed, and stand still."""

@@ -89,10 +89,15 @@ def _scan_size(scan: Scan) -> int:
 
 
 class RobotLog:
-    """The part of a log that is about one robot; names of several are in its topics."""
+    """The part of a log that is about one robot; names of several are in its topics.
+
+    Attributes:
+        why_not_moving: Returns the reason that the robot stands, `None` while it moves.
+    """
 
     def __init__(self, log: LogWriter, robot: str = "") -> None:
         self.log = log
+        self.why_not_moving: Callable[[], Reason | None] = lambda: None
         self._prefix = f"{robot}/" if robot else ""
         self._snapshots = self.topic("snapshot", Snapshot)
         self._commands = self.topic("command", CommandGiven)
@@ -141,9 +146,15 @@ class RobotLog:
             get_running_loop().call_later(MOMENT, self.tell)
 
     def tell(self) -> None:
-        """Call all that is to be called soon."""
+        """Call all that is to be called soon; then tell why the robot stands, if that is new."""
+        if not self._untold:
+            return
         while self._untold:
             self._untold.popleft()()
+        stands = StandsBecause(self.why_not_moving())
+        if stands != self._stands:
+            self._stands = stands
+            self.log.put(self._reasons, stands)
 
     def event(self, kind: str, text: str) -> None:
         """Take an event, in words."""
@@ -192,13 +203,6 @@ class RobotLog:
             return
         self._asked, self._asked_at = command, now
         self.log.put(self._commands, command, now)
-
-    def stands(self, reason: Reason | None, now: float) -> None:
-        """Take the reason to stand still `now` [s], `None` in motion; told when it changes."""
-        stands = StandsBecause(reason)
-        if stands != self._stands:
-            self._stands = stands
-            self.log.put(self._reasons, stands, now)
 
     def truth(self, robot_in_world: Pose2) -> None:
         """Take the true pose of a simulated robot; one that stays is taken once a second."""
