@@ -16,8 +16,6 @@ import numpy as np
 from numpy.random import default_rng
 
 from pioneer3.analysis.open_log import NANOSECONDS, OpenLog
-from pioneer3.arcos.commands import Command, from_payload
-from pioneer3.arcos.packet import PacketReader
 from pioneer3.arrays import Float
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2, arc_to, wrap
@@ -33,10 +31,8 @@ from pioneer3.models.odometry import (
 from pioneer3.navigation.recording import EstimateMade
 from pioneer3.robot.pilot import stands
 from pioneer3.runtime.recording import TruePoseTold
-from pioneer3.sim.body import Body
-from pioneer3.sim.firmware.steering import steer
+from pioneer3.runtime.shadow import Twin
 from pioneer3.sim.realism import OdometryErrors, Realism
-from pioneer3.sim.world import World
 from pioneer3.state import Snapshot
 
 PIECE: Final = 1.5
@@ -248,25 +244,24 @@ def _driven(drive: RecordedDrive, begin: float, end: float) -> Float:
 
     Nothing is in the way, and the ramps are the simulator's.
     """
-    body, now = Body(drive.model), begin
-    world = World(None, [body])
-    poses = [body.robot_in_odom]
+    twin, now = Twin(drive.model, begin), begin
+    travel = [twin.body.wheel_travel]
 
     def wait(until: float) -> None:
         nonlocal now
         while now < until:
-            world.step(min(until - now, FINE))
-            now += min(until - now, FINE)
-            poses.append(body.robot_in_odom)
+            now = min(now + FINE, until)
+            twin.go_on(now)
+            travel.append(twin.body.wheel_travel)
 
-    for at, command in _commands(drive.log):
+    for at, data in _sent(drive.log):
         if at >= end:
             break
         wait(at)  # not before the begin: what came then sets limits, and switches the motors on
-        steer(body, command)
+        twin.receive(data, at)
     wait(end)
-    steps = [arc_to(a.inverse() @ b)[0] for a, b in pairwise(poses)]
-    return np.array([astuple(step) for step in steps]).reshape(-1, 2).T
+    left, right = np.diff(np.array(travel), axis=0).T
+    return np.array([(left + right) / 2, (right - left) / twin.body.track])
 
 
 def _by_time(log: OpenLog, topics: Sequence[str]) -> Iterator[tuple[float, Any]]:
@@ -274,15 +269,12 @@ def _by_time(log: OpenLog, topics: Sequence[str]) -> Iterator[tuple[float, Any]]
     return merge(*(log.messages(topic) for topic in topics), key=itemgetter(0))
 
 
-def _commands(log: OpenLog) -> Iterator[tuple[float, Command]]:
-    """Yield the commands that the robot was sent, with their times [s]."""
-    source, reader = RunLog(log.path), PacketReader()
+def _sent(log: OpenLog) -> Iterator[tuple[float, bytes]]:
+    """Yield the bytes that the robot was sent, with their times [s]."""
     topic = f"wire/{log.prefixes[log.robots[0]]}{ROBOT}/out"
     began = log.info().began
-    for message in source.messages(topic.__eq__):
-        at = (message.time - began) / NANOSECONDS
-        for payload in reader.feed(message.data, at):
-            yield at, from_payload(payload)
+    for message in RunLog(log.path).messages(topic.__eq__):
+        yield (message.time - began) / NANOSECONDS, message.data
 
 
 def _pieces(readings: Sequence[Reading]) -> Iterator[DrivePiece]:
