@@ -2,8 +2,8 @@
 
     uv run docs/reference/message_types.py
 
-It writes a JSON Schema for programs and TypeScript declarations for the comments in the page's
-JavaScript.
+It writes a JSON Schema for programs, and TypeScript declarations for the comments in the page's
+JavaScript, which editors read; they are no part of the repository.
 """
 
 import json

@@ -16,7 +16,7 @@ export class FloorPlan {
   walls;
   /** Cells, as OccupancyGrids. */
   grids;
-  /** Objects that the map names. @type {import("../messages.d.ts").MapObject[]} */
+  /** Objects that the map names. @type {import("../messages.d.ts").DrawnObject[]} */
   objects;
   /** Solids with heights. @type {import("../messages.d.ts").MapSolid[]} */
   solids;

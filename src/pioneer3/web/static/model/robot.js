@@ -8,9 +8,9 @@ const JUMP = 1.0; // m; a farther step is a new trail
 const TRAIL = 3000; // points
 
 export class Robot {
-  /** Its part of the server's hello. @type {import("../messages.d.ts").Robot} */
+  /** Its part of the server's hello. @type {import("../messages.d.ts").ListedRobot} */
   hello;
-  /** @type {import("../messages.d.ts").Snapshot | null} */
+  /** @type {import("../messages.d.ts").SnapshotMessage | null} */
   snapshot = null;
   /** @type {import("../messages.d.ts").Status | null} */
   status = null;
@@ -62,7 +62,7 @@ export class Robot {
     this.#leaveTrail(snapshot.robot_in_map);
   }
 
-  /** @param {import("../messages.d.ts").Sweep} sweep */
+  /** @param {import("../messages.d.ts").LaserSweep} sweep */
   takeScan(sweep) {
     this.#scans.set(sweep.laser, pointsOf(sweep));
     this.points = joined([...this.#scans.values()]);

@@ -5,11 +5,11 @@ import { PoseInterpolator } from "./interpolation.js";
 export class World {
   /** id -> thing, without its pose */
   things = new Map();
-  /** Null before the first message. @type {import("../messages.d.ts").Clock | null} */
+  /** Null before the first message. @type {import("../messages.d.ts").SimulatedTime | null} */
   clock = null;
   #drawn = new Map(); // id -> PoseInterpolator
 
-  /** @param {import("../messages.d.ts").World} message */
+  /** @param {import("../messages.d.ts").WorldChanges} message */
   receive({ all, things, moved, gone, clock }) {
     const now = performance.now();
     if (all) this.clear();
