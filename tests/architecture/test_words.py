@@ -3,15 +3,21 @@
 import ast
 from collections import defaultdict
 from collections.abc import Iterator
+from functools import cache
 from itertools import pairwise
 from pathlib import Path
 
 SOURCE = Path(__file__).parents[2] / "src" / "pioneer3"
-MODULES = {path.relative_to(SOURCE): ast.parse(path.read_text()) for path in SOURCE.rglob("*.py")}
 NO_BEGINNING = ("Of ", "Who ", "What ", "The same ", "It ")
 """A docstring begins with its verb, or with the noun that the thing is."""
 ONE_VALUE = ("behaviors", "nav", "navigation")
 """Packages in which the name of a constant stands for one value; within each of their folders."""
+
+
+@cache
+def modules() -> dict[Path, ast.Module]:
+    """Return the syntax trees of all modules, once a test asks for them."""
+    return {path.relative_to(SOURCE): ast.parse(path.read_text()) for path in SOURCE.rglob("*.py")}
 
 
 def docstrings(tree: ast.Module) -> Iterator[tuple[int, str]]:
@@ -33,7 +39,7 @@ def docstrings(tree: ast.Module) -> Iterator[tuple[int, str]]:
 def test_docstrings_begin_with_a_verb_or_the_noun_that_a_thing_is() -> None:
     assert [
         f"{path}:{line}: {text.splitlines()[0]}"
-        for path, tree in MODULES.items()
+        for path, tree in modules().items()
         for line, text in docstrings(tree)
         if text.startswith(NO_BEGINNING)
     ] == []
@@ -54,13 +60,13 @@ def test_each_constant_has_a_docstring_of_its_own() -> None:
     """One for several is no sentence about any: "A robot waits so long [s], and so far [m]."."""
     docs = {
         (path, line.lineno)
-        for path, tree in MODULES.items()
+        for path, tree in modules().items()
         for line, text in pairwise(tree.body)
         if isinstance(text, ast.Expr) and isinstance(text.value, ast.Constant)
     }
     assert [
         f"{path}:{statement.lineno}: {ast.unparse(target)}"
-        for path, tree in MODULES.items()
+        for path, tree in modules().items()
         for statement, target in constants(tree)
         if isinstance(target, ast.Tuple) and (path, statement.lineno) in docs
     ] == []
@@ -68,7 +74,7 @@ def test_each_constant_has_a_docstring_of_its_own() -> None:
 
 def test_the_name_of_a_constant_has_one_value_in_a_package() -> None:
     values = defaultdict[tuple[Path, str], set[str]](set)
-    for path, tree in MODULES.items():
+    for path, tree in modules().items():
         if path.parts[0] in ONE_VALUE:
             for statement, target in constants(tree):
                 assert statement.value is not None
@@ -92,7 +98,7 @@ SHARED_NAMES = {
 
 def test_the_name_of_a_public_class_stands_for_one_class() -> None:
     homes = defaultdict(list)
-    for path, tree in MODULES.items():
+    for path, tree in modules().items():
         for node in tree.body:
             if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
                 homes[node.name].append(str(path))
