@@ -102,7 +102,6 @@ def pytest_collection() -> None:
 
 def pytest_collection_finish() -> None:
     """Leave what was made so far out of each later search for garbage."""
-    gc.collect()
     gc.freeze()
     gc.enable()
 

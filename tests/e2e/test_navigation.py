@@ -51,7 +51,7 @@ async def in_the_office(
             yield sim, robot, navigator
 
 
-@pytest.mark.parametrize("model", ["p3at-sh", "p3dx-sh"])
+@pytest.mark.parametrize("model", [pytest.param("p3at-sh", marks=pytest.mark.thorough), "p3dx-sh"])
 async def test_it_drives_to_the_kitchen_by_name(model: str) -> None:
     async with in_the_office(model=model) as (sim, robot, _):
         await robot.goto("kitchen", speed=0.7)

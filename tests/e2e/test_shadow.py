@@ -75,8 +75,15 @@ def weakened(simulated: SimulatedRobot, left: float, right: float) -> Callable[[
     return step
 
 
-@pytest.mark.parametrize("model", ["p3dx-sh", "p3at-sh"])
-@pytest.mark.parametrize("latency", [0.0, 0.2])
+@pytest.mark.parametrize(
+    ("model", "latency"),
+    [
+        ("p3dx-sh", 0.2),
+        ("p3at-sh", 0.0),
+        pytest.param("p3dx-sh", 0.0, marks=pytest.mark.thorough),
+        pytest.param("p3at-sh", 0.2, marks=pytest.mark.thorough),
+    ],
+)
 async def test_a_sound_robot_does_what_its_twin_does(model: str, latency: float) -> None:
     random = Random(7)
     simulated = SimulatedRobot(model=model, realism=Realism())

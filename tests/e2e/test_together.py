@@ -189,7 +189,7 @@ async def test_a_leader_that_stops_suddenly_is_not_run_into() -> None:
             await asyncio.sleep(10.0)
             await the.lead(0.5, 0.0, 10.0)
             the.here.robots[0].emergency_stop()
-            await asyncio.sleep(15.0)
+            await asyncio.sleep(6.0)
             assert the.here.gap > 0.1
             assert max(the.here.speeds) < 0.05
 

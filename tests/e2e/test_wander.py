@@ -17,7 +17,10 @@ SECONDS = 121.0
 """Two whole minutes, and a little."""
 
 
-@pytest.mark.parametrize(("preset", "seed"), [("lab", 1), ("lab", 4), ("explore", 2)])
+@pytest.mark.parametrize(
+    ("preset", "seed"),
+    [("lab", 1), pytest.param("lab", 4, marks=pytest.mark.thorough), ("explore", 2)],
+)
 async def test_it_meets_nothing(preset: Preset, seed: int) -> None:
     office = load_map("office")
     home = start_in(office, seed)

@@ -13,6 +13,8 @@ import pytest
 ROOT = Path(__file__).parents[2]
 WITH_RAY = ROOT / "examples/08_learn_with_ray.py"
 EXAMPLES = sorted({*(ROOT / "examples").glob("*.py")} - {WITH_RAY})
+COMPUTE = {"05_learn", "06_many_robots", "09_sweep"}
+"""Examples that keep a processor busy for long; the unit tests have every call that they make."""
 
 
 @contextmanager
@@ -31,7 +33,14 @@ def url() -> Iterator[str]:
         yield url
 
 
-@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "path",
+    [
+        pytest.param(path, marks=pytest.mark.thorough) if path.stem in COMPUTE else path
+        for path in EXAMPLES
+    ],
+    ids=lambda path: path.stem,
+)
 def test_the_example_runs(path: Path, url: str) -> None:
     done = subprocess.run(
         [sys.executable, str(path), url], capture_output=True, text=True, timeout=60, check=False

@@ -21,7 +21,7 @@ from pioneer3.sim.worldfile.spec import Physics
 from tests.combinations import examples
 from tests.unit.gym.rooms import PILLARED
 
-STEPS = 200
+STEPS = 100
 LONGEST = 40
 """Steps of an episode: several begin and end after a copy is made."""
 ROBOTS = 3

@@ -2,7 +2,7 @@
 
 import asyncio
 import json
-from collections.abc import AsyncIterator, MutableMapping
+from collections.abc import AsyncIterator, Callable, MutableMapping
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from math import hypot
@@ -132,6 +132,15 @@ class Browser:
         while loop.time() < end:
             self.say("ping", t=0)
             await asyncio.sleep(1.0)
+
+    async def stay_until(self, is_so: Callable[[], object], longest: float) -> None:
+        """Look at the page until something is so, and a second more; fail after so long."""
+        loop = asyncio.get_running_loop()
+        end = loop.time() + longest
+        while not is_so():
+            assert loop.time() < end, f"not so after {longest:g} s"
+            await self.stay(1.0)
+        await self.stay(1.0)
 
     def all(self, type_: str) -> list[dict[str, Any]]:
         """Return the messages of one type so far."""

@@ -62,6 +62,16 @@ def news(page: Browser) -> tuple[str, str]:
     return told["status"], told["text"]
 
 
+async def arrived(page: Browser, longest: float) -> None:
+    """Look at the page until the goal has been reached."""
+    await page.stay_until(lambda: page.latest("goal")["status"] == "succeeded", longest)
+
+
+async def ended(page: Browser, longest: float) -> None:
+    """Look at the page until the mode that runs has ended."""
+    await page.stay_until(lambda: page.snapshot["mode"] is None, longest)
+
+
 def where(the: Playground) -> Pose2:
     return the.simulation.robots[0].body.robot_in_world
 
@@ -93,7 +103,7 @@ async def test_the_robot_goes_through_the_door_and_tells_its_way() -> None:
         assert told["sure"]
         assert told["place"] == "Kitchen"
         assert told["left"] < 6.5
-        await ann.stay(25.0)
+        await arrived(ann, 25.0)
         assert hypot(where(the).x - 2.5, where(the).y) < 0.05
         assert abs(where(the).theta) < 0.05
         assert ann.snapshot["mode"] is None
@@ -187,7 +197,7 @@ async def test_a_robot_sets_out_to_a_door_that_is_closed_and_waits_until_it_open
         assert where(the).x < 0.0
         (door,) = the.simulation.world.obstacles
         the.simulation.world.remove_obstacle(door)
-        await ann.stay(25.0)
+        await ended(ann, 25.0)
         assert ann.snapshot["ended"]["done"]
         assert (where(the).x, where(the).y) == pytest.approx((2.5, 0.0), abs=0.1)
 
@@ -197,8 +207,7 @@ async def test_a_robot_gives_up_where_the_door_is_closed_before_it() -> None:
         ann.say("goto", x=2.5, y=0.0, name="Kitchen", speed=0.5)
         await ann.stay(4.0)
         close_the_door(the)
-        await ann.stay(40.0)
-        assert ann.snapshot["mode"] is None
+        await ended(ann, 40.0)
         assert ann.snapshot["ended"]["why"].startswith("the way to Kitchen is closed")
         assert where(the).x < 0.0
         assert not the.simulation.robots[0].body.speeds[0]
@@ -219,7 +228,8 @@ async def test_a_real_robot_began_at_home_and_is_drawn_where_it_finds_itself(
         ):
             await asyncio.sleep(1.0)
             ann.say("goto", x=2.5, y=0.0, speed=0.6)
-            await ann.stay(30.0)
+            await ann.stay(1.0)
+            await arrived(ann, 30.0)
             there = sim.body.robot_in_world
             assert hypot(there.x - 2.5, there.y) < 0.05
             drawn = ann.snapshot["robot_in_map"]
@@ -231,14 +241,15 @@ async def test_a_patrol_goes_on_until_it_is_ended() -> None:
     async with rooms() as (the, ann):
         places = [{"x": -2.5, "y": 1.5}, {"x": -1.5, "y": -1.5, "heading": 0.0}]
         ann.say("patrol", places=places, speed=0.7)
-        seen: list[tuple[float, float]] = []
-        for _ in range(60):
-            await ann.stay(1.0)
-            seen.append((where(the).x, where(the).y))
-        for place in places:
-            times = [hypot(x - place["x"], y - place["y"]) < 0.1 for x, y in seen]
-            visits = sum(now and not before for before, now in pairwise(times))
-            assert visits >= 2
+        near: list[list[bool]] = [[], []]
+
+        def all_seen_twice() -> bool:
+            for place, times in zip(places, near, strict=True):
+                times.append(hypot(where(the).x - place["x"], where(the).y - place["y"]) < 0.1)
+            visits = [sum(now > before for before, now in pairwise(times)) for times in near]
+            return min(visits) >= 2
+
+        await ann.stay_until(all_seen_twice, 60.0)
         assert ann.snapshot["mode"] == "patrol"
         ann.say("end_mode")
         await ann.stay(1.0)
@@ -288,8 +299,7 @@ async def test_a_lost_robot_looks_around_until_it_knows() -> None:
         assert "not sure" in news(ann)[1]
         assert where(the) == pytest.approx(BEGIN)
         ann.say("look_around")
-        await ann.stay(60.0)
-        assert ann.latest("navigation")["sure"]
+        await ann.stay_until(lambda: ann.latest("navigation")["sure"], 60.0)
         assert ann.snapshot["ended"]["done"]
 
 
@@ -315,13 +325,13 @@ async def test_a_goal_waits_for_navigation_and_tells_the_reason(
     async with rooms() as (the, ann):
         ann.say("plan_way", x=2.5, y=0.0)
         ann.say("goto", x=2.5, y=0.0, name="Kitchen", speed=0.6)
-        await ann.stay(20.0)
+        await ann.stay(5.0)
         assert news(ann) == ("accepted", "")
         told = ann.latest("navigation")
         assert (told["reason"], told["problem"]) == ("", "compiling navigation, once")
         assert where(the) == pytest.approx(BEGIN)
         compiled.set()
-        await ann.stay(30.0)
+        await arrived(ann, 30.0)
         assert ann.latest("way")["length"] == pytest.approx(6.5, rel=0.1)
         assert news(ann) == ("succeeded", "arrived")
         assert hypot(where(the).x - 2.5, where(the).y) < 0.05
@@ -377,7 +387,7 @@ async def test_a_later_goal_takes_the_place_of_one_that_waits() -> None:
         statuses = [each["status"] for each in ann.heard if each["type"] == "goal"]
         assert statuses == ["accepted", "executing", "canceled", "accepted"]
         assert not [each for each in bob.heard if each["type"] == "goal"]
-        await ann.stay(20.0)
+        await arrived(ann, 20.0)
         assert news(ann) == ("succeeded", "arrived")
         assert hypot(where(the).x + 2.5, where(the).y - 1.0) < 0.05
 

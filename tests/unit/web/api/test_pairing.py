@@ -5,8 +5,8 @@ from http.cookies import SimpleCookie
 
 import pytest
 
+from pioneer3.web.access import invitations
 from pioneer3.web.access.access import GUESSES, device
-from pioneer3.web.access.invitations import TERM
 from pioneer3.web.access.sessions import Role
 from tests.unit.web.asking import LAN, Answer, Script, stranger
 from tests.unit.web.browser import product
@@ -41,10 +41,12 @@ async def test_a_token_opens_a_session_once() -> None:
         assert "it was used" in again.detail
 
 
-async def test_an_expired_token_is_refused() -> None:
+async def test_an_expired_token_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert invitations.TERM == 600.0
+    monkeypatch.setattr(invitations, "TERM", 5.0)
     async with product() as the:
         token = the.page.access.invitations.invite(DRIVER)
-        await asyncio.sleep(TERM + 0.1)
+        await asyncio.sleep(5.1)
         answer = await stranger(the.app).ask("POST", "/api/pair", {"token": token})
         assert answer.status == 403
         assert the.page.access.sessions.listed() == []
