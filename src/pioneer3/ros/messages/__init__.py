@@ -8,7 +8,6 @@ navigation   maps, the place on them, ways and goals to ROS messages; starts and
 diagnostics  the state of the robot, part by part, for diagnostic_msgs
 motion       odometry, wheels and transforms to ROS messages, and a `Twist` to ours
 sensors      sonars, laser, camera, gyro, bumpers, battery and inputs to ROS messages
-p2os         state of the robot to the messages of p2os_msgs
 update       the input of every conversion to ROS messages, and the options that shape the messages
 ===========  ======================================================================================
 """
