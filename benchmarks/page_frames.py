@@ -40,7 +40,7 @@ from pioneer3.robot.supervisor import RobotInfo
 from pioneer3.state import Battery, Bumpers, Identity, Motors, Odometry, Scan, Snapshot, Sonar
 from pioneer3.teleop.gamepad import SCHEME
 from pioneer3.web import messages
-from pioneer3.web.api.body_operations import body_of
+from pioneer3.web.api.robot_operations import body_of
 from pioneer3.web.app import STATIC
 from pioneer3.web.broadcast import sweep
 from pioneer3.web.robot_view import robot_part, snapshot_part
@@ -116,16 +116,20 @@ def scan(number: int, now: float) -> messages.LaserSweep:
 def hello() -> messages.Hello:
     """Return what pages are told first."""
     robots = tuple(
-        robot_part(
-            number,
-            f"robot-{number:02}",
-            RobotInfo(
-                identity=Identity(name=f"robot-{number:02}", family="Pioneer", model=MODEL.name),
-                model=MODEL,
-                limits=Limits(max_speed=0.75, max_turn_rate=1.7),
-                config=Config(family="Pioneer", model=MODEL.name, serial_number="SIM"),
-                url=f"memory:{number}",
-                speed=0,
+        msgspec.structs.replace(
+            robot_part(
+                number,
+                f"robot-{number:02}",
+                RobotInfo(
+                    identity=Identity(
+                        name=f"robot-{number:02}", family="Pioneer", model=MODEL.name
+                    ),
+                    model=MODEL,
+                    limits=Limits(max_speed=0.75, max_turn_rate=1.7),
+                    config=Config(family="Pioneer", model=MODEL.name, serial_number="SIM"),
+                    url=f"memory:{number}",
+                    speed=0,
+                ),
             ),
             laser=number <= LASERS,
         )

@@ -79,8 +79,8 @@ class ListedRobot(Part, frozen=True):
     url: str
     shape: Shape | None
     limits: SpeedLimits | None
-    laser: bool
-    scans: bool
+    laser: bool = False
+    scans: bool = False
     plans: bool = False
     forbids: str = ""
     camera: bool = False

@@ -3,6 +3,8 @@
 from collections.abc import Iterable
 from typing import Protocol
 
+from msgspec.structs import replace
+
 from pioneer3.behaviors.action import Goal
 from pioneer3.errors import Refusal
 from pioneer3.geometry import Pose2, Twist2
@@ -69,10 +71,8 @@ class RobotView:
     def describe(self) -> messages.ListedRobot:
         """Return the part of the hello for this robot."""
         laser = self.robot.laser
-        return robot_part(
-            self.number,
-            self.label,
-            self.robot.supervisor.info,
+        return replace(
+            robot_part(self.number, self.label, self.robot.supervisor.info),
             laser=bool(laser.presence.there),
             scans=laser is not self.robot.devices.laser,
             plans=self.navigation.possible,
@@ -169,18 +169,11 @@ def called(info: RobotInfo) -> str:
     return info.model.title if nameless else told
 
 
-def robot_part(
-    number: int,
-    name: str,
-    info: RobotInfo | None,
-    *,
-    laser: bool = False,
-    scans: bool = False,
-    plans: bool = False,
-    forbids: str = "",
-    camera: bool = False,
-) -> messages.ListedRobot:
-    """Return the part of the hello for a robot; `info` is `None` before the first connection."""
+def robot_part(number: int, name: str, info: RobotInfo | None) -> messages.ListedRobot:
+    """Return the part of the hello for a robot that has nothing to see or to plan with.
+
+    `info` is `None` before the first connection.
+    """
     return messages.ListedRobot(
         id=number,
         name=name,
@@ -188,11 +181,6 @@ def robot_part(
         url=info.url if info else "",
         shape=_shape(info.identity.name, info.model) if info else None,
         limits=_limits(info.limits) if info else None,
-        laser=laser,
-        scans=scans,
-        plans=plans,
-        forbids=forbids,
-        camera=camera,
     )
 
 

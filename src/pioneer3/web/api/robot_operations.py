@@ -1,16 +1,29 @@
-"""The operations of the API on robots."""
+"""The operations of the API on robots, their cameras and their bodies.
 
+The server has one connection to a camera, however many look; each gets the newest picture when it
+can take one. Bodies are from the description that URDF is made of.
+"""
+
+from collections.abc import AsyncGenerator, Callable, Iterator, Mapping
+from contextlib import aclosing
 from math import inf
 
+from pioneer3 import mjpeg
 from pioneer3.behaviors.modes import AnyMode, Goto
-from pioneer3.errors import MotionError, Refusal
+from pioneer3.errors import DeviceError, MotionError, Refusal
+from pioneer3.models import RobotModel, load_model, model_names
+from pioneer3.models.description.solids import COLORS, LinkSolid, solids_of
+from pioneer3.models.description.tree import Frames, FrameTree, Joint, tree_of
 from pioneer3.robot.limits import checked, wheels_as_twist
 from pioneer3.web import group, messages
 from pioneer3.web.access.middleware import ErrorResponse
 from pioneer3.web.access.sessions import Role
 from pioneer3.web.api import types
-from pioneer3.web.api.operation import ApiRequest, operation
+from pioneer3.web.api.operation import ApiRequest, Jpeg, PictureStream, operation
+from pioneer3.web.connections import STREAMING
 from pioneer3.web.modes import ModeForm, forms, group_forms
+from pioneer3.web.page import Page
+from pioneer3.web.robot_view import RobotView
 
 
 def list_robots(request: ApiRequest) -> list[messages.ListedRobot]:
@@ -168,6 +181,101 @@ def _result(request: ApiRequest) -> types.CommandResult:
     return types.CommandResult(why and why.text)
 
 
+async def get_camera_image(request: ApiRequest) -> Jpeg | ErrorResponse:
+    """Return the next picture of the robot's camera, as JPEG.
+
+    It waits for one that is new, so that a program that asks again and again gets each once.
+    """
+    try:
+        picture = await request.view.robot.devices.camera.picture(max_age=0.0)
+    except DeviceError as error:
+        return ErrorResponse(409, str(error))
+    return Jpeg(picture.jpeg)
+
+
+async def get_camera_stream(request: ApiRequest) -> PictureStream | ErrorResponse:
+    """Return the pictures of the robot's camera as MJPEG: JPEG parts without end.
+
+    A viewer that is slow gets fewer of them. The stream ends with the session.
+    """
+    view = request.view
+    try:
+        await view.robot.devices.camera.picture()
+    except DeviceError as error:
+        return ErrorResponse(409, str(error))
+    extensions = request.scope.get("extensions", {})
+    return PictureStream(_parts(view, request, extensions.get(STREAMING, lambda: None)))
+
+
+async def _parts(
+    view: RobotView, request: ApiRequest, goes_on: Callable[[], None]
+) -> AsyncGenerator[bytes, None]:
+    async with aclosing(view.robot.devices.camera.pictures()) as pictures:
+        async for picture in pictures:
+            if request.caller.ended.is_set():
+                return
+            goes_on()
+            yield mjpeg.part(picture.jpeg, picture.view)
+
+
+def get_body(request: ApiRequest) -> types.RobotBody | ErrorResponse:
+    """Return the body of a type of robot: boxes and cylinders, as its URDF has them."""
+    name = request.path["model"]
+    model = _model(request.page, name)
+    if model is None:
+        return ErrorResponse(
+            404, f"there is no model {name[:40]!r}; `pioneer3 model list` shows all"
+        )
+    return body_of(model)
+
+
+def body_of(model: RobotModel) -> types.RobotBody:
+    """Return the body of a robot of this type."""
+    frames = Frames()
+    tree = tree_of(model, frames)
+    bumpers = model.front_bumpers, model.rear_bumpers
+    solids = solids_of(model, tree, frames, bumpers=bumpers, laser=True)
+    return types.RobotBody(model.name, tuple(_links(tree, solids)))
+
+
+def _model(page: Page, name: str) -> RobotModel | None:
+    """Return the model of a robot of the page, or a shipped one; `None` if there is none."""
+    for view in page.robots.values():
+        info = view.robot.supervisor.info
+        if info is not None and info.model.name == name:
+            return info.model
+    return load_model(name) if name in model_names() else None
+
+
+def _links(
+    tree: FrameTree, solids: Mapping[str, tuple[LinkSolid, ...]]
+) -> Iterator[types.DescribedLink]:
+    fixed, wheels = tree.fixed_in_base(), {joint.child: joint for joint in tree.wheels}
+    for name, parts in solids.items():
+        wheel = wheels.get(name)
+        x, y, z, yaw = (wheel.x, wheel.y, wheel.z, 0.0) if wheel else fixed[name]
+        yield types.DescribedLink(
+            at=(x, y, z),
+            yaw=yaw,
+            wheel=_side(wheel) if wheel else None,
+            solids=tuple(_solid(part) for part in parts),
+        )
+
+
+def _side(wheel: Joint) -> types.Side:
+    return "left" if wheel.y > 0 else "right"
+
+
+def _solid(solid: LinkSolid) -> types.DescribedSolid:
+    return types.DescribedSolid(
+        shape="cylinder" if solid.is_round else "box",
+        color=COLORS[solid.color],
+        size=solid.size,
+        at=solid.at,
+        turned=solid.turned,
+    )
+
+
 ROBOT = "/api/robots/{robot}"
 VIEWER, STUDENT, DRIVER = Role.VIEWER, Role.STUDENT, Role.DRIVER
 ROBOTS = (
@@ -191,4 +299,7 @@ ROBOTS = (
     operation("PUT", f"{ROBOT}/mode", start_mode, STUDENT, 404, 409),
     operation("DELETE", f"{ROBOT}/mode", end_mode, STUDENT, 404, 409),
     operation("POST", f"{ROBOT}/goto", goto, STUDENT, 404, 409),
+    operation("GET", f"{ROBOT}/camera/image", get_camera_image, VIEWER, 404, 409),
+    operation("GET", f"{ROBOT}/camera/stream", get_camera_stream, VIEWER, 404, 409),
+    operation("GET", "/api/models/{model}", get_body, VIEWER, 404),
 )

@@ -13,8 +13,6 @@ from pioneer3.mjpeg import BOUNDARY, MULTIPART
 from pioneer3.web.access.middleware import ErrorResponse, respond, session_of
 from pioneer3.web.access.sessions import LoginSession, Role
 from pioneer3.web.api.access_operations import ACCESS
-from pioneer3.web.api.body_operations import BODIES
-from pioneer3.web.api.camera_operations import CAMERA
 from pioneer3.web.api.class_operations import CLASS, NO_CLASS
 from pioneer3.web.api.log_operations import LOGS
 from pioneer3.web.api.navigation_operations import NAVIGATION
@@ -34,7 +32,7 @@ from pioneer3.web.classroom.downloads import Download
 from pioneer3.web.page import Page
 from pioneer3.web.requests import NOT_YOURS, ONLY_DRIVERS, ONLY_TEACHERS, REPLAYED
 
-OPERATIONS = (*ROBOTS, *CAMERA, *BODIES, *NAVIGATION, *CLASS, *LOGS, *ACCESS)
+OPERATIONS = (*ROBOTS, *NAVIGATION, *CLASS, *LOGS, *ACCESS)
 LONGEST_BODY = 16_384
 JSON = "application/json"
 

@@ -28,15 +28,13 @@ WITHIN: Final = 2.448
 
 def listed(robot: RecordedRobot) -> messages.ListedRobot:
     """Return the part of the hello for a robot."""
-    part = robot_part(
-        robot.number,
-        robot.name,
-        robot.info,
+    return replace(
+        robot_part(robot.number, robot.name, robot.info),
+        kind="REPLAY",
         laser=bool(robot.lasers),
         scans=bool(robot.lasers),
         plans=robot.knows_places,
     )
-    return replace(part, kind="REPLAY")
 
 
 def status(robot: RecordedRobot) -> messages.Status:
