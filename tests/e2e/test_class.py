@@ -21,7 +21,8 @@ from pioneer3.errors import ConfigError, LinkError, MotionError
 from pioneer3.log.reader import open_log
 from pioneer3.sim.server.start import simulator
 from pioneer3.web.classroom import robot as class_robot
-from pioneer3.web.classroom.live import ClassOptions, RemoteRobot, class_live
+from pioneer3.web.classroom.live import ClassOptions, class_live
+from pioneer3.web.hosting import ConnectTarget
 from tests.support import disk_of, until
 
 pytestmark = pytest.mark.realtime
@@ -163,7 +164,7 @@ class School:
 
 @asynccontextmanager
 async def school(
-    tmp_path: Path, students: int = 2, fleet: tuple[RemoteRobot, ...] = ()
+    tmp_path: Path, students: int = 2, fleet: tuple[ConnectTarget, ...] = ()
 ) -> AsyncIterator[School]:
     """Run a class on loopback."""
     lines: list[str] = []
@@ -560,7 +561,8 @@ async def test_the_robots_of_a_fleet_make_a_class_too(tmp_path: Path) -> None:
         robots = []
         for name in ("front", "back"):
             here = simulator(map_name="lab", robot="p3dx", port=0)
-            robots.append(RemoteRobot(name, (await stack.enter_async_context(here)).url))
+            url = (await stack.enter_async_context(here)).url
+            robots.append(ConnectTarget(url=url, name=name))
         the = await stack.enter_async_context(school(tmp_path, fleet=tuple(robots)))
         ann, joined = await the.join("Ann")
         assert (await the.seat(2))["name"] is None

@@ -57,9 +57,10 @@ def class_(
     """
     from pioneer3.fleet.inventory import VARIABLE
     from pioneer3.fleet.reach import given_model, port_of
-    from pioneer3.web.classroom.live import ClassOptions, RemoteRobot, class_live
+    from pioneer3.web.classroom.live import ClassOptions, class_live
+    from pioneer3.web.hosting import ConnectTarget
 
-    robots: tuple[RemoteRobot, ...] = ()
+    robots: tuple[ConnectTarget, ...] = ()
     if students is not None and fleet is not None and str(fleet) != os.environ.get(VARIABLE):
         raise ConfigError(f"--students {students} simulates robots, --fleet uses others: give one")
     if students is None:
@@ -67,7 +68,9 @@ def class_(
             raise ConfigError("how many students? Say --students 20, or --fleet FILE")
         known = fleet_of(fleet)
         robots = tuple(
-            RemoteRobot(one.name, port_of(known, one.name), given_model(known, one))
+            ConnectTarget(
+                url=port_of(known, one.name), name=one.name, model=given_model(known, one)
+            )
             for one in known.robots
         )
         if not robots:

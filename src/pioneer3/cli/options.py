@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from pioneer3.runtime.robot import Robot
     from pioneer3.sim.worldfile import RobotSpec
     from pioneer3.sim.worldfile.arguments import WorldOverrides
+    from pioneer3.web.hosting import ConnectTarget
 
 DEFAULT_PORT = "tcp://localhost:8101"
 UNITS = (
@@ -98,7 +99,7 @@ def fleet_if_any(given: Path | None) -> "Fleet | None":
     return read_fleet(path)
 
 
-def robots_of(words: Sequence[str], given: Path | None) -> "tuple[OfFleet, ...]":
+def robots_of(words: Sequence[str], given: Path | None) -> "tuple[ConnectTarget, ...]":
     """Return the robots of a fleet that the words of `--robot` name; empty if they are models.
 
     With `--fleet` they all are robots. Without it a fleet file need not be there.
@@ -108,6 +109,7 @@ def robots_of(words: Sequence[str], given: Path | None) -> "tuple[OfFleet, ...]"
     """
     from pioneer3.fleet.inventory import VARIABLE, read_fleet
     from pioneer3.fleet.reach import camera_of, given_model, named, port_of
+    from pioneer3.web.hosting import ConnectTarget
 
     if not words:
         return ()
@@ -119,26 +121,15 @@ def robots_of(words: Sequence[str], given: Path | None) -> "tuple[OfFleet, ...]"
     else:
         fleet, robots = found, named(words, found)
     return tuple(
-        OfFleet(
+        ConnectTarget(
+            url=port_of(fleet, robot.name),
             name=robot.name,
-            port=port_of(fleet, robot.name),
             camera=camera_of(robot),
             model=given_model(fleet, robot),
-            navigation=robot.navigation,
+            settings=robot.navigation,
         )
         for robot in robots
     )
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class OfFleet:
-    """A robot of a fleet, as the fleet file has it; `camera` is a URL."""
-
-    name: str
-    port: str
-    camera: str | None
-    model: "GivenModel"
-    navigation: "NavigationSettings"
 
 
 def reads(

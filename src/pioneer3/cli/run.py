@@ -2,6 +2,7 @@
 
 import os
 import sys
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -40,6 +41,7 @@ if TYPE_CHECKING:
     from contextlib import AbstractAsyncContextManager
 
     from pioneer3.sim.worldfile import RobotSpec
+    from pioneer3.web.hosting import ConnectTarget
     from pioneer3.web.server import Served
 
 AS_USUAL = WorldOptions()
@@ -98,37 +100,32 @@ def run(
         key: Its private key, a file that only you may read.
     """
     from pioneer3.nav.settings import AS_SHIPPED
-    from pioneer3.sim.worldfile import RobotSpec
     from pioneer3.sim.worldfile.arguments import parse_robot
     from pioneer3.web.live import RunOptions, live
 
-    of_fleet = robots_of(robot, fleet)
-    if number is not None and (port or of_fleet):
+    remote = robots_of(robot, fleet)
+    if number is not None and (port or remote):
         raise ConfigError(f"--number {number}: of simulated robots only, without --port")
-    if of_fleet:
-        if port and port != (os.environ.get(PORT_VARIABLE),):
-            raise ConfigError(f"--port {port[0]} and --robot {robot[0]}: give one of them")
-        port = tuple(one.port for one in of_fleet)
-        cameras = tuple(one.camera for one in of_fleet)
-        models = tuple(one.model for one in of_fleet)
-        settings = tuple(one.navigation for one in of_fleet)
-        robots = tuple(RobotSpec(model="", name=one.name) for one in of_fleet)
-    else:
-        robots = tuple(map(parse_robot, repeated(robot, number)))
-        cameras = (None,) * len(port)
-        models, settings = (), (AS_SHIPPED,)
-    if model is not None and port:
-        models = (model,) * len(port)
-    elif model not in {None, os.environ.get(MODEL_VARIABLE)}:
+    if remote and port and port != (os.environ.get(PORT_VARIABLE),):
+        raise ConfigError(f"--port {port[0]} and --robot {robot[0]}: give one of them")
+    robots = () if remote else tuple(map(parse_robot, repeated(robot, number)))
+    port = tuple(each.url for each in remote) or port
+    if not port and model not in {None, os.environ.get(MODEL_VARIABLE)}:
         raise ConfigError(f"--model {model}: of a robot at --port; simulate one with -r {model}")
     _refuse_nonsense(port, robots, simulated=ideal or world != AS_USUAL)
+    if port and not remote:
+        remote = _at_ports(port, robots, model)
+    elif model is not None:
+        remote = tuple(replace(each, model=model) for each in remote)
     if len(port) > 1 and lasers != NO_LASERS:
         raise ConfigError("--laser: of one robot only; run one `pioneer3 run` for each robot")
     if shadow and not port:
         raise ConfigError("--shadow: of robots at --port only; a simulated robot is its own twin")
     served_at = "0.0.0.0" if lan and host == "127.0.0.1" else host
     options = RunOptions(
-        ports=port,
+        remote=tuple(
+            replace(each, settings=each.settings.with_texts(navigation.set_)) for each in remote
+        ),
         baud=baud,
         map_name=map_,
         robots=robots,
@@ -146,12 +143,25 @@ def run(
         camera=camera,
         shadow=shadow,
         camera_if_one=camera == os.environ.get(CAMERA_VARIABLE),
-        cameras=cameras,
-        models=models,
-        settings=tuple(one.with_texts(navigation.set_) for one in settings),
+        settings=AS_SHIPPED.with_texts(navigation.set_),
         announced=None if no_announce else partial(_announced, served_at),
     )
     return run_until_told_to_leave(live(options, write_line))
+
+
+def _at_ports(
+    ports: tuple[str, ...], robots: "tuple[RobotSpec, ...]", model: str | None
+) -> "tuple[ConnectTarget, ...]":
+    """Return the robots at ports; `robots` are one for all, or one for each, else `model` is."""
+    from pioneer3.sim.worldfile import RobotSpec
+    from pioneer3.web.hosting import ConnectTarget
+
+    if len(robots) <= 1:
+        robots = (robots or (RobotSpec(model=""),)) * len(ports)
+    return tuple(
+        ConnectTarget(url=url, name=spec.name, model=spec.model or model)
+        for url, spec in zip(ports, robots, strict=True)
+    )
 
 
 def _announced(host: str, served: "Served") -> "AbstractAsyncContextManager[None]":

@@ -5,7 +5,7 @@ import logging
 import re
 from collections.abc import AsyncIterator, Callable, Sequence
 from contextlib import asynccontextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from pioneer3.arcos.host_events import Timing
 from pioneer3.errors import LinkError, NoRobotError
@@ -40,7 +40,7 @@ class ConnectTarget:
     """
 
     url: str
-    scene: RobotScene
+    scene: RobotScene = field(default_factory=RobotScene)
     open: Opener | None = None
     name: str = ""
     baud: int | None = None

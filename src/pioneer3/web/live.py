@@ -11,7 +11,6 @@ from pioneer3.arcos.host_events import Timing
 from pioneer3.errors import ConfigError, PortBusyError
 from pioneer3.jit import numba_version
 from pioneer3.links.hosts import is_loopback
-from pioneer3.models import GivenModel
 from pioneer3.nav.settings import AS_SHIPPED, NavigationSettings
 from pioneer3.robot.lasers.spec import LaserSpec
 from pioneer3.runtime.recording import Record
@@ -46,18 +45,16 @@ PATIENT = Timing(silence=inf)
 class RunOptions:
     """Options of `pioneer3 run`, as `pioneer3 run --help` explains them.
 
-    Without ports, the URLs of robots, it simulates: `robots` are the models and names then, and
-    with ports one for all or one for each, to use whatever the robots say they are. TCP ports of 0
-    take free ones. Without a certificate one is made where others are let in. With `show_tokens`
-    the output of `tell` is not stored, and may show them. `record` is where the
-    log of all is, as for :func:`connect_async`. `lasers` looks for those of the
-    only robot, and `camera` is its; several robots leave that out or refuse it. `cameras`, `models`
-    and `settings` are one for each robot, or empty or one for all. With `shadow` each has a twin.
-    `announced` lets others find the page in the network while the block lasts; it is not called for
-    one on loopback.
+    Without `remote` robots it simulates: `robots` are the models and names then, and `settings`
+    those of their navigation. TCP ports of 0 take free ones. Without a certificate one is made
+    where others are let in. With `show_tokens` the output of `tell` is not stored, and may show
+    them. `record` is where the log of all is, as for :func:`connect_async`. `lasers` looks for
+    those of the only robot, and `camera` is its; several robots leave that out or refuse it. With
+    `shadow` each has a twin. `announced` lets others find the page in the network while the block
+    lasts; it is not called for one on loopback.
     """
 
-    ports: tuple[str, ...] = ()
+    remote: tuple[ConnectTarget, ...] = ()
     baud: int | None = None
     map_name: str | None = None
     robots: tuple[RobotSpec, ...] = ()
@@ -74,10 +71,8 @@ class RunOptions:
     lasers: Callable[[], Awaitable[Sequence[LaserSpec]]] = no_lasers
     camera: str | None = None
     camera_if_one: bool = False
-    cameras: tuple[str | None, ...] = ()
-    models: tuple[GivenModel, ...] = ()
     shadow: bool = False
-    settings: tuple[NavigationSettings, ...] = (AS_SHIPPED,)
+    settings: NavigationSettings = AS_SHIPPED
     announced: Callable[[Served], AbstractAsyncContextManager[None]] | None = None
 
 
@@ -89,11 +84,12 @@ async def live(options: RunOptions, tell: Callable[[str], None]) -> int:
     """
     async with AsyncExitStack() as stack:
         taken: list[int] = []
-        if options.ports:
-            targets = _real(options)
+        if options.remote:
+            known = load_world(options.map_name).line_map() if options.map_name else None
+            targets = [replace(each, scene=RobotScene(known)) for each in options.remote]
         else:
             simulation = await _simulation(options, stack, tell)
-            targets = _simulated(simulation)
+            targets = _simulated(simulation, options.settings)
             taken = simulation.tcp_ports
         lasers = await options.lasers()
         page = Page()
@@ -113,25 +109,6 @@ async def live(options: RunOptions, tell: Callable[[str], None]) -> int:
             await stack.enter_async_context(options.announced(served))
         await asyncio.get_running_loop().create_future()
     return 0
-
-
-def _real(options: RunOptions) -> list[ConnectTarget]:
-    known = load_world(options.map_name).line_map() if options.map_name else None
-    specs = options.robots
-    cameras = options.cameras or (None,) * len(options.ports)
-    models = options.models or (None,) * len(options.ports)
-    if len(specs) <= 1:
-        specs = (specs or (RobotSpec(model=""),)) * len(options.ports)
-    return [
-        ConnectTarget(
-            url=url,
-            scene=RobotScene(known),
-            name=spec.name,
-            model=spec.model or given,
-            camera=camera,
-        )
-        for url, spec, camera, given in zip(options.ports, specs, cameras, models, strict=True)
-    ]
 
 
 async def _simulation(
@@ -166,7 +143,7 @@ def usual_robot() -> RobotSpec:
     return RobotSpec(equipment=EquipmentOptions(laser=USUAL_LASER if fast else None))
 
 
-def _simulated(running: RunningSimulation) -> list[ConnectTarget]:
+def _simulated(running: RunningSimulation, settings: NavigationSettings) -> list[ConnectTarget]:
     several = len(running.robots) > 1
     return [
         ConnectTarget(
@@ -177,6 +154,7 @@ def _simulated(running: RunningSimulation) -> list[ConnectTarget]:
             timing=PATIENT,
             lasers=(_laser_of(robot.laser),) if robot.laser else (),
             camera=robot.camera.url if robot.camera else None,
+            settings=settings,
         )
         for robot in running.robots
     ]
@@ -197,7 +175,6 @@ def _with_options(
         if not options.camera_if_one:
             raise ConfigError("--camera: of one robot only; run one `pioneer3 run` for each robot")
         camera = None
-    settings = options.settings * (len(targets) if len(options.settings) == 1 else 1)
     return [
         replace(
             target,
@@ -206,9 +183,8 @@ def _with_options(
             shadow=options.shadow,
             lasers=(*lasers, *target.lasers),
             camera=camera or target.camera,
-            settings=own,
         )
-        for target, own in zip(targets, settings, strict=True)
+        for target in targets
     ]
 
 

@@ -33,6 +33,7 @@ from tests.support import until
 PATIENCE = 20.0
 TWO = (RobotSpec(model="p3at"), RobotSpec(model="p3dx"))
 R2D2 = (RobotSpec(model="r2d2"),)
+NOBODY = ConnectTarget(url="tcp://127.0.0.1:1")
 
 
 def given(
@@ -54,11 +55,15 @@ def given(
     return seen[0]
 
 
+def urls(options: RunOptions) -> tuple[str, ...]:
+    return tuple(robot.url for robot in options.remote)
+
+
 def test_without_options_it_simulates_and_only_this_machine_may_drive(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     options = given("run", monkeypatch)
-    assert (options.ports, options.robots) == ((), ())
+    assert (options.remote, options.robots) == ((), ())
     assert options.host == "127.0.0.1"
     assert (options.sim_port, options.web_port) == (8101, 8080)
 
@@ -69,8 +74,8 @@ def test_every_option_arrives(monkeypatch: pytest.MonkeyPatch) -> None:
         "--max-speed 0.4"
     )
     options = given(line, monkeypatch)
-    assert (options.ports, options.baud) == (("tcp://r:1",), 38400)
-    assert (options.map_name, options.robots) == ("lab.map", (RobotSpec(model="p3dx"),))
+    assert [(robot.url, robot.model) for robot in options.remote] == [("tcp://r:1", "p3dx")]
+    assert (options.map_name, options.baud) == ("lab.map", 38400)
     assert (options.sim_port, options.web_port, options.host) == (1, 2, "0.0.0.0")
     assert options.max_speed == 0.4
 
@@ -92,7 +97,12 @@ def test_robots_are_given_by_port_or_by_model(monkeypatch: pytest.MonkeyPatch) -
     assert given("run -r p3dx -n 3", monkeypatch).robots == (RobotSpec(model="p3dx"),) * 3
     assert given("run -n 2", monkeypatch).robots == (RobotSpec(model="p3at-sh"),) * 2
     options = given("run -p tcp://a:1 -p tcp://b:2 -r p3at", monkeypatch)
-    assert options.ports == ("tcp://a:1", "tcp://b:2")
+    assert urls(options) == ("tcp://a:1", "tcp://b:2")
+    assert [robot.model for robot in options.remote] == ["p3at", "p3at"]
+    options = given("run -p tcp://a:1 -r p3dx:bob --model p3at", monkeypatch)
+    assert [(robot.model, robot.name) for robot in options.remote] == [("p3dx", "bob")]
+    options = given("run -p tcp://a:1 --model p3at", monkeypatch)
+    assert [robot.model for robot in options.remote] == ["p3at"]
 
 
 @pytest.mark.parametrize(
@@ -122,8 +132,8 @@ def test_a_real_robot_takes_no_options_of_the_simulator(
 def test_the_port_may_come_from_the_environment(monkeypatch: pytest.MonkeyPatch) -> None:
     environment = {"PIONEER3_PORT": "/dev/ttyUSB7", "PIONEER3_BAUD": "9600"}
     options = given("run", monkeypatch, environment)
-    assert (options.ports, options.baud) == (("/dev/ttyUSB7",), 9600)
-    assert given("run -p /dev/ttyS0", monkeypatch, environment).ports == ("/dev/ttyS0",)
+    assert (urls(options), options.baud) == (("/dev/ttyUSB7",), 9600)
+    assert urls(given("run -p /dev/ttyS0", monkeypatch, environment)) == ("/dev/ttyS0",)
 
 
 def test_the_function_has_the_defaults_of_the_options() -> None:
@@ -131,7 +141,7 @@ def test_the_function_has_the_defaults_of_the_options() -> None:
     options = RunOptions()
     for name in ("baud", "sim_port", "web_port", "host", "max_speed"):
         assert defaults[name] == getattr(options, name)
-    assert (defaults["port"], defaults["robot"]) == (options.ports, options.robots)
+    assert (defaults["port"], defaults["robot"]) == (options.remote, options.robots)
 
 
 async def told_by(options: RunOptions, count: int, words: str = "") -> list[str]:
@@ -283,11 +293,11 @@ class Onlooker:
 @pytest.mark.parametrize(
     ("options", "error"),
     [
-        (RunOptions(ports=("tcp://127.0.0.1:1",), web_port=0), PortNotFoundError),
-        (RunOptions(ports=("tcp://127.0.0.1:1",), map_name="nowhere", web_port=0), ConfigError),
-        (RunOptions(ports=("tcp://127.0.0.1:1",), robots=R2D2, web_port=0), ConfigError),
+        (RunOptions(remote=(NOBODY,), web_port=0), PortNotFoundError),
+        (RunOptions(remote=(NOBODY,), map_name="nowhere", web_port=0), ConfigError),
+        (RunOptions(remote=(replace(NOBODY, model="r2d2"),), web_port=0), ConfigError),
         (
-            RunOptions(ports=("tcp://127.0.0.1:1", "tcp://127.0.0.1:2"), web_port=0),
+            RunOptions(remote=(NOBODY, replace(NOBODY, url="tcp://127.0.0.1:2")), web_port=0),
             PortNotFoundError,
         ),
         (RunOptions(robots=R2D2 * 2, sim_port=0, web_port=0), ConfigError),
@@ -326,15 +336,13 @@ def test_robots_of_the_fleet_are_shown_by_their_names(
     monkeypatch.chdir(tmp_path)
     Path("fleet.toml").write_text(FLEET)
     options = given("run --robot front", monkeypatch, {"PIONEER3_PORT": "/dev/ttyUSB7"})
-    assert options.ports == ("tcp://192.0.2.1:8101", "tcp://192.0.2.2:8101")
-    assert [(robot.model, robot.name) for robot in options.robots] == [
-        ("", "p3at-1"),
-        ("", "p3at-2"),
+    assert [(robot.url, robot.model, robot.name) for robot in options.remote] == [
+        ("tcp://192.0.2.1:8101", None, "p3at-1"),
+        ("tcp://192.0.2.2:8101", None, "p3at-2"),
     ]
-    assert given("run --robot p3at-2 --fleet fleet.toml", monkeypatch).ports == (
-        "tcp://192.0.2.2:8101",
-    )
-    assert given("run --robot p3at", monkeypatch).ports == ()
+    (robot,) = given("run --robot p3at-2 --fleet fleet.toml --model p3dx", monkeypatch).remote
+    assert (robot.url, robot.model) == ("tcp://192.0.2.2:8101", "p3dx")
+    assert given("run --robot p3at", monkeypatch).remote == ()
 
 
 def test_robots_of_the_fleet_have_their_cameras(

@@ -19,7 +19,7 @@ from pioneer3.errors import ConfigError, PortBusyError
 from pioneer3.links import Link, Opener, opener
 from pioneer3.links.hosts import bracketed, is_loopback
 from pioneer3.links.memory import null_modem
-from pioneer3.models import GivenModel, load_model
+from pioneer3.models import load_model
 from pioneer3.runtime.recording import Record
 from pioneer3.sim.placer import spawn_robots
 from pioneer3.sim.realism import Realism
@@ -50,15 +50,6 @@ UNPLUGGING = 2.0
 """Longest wait for the last host of a robot to leave it [s]."""
 
 
-@dataclass(frozen=True, slots=True)
-class RemoteRobot:
-    """A robot that is not simulated here, with its model if somebody names one."""
-
-    name: str
-    port: str
-    model: GivenModel = None
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ClassOptions:
     """Options of `pioneer3 class`: robots are simulated, one for each student, or of a fleet.
@@ -71,7 +62,7 @@ class ClassOptions:
     """
 
     students: int = 0
-    fleet: tuple[RemoteRobot, ...] = ()
+    fleet: tuple[ConnectTarget, ...] = ()
     map_name: str | None = None
     model: str = MODEL
     ideal: bool = False
@@ -191,10 +182,7 @@ async def _targets(
     if not options.fleet:
         return await _simulated(options, stack, tell)
     known = load_world(options.map_name).line_map() if options.map_name else None
-    return [
-        ConnectTarget(url=robot.port, scene=RobotScene(known), name=robot.name, model=robot.model)
-        for robot in options.fleet
-    ]
+    return [replace(robot, scene=RobotScene(known)) for robot in options.fleet]
 
 
 async def _simulated(
