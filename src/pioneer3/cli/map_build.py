@@ -151,7 +151,7 @@ class _Begin:
         from pioneer3.maps import MapObject
 
         if self.update is not None:
-            return self.update.line_map.objects
+            return tuple(self.update.objects)
         return (MapObject(kind="RobotHome", name="Home", pose=ORIGIN),)
 
     async def builder(self, robot: "Robot", patience: float) -> "MapBuilder":

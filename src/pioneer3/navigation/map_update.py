@@ -10,7 +10,8 @@ from pioneer3.nav.changes import MapChange, changes, render_days
 from pioneer3.nav.mapper import Mapper
 from pioneer3.nav.settings import MapperSettings
 from pioneer3.navigation.map_files import copy_map, files_of, load_survey, save_map, save_survey
-from pioneer3.sim.worldfile import load_map
+from pioneer3.sim.worldfile import load_world, write_world
+from pioneer3.sim.worldfile.toml import is_world
 
 NEW = "new"
 """The name of a new map ends so while the old one is there."""
@@ -21,22 +22,25 @@ BEFORE = "before"
 class ContinuedMap:
     """A map that is continued. Its files stay as they are until :meth:`replace`.
 
+    A world goes on with all that its file has: a laser sees no glass, and no people who have left.
+
+    Attributes:
+        objects: The places of the map itself, which stay.
+
     Raises:
         ConfigError: There is no map, or no survey beside it.
     """
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        self.line_map = load_map(path)
+        world = load_world(path)
+        self.line_map = world.line_map()
+        self.objects: Sequence[MapObject] = world.base_map().objects
+        self._world = world if is_world(path) else None
         self._state = load_survey(path)
         self._survey = Mapper.of(self._state).survey
         self._before: OccupancyGrid | None = None
         self._new: Path | None = None
-
-    @property
-    def objects(self) -> Sequence[MapObject]:
-        """The places of the map, which stay."""
-        return self.line_map.objects
 
     def mapper(self, here: Pose2, settings: MapperSettings) -> Mapper:
         """Return a mapper that goes on with the map; the robot is `here`, roughly."""
@@ -66,7 +70,7 @@ class ContinuedMap:
         """
         self.keep(mapper)
         assert self._new is not None
-        save_map(line_map, self._new)
+        self._save(line_map, self._new)
         return self._new
 
     def replace(self, line_map: LineMap, mapper: Mapper) -> tuple[LineMap, Path]:
@@ -77,9 +81,17 @@ class ContinuedMap:
         """
         before = copy_map(self.path, BEFORE)
         save_survey(mapper, self.path)
-        save_map(line_map, self.path)
+        self._save(line_map, self.path)
         self.discard()
         return replace(line_map, name=self.line_map.name, file=self.path), before
+
+    def _save(self, line_map: LineMap, path: Path) -> None:
+        if self._world is None:
+            save_map(line_map, path)
+        else:
+            base = path.with_suffix(".map")
+            save_map(line_map, base)
+            write_world(replace(self._world, name=path.stem, map=base), path)
 
     def discard(self) -> None:
         """Delete what lies beside the old map."""

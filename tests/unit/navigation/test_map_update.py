@@ -1,5 +1,6 @@
 """Maps in files that are continued: what changes, and which files are there whatever fails."""
 
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -14,10 +15,31 @@ from pioneer3.nav.mapper import Mapper
 from pioneer3.nav.settings import AS_SHIPPED
 from pioneer3.navigation.map_files import files_of, load_survey, save_map, save_survey
 from pioneer3.navigation.map_update import ContinuedMap
-from pioneer3.sim.worldfile import load_map
+from pioneer3.sim.worldfile import load_map, load_world
 from tests.unit.nav.halls import ROUND
 from tests.unit.nav.test_changes import BOX, SHELF, driven
 
+WORLD = """
+[[robot]]
+model = "p3at-sh"
+start = { x = 1.0, y = 2.0, theta_deg = 90 }
+
+[[box]]
+center = [3.0, 1.0]
+size = [0.4, 0.3]
+
+[[wall]]
+points = [[0.0, 0.0], [1.0, 0.0]]
+material = "glass"
+
+[[goal]]
+name = "Kitchen"
+x = 2.0
+y = 1.0
+
+[[person]]
+path = [[1.0, 1.0], [2.0, 1.0]]
+"""
 HOME = (MapObject(kind="RobotHome", name="Home", pose=ORIGIN),)
 
 
@@ -100,6 +122,25 @@ def test_the_old_map_is_whole_until_it_is_replaced(hall: Hall) -> None:
     assert hall.is_new(hall.path)
     assert hall.is_old(before)
     assert names(hall.path.parent) == {"hall", "hall-before"}
+
+
+def test_a_world_keeps_all_that_its_file_has(tmp_path: Path) -> None:
+    hall = Hall(tmp_path / "hall.toml")
+    with hall.path.open("a") as file:
+        file.write(WORLD)
+    update = ContinuedMap(hall.path)
+    old = load_world(hall.path)
+    assert [place.name for place in update.objects] == ["Home"]
+    update.replace(hall.new, hall.mapper)
+    new, before = load_world(hall.path), load_world(tmp_path / "hall-before.toml")
+    assert len(new.robots) == len(new.boxes) == len(new.walls) == len(new.places) == 1
+    assert replace(new, source="") == replace(old, source="")
+    assert replace(before, source="", name="hall", map=old.map) == replace(old, source="")
+    assert (new.base_map().walls.tolist(), len(new.base_map().objects)) == (
+        load_map(hall.path.with_suffix(".map")).walls.tolist(),
+        1,
+    )
+    assert new.base_map().walls.tolist() != before.base_map().walls.tolist()
 
 
 def test_a_new_map_that_is_not_wanted_leaves_nothing(hall: Hall) -> None:

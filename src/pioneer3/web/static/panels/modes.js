@@ -7,11 +7,12 @@ import { MapMaking } from "./map_making.js";
 import { part } from "./widgets.js";
 
 const TIMES = [["60", "1 minute"], ["300", "5 minutes"], ["900", "15 minutes"], ["3600", "1 hour"]];
-const WORDS = { // for modes that people name otherwise; `going`: while there is no target
+const WORDS = { // for modes that people name otherwise; `going`: while there is no target; `quiet`: its end is no news
   explore: { doing: "Exploring", noun: "exploring", going: "Looks where the map ends", done: "Explored: no edge of the map is left." },
   goto: { doing: "On the way", noun: "the drive", going: "Looks for the way" },
   patrol: { doing: "On patrol", noun: "the patrol", going: "Stands at a place of its patrol" },
   "look around": { doing: "Looking around", noun: "looking around", going: "Drives until it knows where it is", done: "It knows where it is." },
+  calibration: { doing: "Driving to be measured", noun: "the calibration", done: "It has driven its leg.", quiet: true },
   follow: { doing: "Following", noun: "following", going: "Looks for somebody to follow" },
 };
 const LEAVE = "A mode, a goal or a patrol goes on while this page is heard of: close it, lose the connection or lock the phone, "
@@ -156,7 +157,8 @@ export class ModeCard {
       put(byId("card-going"), going || still || "");
     }
     putLines(byId("decided"), mode === null ? [] : decided, (line) => make("li", { title: line }, line));
-    const news = this.#mode !== null && mode === null && ended && !latched; // the alarm tells of an emergency stop
+    const quiet = latched || (ended?.done && WORDS[ended.mode]?.quiet); // the alarm tells of an emergency stop
+    const news = this.#mode !== null && mode === null && ended && !quiet;
     if (news) this.#tell(howItEnded(ended));
     this.#mode = mode;
   }
