@@ -23,7 +23,8 @@ KNOWN = [
     for source, hashes in tomllib.loads(HASHES.read_text()).items()
     for name, digest in hashes.items()
 ]
-each_distro = pytest.mark.parametrize("distro", distros())
+OLDEST, *BETWEEN, NEWEST = distros()
+each_distro = pytest.mark.parametrize("distro", [OLDEST, NEWEST])
 each_type = pytest.mark.parametrize("type_name", type_names())
 
 
@@ -35,6 +36,14 @@ def types_of(distro: str) -> MessageTypes:
 @cache
 def store_of(distro: str) -> Any:
     return get_typestore(Stores(f"ros2_{distro}"))
+
+
+@pytest.mark.parametrize("distro", BETWEEN)
+def test_each_definition_is_that_of_the_oldest_distribution_or_of_the_newest(distro: str) -> None:
+    """So these two stand for all of them below."""
+    old, new = types_of(OLDEST).fields, types_of(NEWEST).fields
+    for name, fields in types_of(distro).fields.items():
+        assert fields in (old.get(name), new.get(name)), name
 
 
 @each_distro
