@@ -80,20 +80,19 @@ def sdf_check(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return program
 
 
-@pytest.mark.parametrize("bumpers", [None, (5, 5)])
-@every
-def test_gazebos_library_accepts_a_robot_without_a_word(
-    model: RobotModel, bumpers: tuple[int, int] | None, sdf_check: Path, tmp_path: Path
-) -> None:
-    file = tmp_path / "robot.sdf"
-    file.write_text(sdf_of(model, bumpers=bumpers))
-    done = subprocess.run([sdf_check, file], capture_output=True, text=True, check=False)
+def test_gazebos_library_accepts_each_robot_without_a_word(sdf_check: Path, tmp_path: Path) -> None:
+    robots = [(model, bumpers) for model in EVERY for bumpers in (None, (5, 5))]
+    files = [tmp_path / f"{model.name}-{bumpers}.sdf" for model, bumpers in robots]
+    for file, (model, bumpers) in zip(files, robots, strict=True):
+        file.write_text(sdf_of(model, bumpers=bumpers))
+    done = subprocess.run([sdf_check, *files], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (0, "")
-    links, joints, sensors = map(int, done.stdout.split())
-    moving = len(body_tree(model, Frames()).moving)
-    assert (links, joints) == (1 + moving, moving)
-    assert sensors == len(parsed(model, bumpers).findall("link/sensor"))
-    assert sensors >= 1 + len(model.sonars) + (model.laser is not None)
+    for line, (model, bumpers) in zip(done.stdout.splitlines(), robots, strict=True):
+        links, joints, sensors = map(int, line.split())
+        moving = len(body_tree(model, Frames()).moving)
+        assert (links, joints) == (1 + moving, moving), model.name
+        assert sensors == len(parsed(model, bumpers).findall("link/sensor")), model.name
+        assert sensors >= 1 + len(model.sonars) + (model.laser is not None), model.name
 
 
 @every
