@@ -48,6 +48,10 @@ def test_importing_the_package_loads_nothing_heavy() -> None:
     assert loaded_after("import pioneer3").isdisjoint(HEAVY)
 
 
+def test_a_program_that_connects_loads_no_numpy_before_it_needs_arrays() -> None:
+    assert "numpy" not in loaded_after("from pioneer3 import connect")
+
+
 def test_the_door_to_logs_loads_nothing_heavy_before_it_is_opened() -> None:
     assert loaded_after("import pioneer3; pioneer3.log").isdisjoint([*HEAVY, "mcap", "zstandard"])
 

@@ -4,7 +4,6 @@ from contextlib import AbstractAsyncContextManager
 from typing import Any, cast
 
 from pioneer3.navigation.notebook import LiveView, after_failed_cells, leave
-from pioneer3.navigation.picture import card
 from pioneer3.robot.supervisor import RobotInfo
 from pioneer3.runtime.blocking import BlockingConnection
 from pioneer3.runtime.facade import adapted, blocking
@@ -87,6 +86,8 @@ class BlockingRobot(BlockingConnection):
 
     def _repr_html_(self) -> str:
         """Return the robot as a notebook shows it; see :mod:`pioneer3.navigation.picture`."""
+        from pioneer3.navigation.picture import card  # loads numpy, here and not in the loop
+
         try:
             return self._thread.call(lambda: card(self._target))
         except RuntimeError as error:  # it is closed, or belongs to another process

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any, Final, Self
 from uuid import uuid4
 
 from pioneer3.errors import ConfigError
-from pioneer3.navigation.picture import Trail, card
 from pioneer3.runtime.blocking import BlockingConnection
 from pioneer3.runtime.facade import LoopThread
 from pioneer3.runtime.robot import Robot
@@ -71,6 +70,8 @@ class LiveView:
         ours = shell()
         if ours is None or not hasattr(ours, "kernel"):
             raise ConfigError(_NO_NOTEBOOK)
+        from pioneer3.navigation.picture import card  # loads numpy, here and not in the loop
+
         self._shell, self._robot, self._name = ours, robot, uuid4().hex
         self._publish(thread.call(lambda: card(robot)), update=False)
         self._work: Future[Any] = asyncio.run_coroutine_threadsafe(self._show(), thread.loop)
@@ -89,6 +90,8 @@ class LiveView:
         """Show nothing more: the picture is there already."""
 
     async def _show(self) -> None:
+        from pioneer3.navigation.picture import Trail, card
+
         trail, robot, html = Trail(), self._robot, ""
         with ExitStack() as stack:
             for laser in robot.lasers:
