@@ -23,11 +23,12 @@ from benchmarks.table import Row
 from pioneer3 import connect_async
 from pioneer3.clock import Clock
 from pioneer3.lasers.line import SerialLine
+from pioneer3.log.chunks import CHUNK
 from pioneer3.log.cut import HEADER, data_records
 from pioneer3.log.folder import create
 from pioneer3.log.index import LogIndex
 from pioneer3.log.mcap import McapFile
-from pioneer3.log.reader import CHUNK, open_log
+from pioneer3.log.reader import open_log
 from pioneer3.log.target import LogTarget, NamedFile
 from pioneer3.log.topics import LogTopic
 from pioneer3.log.writer import CHUNK_PERIOD, LogWriter

@@ -22,11 +22,12 @@ from pioneer3.behaviors.engine import Decision
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2, Twist2
 from pioneer3.links.tap import recorded_links
+from pioneer3.log.chunks import DAMAGED
 from pioneer3.log.command_line import started
 from pioneer3.log.differences import differences, joined_planes, planes, sums
 from pioneer3.log.folder import create
 from pioneer3.log.mcap import McapFile
-from pioneer3.log.reader import DAMAGED, open_log
+from pioneer3.log.reader import open_log
 from pioneer3.log.rows import fields_of, pack_rows, unpack_rows
 from pioneer3.log.scans import unpack_scan
 from pioneer3.log.topics import ROUGH, LogTopic, Pieces, decode, pack_pieces, unpack_pieces

@@ -13,7 +13,8 @@ writer        takes messages from the event loop, and writes them in a thread
 target        opens the files of a log: one that is named, or the next ones of the user's folder
 folder        the user's logs: their names, which go first, which are pinned or being written
 mcap          one MCAP file while it is written: chunks, flushes, its end
-reader        reads a log, with or without its end, and its index
+chunks        finds the chunks of a file, and reads the messages in them
+reader        reads a log, with or without its end
 index         finds the messages of a log at any time
 progress      the progress of reading a log
 output        outputs that are whole or not there

@@ -9,10 +9,11 @@ from pathlib import Path
 from typing import BinaryIO, Final
 
 from pioneer3.errors import ConfigError
+from pioneer3.log.chunks import OF_MESSAGE, LogRecord
 from pioneer3.log.folder import create, create_log, pin
 from pioneer3.log.index import LogIndex
 from pioneer3.log.mcap import PROFILE
-from pioneer3.log.reader import OF_MESSAGE, LogRecord, messages_of
+from pioneer3.log.reader import messages_of
 from pioneer3.log.topics import TOTALS, totals
 
 TOLD_ONCE: Final = {"map", "estimate", "way", "standing"}

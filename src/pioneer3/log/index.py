@@ -4,160 +4,25 @@ The index lies at the end of a file; one without its end is read through once, t
 records only. Chunks that were read last are kept.
 """
 
-import struct
 from bisect import bisect_left, bisect_right
 from collections import OrderedDict
 from collections.abc import Callable, Iterator, Set
-from dataclasses import dataclass
 from functools import cached_property
 from operator import attrgetter
 from pathlib import Path
 from threading import Lock
-from typing import TYPE_CHECKING, BinaryIO, Final
+from typing import Final
 
 from pioneer3.errors import ConfigError
-from pioneer3.log.cut import HEADER, data_records
-from pioneer3.log.reader import (
-    CHANNEL,
-    CHUNK,
-    MESSAGE,
-    MOST_RECORD,
-    SCHEMA,
-    TIMES,
-    LogInfo,
-    LogMessage,
-    LogRecord,
-    RunLog,
-    messages_of,
-    split,
-    stream,
-    summary_groups,
-    unpacked,
-)
+from pioneer3.log.chunks import LogRecord
+from pioneer3.log.reader import LogInfo, LogMessage, RunLog, messages_of
 
-if TYPE_CHECKING:
-    from mcap.records import Channel, Schema
-
-MESSAGE_INDEX: Final = 0x07
-"""Kind of a record: the places of the messages of one channel, behind their chunk."""
-CHUNK_INDEX: Final = 0x08
-"""Kind of a record of the summary."""
-PLACE: Final = struct.Struct("<QQQQI")
-"""Begin of a chunk's index: times of its first and last message, place and length of the chunk's
-record, and length of the list of its channels."""
-OF_CHANNEL: Final = struct.Struct("<HQ")
-"""Entry of that list: the channel, and the place of the record about its messages."""
 MOST_KEPT: Final = 64
 """Chunks that are kept after they were read: ours have a second of one robot, at most 1 MiB."""
 LATER: Final = 10**9
 """Rows and bytes of a message may be later than the chunk and the message say [ns]: a second."""
 FARTHEST: Final = 2000
 """Messages of one topic that are looked at for one that is wanted."""
-
-
-@dataclass(frozen=True, slots=True)
-class _Chunk:
-    """A chunk: the times of its first and last message [ns], its place, and its channels."""
-
-    part: "_Part"
-    begin: int
-    end: int
-    offset: int
-    length: int
-    channels: tuple[int, ...]
-
-    @property
-    def topics(self) -> set[str]:
-        """Topics that have messages in it."""
-        return {self.part.channels[channel].topic for channel in self.channels}
-
-
-class _Part:
-    """One of the files of a log, with its channels and schemas by their numbers."""
-
-    def __init__(self, path: Path) -> None:
-        self.path = path
-        self.channels: dict[int, Channel] = {}
-        self.schemas: dict[int, Schema] = {}
-
-    def chunks(self) -> list[_Chunk]:
-        """Return its chunks."""
-        with self.path.open("rb") as file:
-            return self._indexed(file) or self._scanned(file)
-
-    def records(self, chunk: _Chunk) -> list[LogRecord]:
-        """Read the messages of a chunk as they lie there."""
-        found = list[LogRecord]()
-        with self.path.open("rb") as file:
-            for kind, data in unpacked(_content(file, chunk)):
-                if kind == MESSAGE:
-                    of_channel, _, time = struct.unpack_from("<HIQ", data)
-                    channel = self.channels[of_channel]
-                    schema = self.schemas.get(channel.schema_id)
-                    found.append(LogRecord(time, channel, schema, data))
-        return found
-
-    def _note(self, kind: int, content: bytes) -> None:
-        """Note a channel or a schema."""
-        from mcap.records import Channel, Schema
-
-        if kind == CHANNEL:
-            channel = Channel.read(stream(content))
-            self.channels[channel.id] = channel
-        elif kind == SCHEMA:
-            schema = Schema.read(stream(content))
-            self.schemas[schema.id] = schema
-
-    def _indexed(self, file: BinaryIO) -> list[_Chunk]:
-        """Return the chunks by the index at the end of a file; none if it has none."""
-        found = []
-        size = file.seek(0, 2)
-        for _, data in summary_groups(file, size, {SCHEMA, CHANNEL, CHUNK_INDEX}):
-            for kind, content in split(data):
-                self._note(kind, content)
-                if kind == CHUNK_INDEX:
-                    found.append(self._chunk(content, size))
-        for chunk in found:
-            if not chunk.channels or any(each not in self.channels for each in chunk.channels):
-                raise ValueError("its index is wrong")
-        return found
-
-    def _chunk(self, content: bytes, size: int) -> _Chunk:
-        begin, end, offset, length, told = PLACE.unpack_from(content)
-        listed = content[PLACE.size : PLACE.size + told]
-        if len(listed) != told or offset + length > size or begin > end:
-            raise ValueError("its index is wrong")
-        channels = tuple(channel for channel, _ in OF_CHANNEL.iter_unpack(listed))
-        return _Chunk(self, begin, end, offset + HEADER, length - HEADER, channels)
-
-    def _scanned(self, file: BinaryIO) -> list[_Chunk]:
-        """Return the chunks by the heads of all records."""
-        places: list[tuple[int, int]] = []
-        channels: list[set[int]] = []
-        for kind, at, length in data_records(file):
-            if kind == CHUNK and length >= TIMES.size:
-                places.append((at, length))
-                channels.append(set())
-            elif kind == MESSAGE_INDEX and channels:
-                file.seek(at)
-                channels[-1].add(int.from_bytes(file.read(2), "little"))
-        found = []
-        for (at, length), inside in zip(places, channels, strict=True):
-            file.seek(at)
-            begin, end = TIMES.unpack(file.read(TIMES.size))
-            chunk = _Chunk(self, begin, end, at, length, tuple(inside))
-            if not inside or not inside <= self.channels.keys():
-                inside.clear()
-                for kind, data in unpacked(_content(file, chunk)):
-                    self._note(kind, data)
-                    if kind == MESSAGE:
-                        inside.add(int.from_bytes(data[:2], "little"))
-                if not inside <= self.channels.keys():
-                    raise ValueError("a message is of no topic")
-                chunk = _Chunk(self, begin, end, at, length, tuple(inside))
-            if inside:
-                found.append(chunk)
-        return found
 
 
 class LogIndex:
@@ -175,11 +40,7 @@ class LogIndex:
         self._log = RunLog(path, *more)
         self._kept: OrderedDict[int, list[LogMessage]] = OrderedDict()
         self._lock = Lock()
-        chunks = list[_Chunk]()
-        for each in self._log.files:
-            with self._log.damage_told(each):
-                chunks += _Part(each).chunks()
-        self._chunks = sorted(chunks, key=attrgetter("begin"))
+        self._chunks = sorted(self._log.chunks(), key=attrgetter("begin"))
         if not self._chunks:
             raise ConfigError(f"{path}: no messages were logged")
         self._begins = [chunk.begin for chunk in self._chunks]
@@ -309,19 +170,12 @@ class LogIndex:
         """Read the messages of topics in a chunk, by their times; of all but those of bytes."""
         wanted = self.topics if topics is None else topics
         with self._log.damage_told():
-            return messages_of(
-                record for record in self._records(number) if record.channel.topic in wanted
-            )
+            return messages_of(self._records(number, wanted.__contains__))
 
-    def _records(self, number: int) -> list[LogRecord]:
-        """Read the messages of a chunk as they lie there."""
+    def _records(
+        self, number: int, wanted: Callable[[str], bool] = lambda topic: True
+    ) -> list[LogRecord]:
+        """Read messages of a chunk as they lie there."""
         chunk = self._chunks[number]
-        with self._log.damage_told(chunk.part.path):
-            return chunk.part.records(chunk)
-
-
-def _content(file: BinaryIO, chunk: _Chunk) -> bytes:
-    if not 0 <= chunk.length <= MOST_RECORD:
-        raise ValueError(f"a record has {chunk.length} bytes")
-    file.seek(chunk.offset)
-    return file.read(chunk.length)
+        with self._log.damage_told(chunk.file.path):
+            return chunk.records(wanted)

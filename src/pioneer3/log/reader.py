@@ -1,23 +1,35 @@
-"""Reads a log, with or without its end, and its index.
+"""Reads a log, with or without its end."""
 
-It trusts no file: it compares each length with the size of the file, and unpacks no more than a
-bound.
-"""
-
-import struct
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
-from io import BytesIO
 from operator import attrgetter
 from pathlib import Path
-from typing import TYPE_CHECKING, BinaryIO, Final, TypeVar
+from typing import BinaryIO, Final, TypeVar
 
 import msgspec
 
 from pioneer3.errors import ConfigError, PortNotFoundError
-from pioneer3.log.cut import HEADER, MAGIC, data_records
+from pioneer3.log.chunks import (
+    CHANNEL,
+    CHUNK,
+    DAMAGED,
+    METADATA,
+    METADATA_INDEX,
+    MOST_RECORD,
+    MOST_UNPACKED,
+    OF_MESSAGE,
+    STATISTICS,
+    TIMES,
+    Chunk,
+    LogFile,
+    LogRecord,
+    split,
+    stream,
+    summary_groups,
+)
+from pioneer3.log.cut import MAGIC, data_records
 from pioneer3.log.folder import SUFFIX, is_being_written, is_pinned
 from pioneer3.log.topics import (
     COLUMNS,
@@ -34,16 +46,8 @@ from pioneer3.log.topics import (
 from pioneer3.state import Snapshot
 from pioneer3.text import one_line, wrong
 
-if TYPE_CHECKING:
-    from mcap.data_stream import ReadDataStream
-    from mcap.records import Channel, Schema
-
 T = TypeVar("T")
 
-MOST_UNPACKED: Final = 64 * 1024 * 1024
-"""A larger chunk is not unpacked [bytes]; ours have one MiB."""
-MOST_RECORD: Final = 64 * 1024 * 1024
-"""A larger record is not read [bytes]."""
 MOST_DECODED: Final = 1024 * 1024
 """A longer message is not decoded [bytes]; ours have some kB."""
 MOST_OF_MAP: Final = 4 * 1024 * 1024
@@ -54,37 +58,6 @@ FIRST_MESSAGE: Final = 1_000_000_000
 """The first message of a log is taken so soon after it began [ns]; of its later files, not."""
 MOST_BESIDE: Final = 4096
 """Files of a folder that are looked at for the rest of a log."""
-SCHEMA: Final = 0x03
-"""Kind of a record; the others likewise."""
-CHANNEL: Final = 0x04
-MESSAGE: Final = 0x05
-CHUNK: Final = 0x06
-STATISTICS: Final = 0x0B
-METADATA: Final = 0x0C
-METADATA_INDEX: Final = 0x0D
-SUMMARY_OFFSET: Final = 0x0E
-FOOTER: Final = struct.Struct("<BQQQI8s")
-"""Kind, length, begin of the summary and of its offsets, checksum; then the magic bytes."""
-GROUP: Final = struct.Struct("<BQBQQ")
-"""Kind, length; kind, begin and length of a group in the summary."""
-OF_MESSAGE: Final = 22
-"""Bytes of a message before its content."""
-TIMES: Final = struct.Struct("<QQ")
-"""Begin of a chunk: times of its first and last message [ns]."""
-DAMAGED: Final = (
-    ValueError,
-    KeyError,
-    IndexError,
-    TypeError,
-    AttributeError,
-    EOFError,
-    MemoryError,
-    OverflowError,
-    RecursionError,
-    struct.error,
-    msgspec.MsgspecError,
-)
-"""Errors of readers about a damaged file."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,16 +124,6 @@ class LogInfo:
             return "goes on"
         killed = "cut off: killed, or without power"
         return self.texts.get(END, {}).get("why", killed)
-
-
-@dataclass(frozen=True, slots=True)
-class LogRecord:
-    """A message as it lies in a file, with its head, and what tells of it."""
-
-    time: int
-    channel: "Channel"
-    schema: "Schema | None"
-    data: bytes
 
 
 @dataclass(slots=True)
@@ -244,38 +207,14 @@ class RunLog:
         A chunk is sorted: its topics lie one behind the other.
         """
         with self.damage_told():
-            for chunk in self._chunks(wanted):
-                yield from messages_of(chunk)
+            for chunk in self.chunks():
+                yield from messages_of(chunk.records(wanted))
 
-    def _chunks(
-        self, wanted: Callable[[str], bool] = lambda topic: True
-    ) -> Iterator[list["LogRecord"]]:
-        """Yield the messages of each chunk."""
+    def chunks(self) -> Iterator[Chunk]:
+        """Yield the chunks of its files, as they lie there."""
         for path in self.files:
-            yield from self._chunks_of(path, wanted)
-
-    def _chunks_of(self, path: Path, wanted: Callable[[str], bool]) -> Iterator[list["LogRecord"]]:
-        from mcap.records import Channel, Schema
-
-        schemas: dict[int, Schema] = {}
-        channels: dict[int, Channel] = {}
-        with self._opened(path) as file:
-            for kind, content in _contents(file, {CHUNK, CHANNEL, SCHEMA, MESSAGE}):
-                inside: list[LogRecord] = []
-                for inner, data in unpacked(content) if kind == CHUNK else ((kind, content),):
-                    if inner == SCHEMA:
-                        schema = Schema.read(stream(data))
-                        schemas[schema.id] = schema
-                    elif inner == CHANNEL:
-                        channel = Channel.read(stream(data))
-                        channels[channel.id] = channel
-                    elif inner == MESSAGE:
-                        number, _, time = struct.unpack_from("<HIQ", data)
-                        channel = channels[number]
-                        if wanted(channel.topic):
-                            known = schemas.get(channel.schema_id)
-                            inside.append(LogRecord(time, channel, known, data))
-                yield inside
+            with self.damage_told(path):
+                yield from LogFile(path).chunks()
 
     def of(self, topic: LogTopic[T]) -> Iterator[tuple[int, T]]:
         """Yield the messages of a topic, each with its time [ns since 1970]."""
@@ -388,24 +327,6 @@ def _read_index(file: BinaryIO, size: int) -> _Index | None:
     return index
 
 
-def summary_groups(file: BinaryIO, size: int, kinds: set[int]) -> Iterator[tuple[int, bytes]]:
-    """Yield the groups of some kinds in the index at the end of a file; none if it has none."""
-    at = size - FOOTER.size
-    if at < len(MAGIC):
-        return
-    file.seek(at)
-    *_, summary, offsets, _, magic = FOOTER.unpack(file.read(FOOTER.size))
-    if magic != MAGIC or not 0 < summary < offsets < at:
-        return
-    file.seek(offsets)
-    for group, begin, length in _groups(file.read(min(at - offsets, 100 * GROUP.size))):
-        if group in kinds:
-            if not summary <= begin <= begin + length <= offsets or length > MOST_RECORD:
-                raise ValueError("its index is wrong")
-            file.seek(begin)
-            yield group, file.read(length)
-
-
 def _index_of_all(file: BinaryIO) -> _Index:
     """Return the facts of a file without its end, read from the heads of its records."""
     index = _Index()
@@ -461,58 +382,3 @@ def _take_texts(index: _Index, data: bytes) -> None:
 
     texts = Metadata.read(stream(data))
     index.texts[texts.name] = texts.metadata
-
-
-def _contents(file: BinaryIO, kinds: set[int]) -> Iterator[tuple[int, bytes]]:
-    """Yield the records of the data of some kinds."""
-    for kind, at, length in data_records(file):
-        if kind in kinds:
-            if length > MOST_RECORD:
-                raise ValueError(f"a record has {length} bytes")
-            file.seek(at)
-            yield kind, file.read(length)
-
-
-def split(data: bytes) -> Iterator[tuple[int, bytes]]:
-    """Yield the records in some bytes."""
-    at = 0
-    while at + HEADER <= len(data):
-        length = int.from_bytes(data[at + 1 : at + HEADER], "little")
-        if at + HEADER + length > len(data):
-            raise ValueError("a record is longer than what holds it")
-        yield data[at], data[at + HEADER : at + HEADER + length]
-        at += HEADER + length
-
-
-def _groups(data: bytes) -> Iterator[tuple[int, ...]]:
-    """Yield the places of the groups of an index."""
-    for at in range(0, len(data) - GROUP.size + 1, GROUP.size):
-        if data[at] != SUMMARY_OFFSET:
-            return
-        yield GROUP.unpack_from(data, at)[2:]
-
-
-def unpacked(content: bytes) -> Iterator[tuple[int, bytes]]:
-    """Yield the records in a chunk."""
-    import zstandard
-    from mcap.records import Chunk
-
-    chunk = Chunk.read(stream(content))
-    if chunk.uncompressed_size > MOST_UNPACKED:
-        raise ValueError(f"a chunk of {chunk.uncompressed_size} bytes")
-    data = chunk.data
-    if chunk.compression == "zstd":
-        unpacker = zstandard.ZstdDecompressor(max_window_size=MOST_UNPACKED)
-        with unpacker.stream_reader(chunk.data) as packed:
-            data = packed.read(chunk.uncompressed_size)
-    elif chunk.compression:
-        raise ValueError(f"packed by {chunk.compression!r}: `mcap recompress` packs it by zstd")
-    if len(data) != chunk.uncompressed_size:
-        raise ValueError("a chunk is shorter than it says")
-    yield from split(data)
-
-
-def stream(data: bytes) -> "ReadDataStream":
-    from mcap.data_stream import ReadDataStream
-
-    return ReadDataStream(BytesIO(data))

@@ -11,12 +11,13 @@ from typing import Any, Final, Protocol, Self
 
 import msgspec
 
+from pioneer3.log.chunks import DAMAGED
 from pioneer3.log.columns import Cell, TableColumn, ValueShape
 from pioneer3.log.csv_file import CsvFile
 from pioneer3.log.output import new_output
 from pioneer3.log.parquet_file import ParquetFile
 from pioneer3.log.progress import Tell, followed
-from pioneer3.log.reader import DAMAGED, LogMessage, RunLog
+from pioneer3.log.reader import LogMessage, RunLog
 from pioneer3.log.topics import LogTopic
 from pioneer3.names import free_name
 from pioneer3.state import Scan

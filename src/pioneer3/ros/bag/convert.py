@@ -8,9 +8,10 @@ from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
+from pioneer3.log.chunks import DAMAGED
 from pioneer3.log.output import new_output
 from pioneer3.log.progress import Tell, followed
-from pioneer3.log.reader import DAMAGED, LogInfo, RunLog
+from pioneer3.log.reader import LogInfo, RunLog
 from pioneer3.log.topics import LogTopic
 from pioneer3.models import GivenModel
 from pioneer3.navigation.recording import kind_of

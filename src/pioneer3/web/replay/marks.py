@@ -9,7 +9,8 @@ from typing import Final, TypeVar
 
 import msgspec
 
-from pioneer3.log.reader import DAMAGED, LogMessage
+from pioneer3.log.chunks import DAMAGED
+from pioneer3.log.reader import LogMessage
 from pioneer3.log.topics import LogEvent
 from pioneer3.names import printable
 from pioneer3.navigation.goals import GoalChanged

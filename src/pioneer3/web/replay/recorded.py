@@ -9,8 +9,9 @@ from pioneer3.arcos.reports import Config
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import ORIGIN, Pose2
 from pioneer3.limits import Limits
+from pioneer3.log.chunks import DAMAGED
 from pioneer3.log.index import LogIndex
-from pioneer3.log.reader import DAMAGED, LogMessage
+from pioneer3.log.reader import LogMessage
 from pioneer3.log.topics import LogEvent
 from pioneer3.models import RobotModel, load_model
 from pioneer3.navigation.recording import EstimateMade, MapUsed, WayPlanned
