@@ -8,6 +8,7 @@ import struct
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from io import BytesIO
+from operator import attrgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO, Final
 
@@ -151,8 +152,11 @@ class LogFile:
                 self._note(kind, content)
                 if kind == CHUNK_INDEX:
                     found.append(self._chunk(content, size))
-        for chunk in found:
-            if not chunk.channels or not chunk.channels <= self.channels.keys():
+        found.sort(key=attrgetter("offset"))
+        ends = [0, *(chunk.offset + chunk.length for chunk in found)]
+        for chunk, before in zip(found, ends, strict=False):
+            known = chunk.channels and chunk.channels <= self.channels.keys()
+            if chunk.offset < before or not known:
                 raise ValueError("its index is wrong")
         return found
 
