@@ -4,6 +4,7 @@ import asyncio
 import json
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -11,6 +12,7 @@ from pioneer3.arcos.reports import Config, Sip
 from pioneer3.behaviors import engine
 from pioneer3.cli.log_verify import verify as verify_command
 from pioneer3.errors import ConfigError
+from pioneer3.geometry import Twist2
 from pioneer3.log.excerpt import write_excerpt
 from pioneer3.log.index import LogIndex
 from pioneer3.log.reader import open_log
@@ -69,6 +71,7 @@ def test_all_readings_are_as_recorded_over_losses_and_noise(two: Path) -> None:
     assert [(each.robot, each.difference) for each in found] == [("amy", None), ("bob", None)]
     assert [each.compared for each in found] == [counts["amy/snapshot"], counts["bob/snapshot"]]
     assert [each.decisions for each in found] == [counts["amy/decision"], counts["bob/decision"]]
+    assert all(each.velocities > 4 for each in found)
     *_, last = log.snapshots("amy/snapshot")
     assert last.link.sessions == 2
     assert any(each.link.bad_checksums for each in log.snapshots("amy/snapshot"))
@@ -91,8 +94,8 @@ def test_the_first_difference_is_told_with_time_field_and_both_values(
     monkeypatch.setattr(assemble, "_battery", wrong_at_tenth)
     assert verify_command(str(two)) == 1
     text = capsys.readouterr().out
-    assert "amy: 9 readings and " in text
-    assert " decisions as recorded, then a difference at 20" in text
+    assert "amy: 9 readings, " in text
+    assert " velocities as recorded, then a difference at 20" in text
     assert "battery.voltage: recorded 12.9" in text
     assert "now      11.5" in text
     count = 0
@@ -110,6 +113,32 @@ def test_a_decision_that_is_another_today_is_a_difference(
     assert first.difference is not None
     assert first.difference.field == "twist.v"
     assert float(first.difference.now) == float(first.difference.recorded) * 1.001
+
+
+@pytest.mark.parametrize(
+    ("name", "wrong"),
+    [
+        ("limit", lambda twist, *_: Twist2(1.5 * twist.v, twist.w)),
+        ("Pilot.asked", lambda pilot, now: pilot._command.twist),  # a command that does not expire
+    ],
+)
+def test_a_velocity_that_no_decision_comes_to_within_its_time_and_limits_is_a_difference(
+    name: str, wrong: Any, tmp_path: Path
+) -> None:
+    async def drive() -> None:
+        async with SimulatedRobot() as sim, connect_async(sim.open, record=path) as robot:
+            robot.drive(0.3)
+            await asyncio.sleep(3.0)
+
+    path = tmp_path / "wrong.mcap"
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(f"pioneer3.robot.pilot.{name}", wrong)
+        asyncio.run(drive())
+    (found,) = verify(open_log(path))
+    assert found.decisions > 0
+    assert found.difference is not None
+    assert found.difference.field == "sent"
+    assert found.difference.recorded.startswith("Vel(speed=0.")
 
 
 def test_the_model_of_that_time_counts_whatever_file_the_robot_has_today(

@@ -30,7 +30,10 @@ def verify(name: LogName = "", /, *, model: Model = None, json: Flag = False) ->
         write_json(found)
     for each in () if json else found:
         who = f"{printable(each.robot)}: " if each.robot else ""
-        count = f"{who}{each.compared} readings and {each.decisions} decisions"
+        count = (
+            f"{who}{each.compared} readings, {each.decisions} decisions"
+            f" and {each.velocities} velocities"
+        )
         if (first := each.difference) is None:
             write_line(f"{count}, all as recorded")
             continue

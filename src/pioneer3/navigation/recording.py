@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from pioneer3.geometry import Pose2
+from pioneer3.limits import Limits
 from pioneer3.log.topics import LogEvent
 from pioneer3.maps import LineMap
 from pioneer3.maps.aria import parse_aria
@@ -110,6 +111,7 @@ KINDS: Final[Mapping[str, type]] = {
     "scan": Scan,
     "command": CommandGiven,
     "decision": DecisionMade,
+    "limits": Limits,
     "standing": StandsBecause,
     "estimate": EstimateMade,
     "goal": GoalChanged,

@@ -206,7 +206,7 @@ class Arbiter:
             return self._fail(error)
         if self.log is not None:
             mode = self.mode.name if self.mode else ""
-            self.log.soon(partial(self.log.decided, mode, decision, situation.now))
+            self.log.soon(partial(self.log.decided, mode, decision, situation))
         if why_it_ends := self._why_mode_ends(decision):
             self._forget_mode(why_it_ends)
             self.decide()

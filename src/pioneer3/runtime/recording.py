@@ -11,11 +11,13 @@ from typing import TYPE_CHECKING, Any, Final
 
 import msgspec
 
+from pioneer3.behaviors.action import Situation
 from pioneer3.behaviors.engine import Decision
 from pioneer3.behaviors.explanations import explain
 from pioneer3.clock import Clock
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import STILL, Pose2, Twist2
+from pioneer3.limits import Limits
 from pioneer3.links import Opener
 from pioneer3.links.tap import ROBOT, WireRecording, tapped
 from pioneer3.log.command_line import without_secrets
@@ -102,6 +104,7 @@ class RobotLog:
         self._snapshots = self.topic("snapshot", Snapshot)
         self._commands = self.topic("command", CommandGiven)
         self._decisions = self.topic("decision", DecisionMade, _told)
+        self._limits = self.topic("limits", Limits, repeated=True)
         self._truths = self.topic("truth", TruePoseTold, rows=True)
         self._reasons = self.topic("standing", StandsBecause)
         self._scans: dict[str, LogTopic[Scan]] = {}
@@ -184,9 +187,10 @@ class RobotLog:
             self._scans[scan.laser] = topic
         self.log.put(topic, scan)
 
-    def decided(self, mode: str, decision: Decision, now: float) -> None:
-        """Take a decision of `now` [s]; one that only goes on is taken once a second."""
-        last = self._decided[1]
+    def decided(self, mode: str, decision: Decision, situation: Situation) -> None:
+        """Take a decision; one that only goes on is taken once a second."""
+        self.put(self._limits, situation.limits)
+        last, now = self._decided[1], situation.now
         if (
             mode == self._decided[0]
             and decision.twist == last.twist

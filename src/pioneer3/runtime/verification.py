@@ -2,36 +2,48 @@
 
 Each piece of bytes is read at the very time that the log tells, in virtual time, and each snapshot
 is compared with the recorded one, by the model that was in force. Each decision is made again of
-what the actions wanted then: a log has their wishes, not their reasons to have them.
+what the actions wanted then: a log has their wishes, not their reasons to have them. Each velocity
+that was sent has to be that of the decision then, within the limits: a log has not all reasons of
+the pilot to stand, which it may at any time.
 """
 
 import asyncio
-from collections.abc import Iterator, Mapping
+from bisect import bisect_right
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from math import inf
-from typing import Any, Final
+from operator import itemgetter
+from typing import Any, Final, TypeVar
 
 import msgspec
 
+from pioneer3.arcos.commands import RVel, Vel, from_payload, to_payload
 from pioneer3.arcos.host_events import Timing
-from pioneer3.behaviors.engine import decided_again
+from pioneer3.arcos.packet import PacketReader
+from pioneer3.behaviors.engine import Decision, decided_again
 from pioneer3.errors import ConfigError, LinkError, NoRobotError, RecordingOverError
+from pioneer3.geometry import STILL, Twist2
 from pioneer3.limits import Limits
 from pioneer3.links import Link
 from pioneer3.links.tap import ROBOT
 from pioneer3.log.reader import RunLog
 from pioneer3.log.topics import EVENT, LogEvent, LogTopic
 from pioneer3.models import GivenModel, RobotModel
-from pioneer3.robot.supervisor import Supervisor
-from pioneer3.runtime.recording import DecisionMade
-from pioneer3.state import Snapshot
+from pioneer3.robot.limits import limit
+from pioneer3.robot.supervisor import RobotInfo, Supervisor
+from pioneer3.runtime.recording import RENEWED, DecisionMade
+from pioneer3.state import Bumpers, Snapshot
 from pioneer3.tasks import FastTimeLoop
+
+T = TypeVar("T")
 
 PATIENT: Final = Timing(silence=inf)
 """The log tells when a link was lost."""
 SNAPSHOT: Final = "snapshot"
 """Name of the topic that is compared."""
+LATE: Final = 0.05
+"""A velocity may be on its way to the wire for so long [s], and limits to the log."""
 NONE: Final = "none"
 """In place of a value that is not there."""
 
@@ -48,7 +60,12 @@ class Difference:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Verification:
-    """The result for one robot of a log: snapshots and decisions that are equal, the first not.
+    """The result for one robot of a log: how much is equal, and the first that is not.
+
+    Attributes:
+        compared: Snapshots that are equal.
+        velocities: That were sent as the decisions tell; none of a robot whose own odometry is
+            corrected, which is sent others.
 
     `robot` is its name in the log, empty for the only one.
     """
@@ -56,6 +73,7 @@ class Verification:
     robot: str
     compared: int
     decisions: int
+    velocities: int
     difference: Difference | None
 
 
@@ -87,33 +105,83 @@ def _verify(log: RunLog, prefix: str, model: GivenModel) -> Verification:
             model = msgspec.json.decode(known["parameters"], type=RobotModel)
     with asyncio.Runner(loop_factory=partial(FastTimeLoop, wire.begin)) as runner:
         comparison = _Comparison(log, prefix + SNAPSHOT)
-        runner.run(_play(wire, comparison, model))
-    decisions, differs = _decide_again(log, prefix, known) if "limits" in known else (0, None)
+        info = runner.run(_play(wire, comparison, model))
+    decisions, velocities = _Decisions(log, prefix, wire, known), 0
+    difference = comparison.difference or comparison.missing() or decisions.difference
+    if not difference and info and not info.model.odometry.matrix(info.model.wheel_base):
+        velocities, difference = decisions.sent(comparison.bumpers)
     return Verification(
         robot=prefix.rstrip("/"),
         compared=comparison.compared,
-        decisions=decisions,
-        difference=comparison.difference or comparison.missing() or differs,
+        decisions=len(decisions.made),
+        velocities=velocities,
+        difference=difference,
     )
 
 
-def _decide_again(
-    log: RunLog, prefix: str, known: Mapping[str, str]
-) -> tuple[int, Difference | None]:
-    """Return how many decisions are as recorded, and the first that is not."""
-    with log.damage_told():
-        limits = msgspec.json.decode(known["limits"], type=Limits)
-    count = 0
-    for time, made in log.of(LogTopic(f"{prefix}decision", DecisionMade)):
-        with log.damage_told():
-            again = decided_again(made.decision, limits)
-        if differs := _difference(time, made.decision, again):
-            return count, differs
-        count += 1
-    return count, None
+class _Decisions:
+    """The decisions of a log that are the same today, up to the first difference."""
+
+    def __init__(self, log: RunLog, prefix: str, wire: "_Wire", known: Mapping[str, str]) -> None:
+        self.made: list[tuple[float, Decision]] = []
+        self.difference: Difference | None = None
+        self._log, self._wire = log, wire
+        topic = LogTopic(f"{prefix}limits", Limits)
+        self._limits = [(wire.seconds(time), limits) for time, limits in log.of(topic)]
+        if not self._limits and "limits" in known:  # an older log
+            with log.damage_told():
+                self._limits = [(-inf, msgspec.json.decode(known["limits"], type=Limits))]
+        for time, made in log.of(LogTopic(f"{prefix}decision", DecisionMade)):
+            at = wire.seconds(time)
+            if not (limits := _lately(self._limits, at + LATE)):
+                continue
+            with log.damage_told():
+                again = decided_again(made.decision, limits[-1])
+            self.difference = _difference(time, made.decision, again)
+            if self.difference is not None:
+                return
+            self.made.append((at, made.decision))
+
+    def sent(self, bumpers: Sequence[tuple[float, Bumpers]]) -> tuple[int, Difference | None]:
+        """Return how many velocities were sent as the decisions tell, and the first that was not.
+
+        Their ends are told once a second where they only go on.
+        """
+        reader, count, speed = PacketReader(), 0, b""
+        for message in self._log.messages(f"wire/{self._wire.link}/out".__eq__):
+            at = self._wire.seconds(message.time)
+            for payload in reader.feed(message.data, at):
+                if payload[:1] == bytes([Vel.ID]):
+                    speed = payload
+                elif payload[:1] == bytes([RVel.ID]) and self._limits:
+                    may_be = [STILL] + [
+                        limit(decision.twist, limits, pressed)
+                        for decision in _lately(self.made, at)
+                        for limits in _lately(self._limits, at + LATE)
+                        for pressed in _lately(bumpers, at) or [Bumpers()]
+                        if at <= decision.until + RENEWED + LATE
+                    ]
+                    if (speed, payload) not in map(_payloads, may_be):
+                        sent = f"{from_payload(speed)}, {from_payload(payload)}"
+                        return count, Difference(
+                            time=message.time, field="sent", recorded=sent, now=str(may_be[-1])
+                        )
+                    count += 1
+        return count, None
 
 
-async def _play(wire: "_Wire", comparison: "_Comparison", model: GivenModel) -> None:
+def _payloads(twist: Twist2) -> tuple[bytes, bytes]:
+    return to_payload(Vel(speed=twist.v)), to_payload(RVel(rate=twist.w))
+
+
+def _lately(told: Sequence[tuple[float, T]], at: float) -> list[T]:
+    """Return what was told last at a time [s], and what had been so until shortly before."""
+    first = bisect_right(told, at - LATE, key=itemgetter(0))
+    last = bisect_right(told, at, key=itemgetter(0))
+    return [each for _, each in told[max(0, first - 1) : last]]
+
+
+async def _play(wire: "_Wire", comparison: "_Comparison", model: GivenModel) -> RobotInfo | None:
     supervisor = Supervisor(wire.open, model=model, auto_enable=False, timing=PATIENT)
     driving = asyncio.ensure_future(supervisor.run())
     supervisor.snapshot_taken = comparison.take
@@ -124,6 +192,7 @@ async def _play(wire: "_Wire", comparison: "_Comparison", model: GivenModel) -> 
     for ended in await asyncio.gather(driving, differs, return_exceptions=True):
         if isinstance(ended, Exception) and not isinstance(ended, LinkError | NoRobotError):
             raise ended
+    return supervisor.info
 
 
 class _Comparison:
@@ -133,6 +202,7 @@ class _Comparison:
         self.compared = 0
         self.difference: Difference | None = None
         self.differs = asyncio.Event()
+        self.bumpers: list[tuple[float, Bumpers]] = []
         self._recorded = log.of(LogTopic(topic, Snapshot))
         self._next = next(self._recorded, None)
 
@@ -148,6 +218,8 @@ class _Comparison:
             self.differs.set()
             return
         self.compared += 1
+        if not self.bumpers or snapshot.bumpers != self.bumpers[-1][1]:
+            self.bumpers.append((asyncio.get_running_loop().time(), snapshot.bumpers))
         self._next = next(self._recorded, None)
 
     def missing(self) -> Difference | None:
@@ -196,6 +268,7 @@ class _Wire:
     """Opens the recorded connections of a link one after the other, each at its time."""
 
     def __init__(self, log: RunLog, link: str) -> None:
+        self.link = link
         self.url = f"replay:{log.path}#{link}"
         facts = log.info().texts.get("program", {})
         try:
@@ -214,7 +287,7 @@ class _Wire:
     def _of(self, log: RunLog, link: str) -> Iterator[_Step]:
         read = f"wire/{link}/in"
         for message in log.messages(lambda topic: topic in {read, EVENT.name}):
-            at = self._seconds(message.time)
+            at = self.seconds(message.time)
             if message.topic == read:
                 yield _Step(at, data=message.data)
                 continue
@@ -224,7 +297,7 @@ class _Wire:
             elif event.kind == "link" and event.text == f"{link}: closed":
                 yield _Step(at, closes=True)
 
-    def _seconds(self, time: int) -> float:
+    def seconds(self, time: int) -> float:
         """Return a time [ns since 1970] of the clock of the recording, as it was read then.
 
         The operating system counts nanoseconds, of which Python makes seconds.
