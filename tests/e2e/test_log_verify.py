@@ -13,6 +13,7 @@ from pioneer3.behaviors import engine
 from pioneer3.cli.log_verify import verify as verify_command
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Twist2
+from pioneer3.lasers.client import RawScan
 from pioneer3.log.excerpt import write_excerpt
 from pioneer3.log.index import LogIndex
 from pioneer3.log.reader import open_log
@@ -20,9 +21,11 @@ from pioneer3.models import load_model
 from pioneer3.models.own import find_own, own_path
 from pioneer3.navigation.connect import connect_async
 from pioneer3.robot import assemble
+from pioneer3.robot.lasers.mounting import Mounting
 from pioneer3.runtime.recording import recorded
 from pioneer3.runtime.verification import verify
-from pioneer3.state import Battery
+from pioneer3.state import Battery, Scan
+from tests.lasers import LaserUnit
 from tests.support import SimulatedRobot, until
 
 pytestmark = pytest.mark.realtime
@@ -95,8 +98,8 @@ def test_the_first_difference_is_told_with_time_field_and_both_values(
     assert verify_command(str(two)) == 1
     text = capsys.readouterr().out
     assert "amy: 9 readings, " in text
-    assert " velocities as recorded, then a difference at 20" in text
-    assert "battery.voltage: recorded 12.9" in text
+    assert " scans as recorded, then a difference at 20" in text
+    assert "battery.voltage: recorded 1" in text
     assert "now      11.5" in text
     count = 0
     assert verify_command(str(two), json=True) == 1
@@ -139,6 +142,38 @@ def test_a_velocity_that_no_decision_comes_to_within_its_time_and_limits_is_a_di
     assert found.difference is not None
     assert found.difference.field == "sent"
     assert found.difference.recorded.startswith("Vel(speed=0.")
+
+
+@pytest.mark.parametrize("name", ["urg-04lx", "lms-200"])
+def test_the_bytes_of_a_laser_become_the_scans_that_were_recorded(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async def drive() -> None:
+        async with (
+            SimulatedRobot() as sim,
+            LaserUnit(sim, name) as unit,
+            connect_async(sim.open, lasers=[unit.spec()], record=path) as robot,
+        ):
+            await robot.laser.reading()
+            await robot.move(0.2)
+
+    path = tmp_path / "scans.mcap"
+    asyncio.run(drive())
+    counts = open_log(path).info().counts
+    assert counts is not None
+    (found,) = verify(open_log(path))
+    assert found.difference is None
+    assert found.scans == counts["scan/laser"] > 5
+    before = Mounting.scan
+
+    def longer(mounting: Mounting, raw: RawScan, *others: Any) -> Scan:
+        return before(mounting, replace(raw, ranges=(*raw.ranges[:-1], 1.0)), *others)
+
+    monkeypatch.setattr(Mounting, "scan", longer)
+    (found,) = verify(open_log(path))
+    assert found.difference is not None
+    assert found.difference.field.startswith("[2][")
+    assert float(found.difference.now) == 1.0
 
 
 def test_the_model_of_that_time_counts_whatever_file_the_robot_has_today(

@@ -32,7 +32,7 @@ def verify(name: LogName = "", /, *, model: Model = None, json: Flag = False) ->
         who = f"{printable(each.robot)}: " if each.robot else ""
         count = (
             f"{who}{each.compared} readings, {each.decisions} decisions"
-            f" and {each.velocities} velocities"
+            f", {each.velocities} velocities and {each.scans} scans"
         )
         if (first := each.difference) is None:
             write_line(f"{count}, all as recorded")

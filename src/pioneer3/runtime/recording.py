@@ -226,8 +226,17 @@ class RobotLog:
                 self.describe(described)
 
     async def follow_laser(self, laser: "LaserDriver") -> None:
-        """Log changes of the connection of a laser."""
+        """Log changes of the connection of a laser, and how its bytes become scans."""
         async for status in laser.status.values(latest_first=True):
+            if laser.connected:
+                told = {
+                    "protocol": laser.protocol,
+                    "speeds": laser.speeds,
+                    "settings": laser.config.settings,
+                    "mounting": laser.mounting(),
+                }
+                texts = {name: msgspec.json.encode(part).decode() for name, part in told.items()}
+                self.log.describe(f"{self._prefix}{laser.name}", texts)
             self.event("link", f"{laser.name}: {status.connection}: {status.message}")
 
     def describe(self, info: RobotInfo) -> None:

@@ -4,17 +4,18 @@ Each piece of bytes is read at the very time that the log tells, in virtual time
 is compared with the recorded one, by the model that was in force. Each decision is made again of
 what the actions wanted then: a log has their wishes, not their reasons to have them. Each velocity
 that was sent has to be that of the decision then, within the limits: a log has not all reasons of
-the pilot to stand, which it may at any time.
+the pilot to stand, which it may at any time. Bytes of lasers become scans again, with the same
+readings: their times are told to 0.1 ms, and so poses and stamps are not the same.
 """
 
 import asyncio
 from bisect import bisect_right
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Coroutine, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from math import inf
 from operator import itemgetter
-from typing import Any, Final, TypeVar
+from typing import Any, Final, Generic, TypeVar
 
 import msgspec
 
@@ -24,16 +25,19 @@ from pioneer3.arcos.packet import PacketReader
 from pioneer3.behaviors.engine import Decision, decided_again
 from pioneer3.errors import ConfigError, LinkError, NoRobotError, RecordingOverError
 from pioneer3.geometry import STILL, Twist2
+from pioneer3.lasers.client import ScanSettings
 from pioneer3.limits import Limits
 from pioneer3.links import Link
 from pioneer3.links.tap import ROBOT
 from pioneer3.log.reader import RunLog
 from pioneer3.log.topics import EVENT, LogEvent, LogTopic
 from pioneer3.models import GivenModel, RobotModel
+from pioneer3.models.lasers import LaserProtocol
+from pioneer3.robot.lasers.mounting import Mounting
 from pioneer3.robot.limits import limit
 from pioneer3.robot.supervisor import RobotInfo, Supervisor
 from pioneer3.runtime.recording import RENEWED, DecisionMade
-from pioneer3.state import Bumpers, Snapshot
+from pioneer3.state import Bumpers, Scan, Snapshot
 from pioneer3.tasks import FastTimeLoop
 
 T = TypeVar("T")
@@ -64,6 +68,8 @@ class Verification:
 
     Attributes:
         compared: Snapshots that are equal.
+        scans: Scans whose readings are equal; none of older logs, nor of lasers in the robot's own
+            bytes.
         velocities: That were sent as the decisions tell; none of a robot whose own odometry is
             corrected, which is sent others.
 
@@ -74,6 +80,7 @@ class Verification:
     compared: int
     decisions: int
     velocities: int
+    scans: int
     difference: Difference | None
 
 
@@ -104,19 +111,59 @@ def _verify(log: RunLog, prefix: str, model: GivenModel) -> Verification:
         with log.damage_told():
             model = msgspec.json.decode(known["parameters"], type=RobotModel)
     with asyncio.Runner(loop_factory=partial(FastTimeLoop, wire.begin)) as runner:
-        comparison = _Comparison(log, prefix + SNAPSHOT)
-        info = runner.run(_play(wire, comparison, model))
+        comparison = _Comparison(log, LogTopic(prefix + SNAPSHOT, Snapshot))
+        info = runner.run(_drive(wire, comparison, model))
     decisions, velocities = _Decisions(log, prefix, wire, known), 0
-    difference = comparison.difference or comparison.missing() or decisions.difference
+    difference = comparison.missing() or decisions.difference
     if not difference and info and not info.model.odometry.matrix(info.model.wheel_base):
         velocities, difference = decisions.sent(comparison.bumpers)
+    scans = [_scan(log, prefix, texts, name) for name, texts in log.info().texts.items()]
+    lasers = [each for each in scans if each is not None]
     return Verification(
         robot=prefix.rstrip("/"),
         compared=comparison.compared,
         decisions=len(decisions.made),
         velocities=velocities,
-        difference=difference,
+        scans=sum(each.compared for each in lasers),
+        difference=difference or next(filter(None, (each.missing() for each in lasers)), None),
     )
+
+
+def _scan(
+    log: RunLog, prefix: str, texts: Mapping[str, str], described: str
+) -> "_Comparison[Scan] | None":
+    """Compare the scans of a laser of a robot; `None` if the description is of none."""
+    before, slash, name = described.rpartition("/")
+    if before + slash != prefix or "protocol" not in texts:
+        return None
+    from pioneer3.robot.lasers.driver import LaserConfig, LaserDriver  # loads slowly
+
+    wire = _Wire(log, described)
+    comparison = _Comparison(log, LogTopic(f"{prefix}scan/{name}", Scan), _readings)
+    with log.damage_told():
+        mounting = msgspec.json.decode(texts["mounting"], type=Mounting)
+        wire.speeds = msgspec.json.decode(texts["speeds"], type=tuple[int, ...])
+        config = LaserConfig(
+            url=wire.url,
+            open=wire.open,
+            name=name,
+            protocol=msgspec.json.decode(texts["protocol"], type=LaserProtocol),
+            settings=msgspec.json.decode(texts["settings"], type=ScanSettings),
+        )
+
+    async def scan() -> None:
+        driver = LaserDriver(config, mounting=lambda: mounting)
+        driver.scan_taken = comparison.take
+        await _play(driver.run(), comparison)
+
+    with asyncio.Runner(loop_factory=partial(FastTimeLoop, wire.begin)) as runner:
+        runner.run(scan())
+    return comparison
+
+
+def _readings(scan: Scan) -> object:
+    """Return the number of a scan, and what its laser measured."""
+    return [scan.sequence, scan.angles, scan.ranges, scan.reflectances, scan.echoes]
 
 
 class _Decisions:
@@ -181,10 +228,17 @@ def _lately(told: Sequence[tuple[float, T]], at: float) -> list[T]:
     return [each for _, each in told[max(0, first - 1) : last]]
 
 
-async def _play(wire: "_Wire", comparison: "_Comparison", model: GivenModel) -> RobotInfo | None:
+async def _drive(
+    wire: "_Wire", comparison: "_Comparison[Snapshot]", model: GivenModel
+) -> RobotInfo | None:
     supervisor = Supervisor(wire.open, model=model, auto_enable=False, timing=PATIENT)
-    driving = asyncio.ensure_future(supervisor.run())
     supervisor.snapshot_taken = comparison.take
+    await _play(supervisor.run(), comparison)
+    return supervisor.info
+
+
+async def _play(driver: Coroutine[Any, Any, None], comparison: "_Comparison[Any]") -> None:
+    driving = asyncio.ensure_future(driver)
     differs = asyncio.ensure_future(comparison.differs.wait())
     await asyncio.wait({driving, differs}, return_when=asyncio.FIRST_COMPLETED)
     for task in (driving, differs):
@@ -192,47 +246,50 @@ async def _play(wire: "_Wire", comparison: "_Comparison", model: GivenModel) -> 
     for ended in await asyncio.gather(driving, differs, return_exceptions=True):
         if isinstance(ended, Exception) and not isinstance(ended, LinkError | NoRobotError):
             raise ended
-    return supervisor.info
 
 
-class _Comparison:
-    """Compares snapshots with the recorded ones, up to the first difference."""
+class _Comparison(Generic[T]):
+    """Compares a part of messages with the recorded ones, up to the first difference."""
 
-    def __init__(self, log: RunLog, topic: str) -> None:
+    def __init__(
+        self, log: RunLog, topic: LogTopic[T], part: Callable[[T], object] = lambda message: message
+    ) -> None:
         self.compared = 0
         self.difference: Difference | None = None
         self.differs = asyncio.Event()
         self.bumpers: list[tuple[float, Bumpers]] = []
-        self._recorded = log.of(LogTopic(topic, Snapshot))
+        self._part, self._recorded = part, log.of(topic)
         self._next = next(self._recorded, None)
 
-    def take(self, snapshot: Snapshot) -> None:
-        """Take the next snapshot of today's driver."""
+    def take(self, found: T) -> None:
+        """Take the next message of today's driver."""
         if self._next is None or self.difference is not None:
             return  # read while the connection was closed: nobody was told
         time, recorded = self._next
-        if snapshot.link.sessions < recorded.link.sessions:
-            return  # likewise
-        self.difference = _difference(time, recorded, snapshot)
+        if isinstance(found, Snapshot) and isinstance(recorded, Snapshot):
+            if found.link.sessions < recorded.link.sessions:
+                return  # likewise
+            if not self.bumpers or found.bumpers != self.bumpers[-1][1]:
+                self.bumpers.append((asyncio.get_running_loop().time(), found.bumpers))
+        self.difference = _difference(time, self._part(recorded), self._part(found))
         if self.difference is not None:
             self.differs.set()
             return
         self.compared += 1
-        if not self.bumpers or snapshot.bumpers != self.bumpers[-1][1]:
-            self.bumpers.append((asyncio.get_running_loop().time(), snapshot.bumpers))
         self._next = next(self._recorded, None)
 
     def missing(self) -> Difference | None:
-        """Return the difference of a snapshot that today's driver did not come to, if any."""
-        if self._next is None:
-            return None
-        time, recorded = self._next
-        number = str(recorded.sequence)
-        return Difference(time=time, field="sequence", recorded=number, now=NONE)
+        """Return the first difference, or that of a message today's driver did not come to."""
+        if self.difference is not None or self._next is None:
+            return self.difference
+        number = str(getattr(self._next[1], "sequence", NONE))
+        return Difference(time=self._next[0], field="sequence", recorded=number, now=NONE)
 
 
 def _difference(time: int, recorded: object, found: object) -> Difference | None:
     """Return the first field in which two objects differ, by texts that tell each value exactly."""
+    if msgspec.msgpack.encode(recorded) == msgspec.msgpack.encode(found):
+        return None
     was, now = (dict(_fields("", msgspec.to_builtins(each))) for each in (recorded, found))
     field = next((each for each in was | now if was.get(each) != now.get(each)), None)
     if field is None:
@@ -269,6 +326,7 @@ class _Wire:
 
     def __init__(self, log: RunLog, link: str) -> None:
         self.link = link
+        self.speeds: tuple[int, ...] = ()
         self.url = f"replay:{log.path}#{link}"
         facts = log.info().texts.get("program", {})
         try:
@@ -326,11 +384,10 @@ class _Wire:
 class _PlayedLink:
     """One connection; `read_at` is when the last bytes were read, as the log has it [s]."""
 
-    speeds: tuple[int, ...] = ()
     round_trip = 0.0
 
     def __init__(self, wire: _Wire) -> None:
-        self.url, self.read_at = wire.url, wire.begin
+        self.url, self.read_at, self.speeds = wire.url, wire.begin, wire.speeds
         self._wire = wire
 
     async def read(self) -> bytes:

@@ -66,7 +66,8 @@ class LaserConfig:
 class LaserDriver:
     """One laser; a source of scans like the laser of a simulator.
 
-    `mounting` returns its place on the robot, which is known once the robot is. `latest` is the
+    `mounting` returns its place on the robot, which is known once the robot is. The `speeds` are
+    those of its link [baud], empty where it has none. `latest` is the
     last scan, `None` before any, and `latency` the time from its last reading until it was here
     [s]; `scans` and `losses` count. The `protocol` is `None` until it is known. `scan_taken` is
     called with every scan, also those that slow readers miss.
@@ -85,7 +86,8 @@ class LaserDriver:
         self.scans = 0
         self.losses = 0
         self._pose_at = pose_at
-        self._mounting = mounting
+        self.mounting = mounting
+        self.speeds: Sequence[int] = ()
         self.name = config.name
         self.protocol = config.protocol
         self._feed: Feed[Scan] = Feed()
@@ -105,7 +107,7 @@ class LaserDriver:
     @property
     def sensor_in_robot(self) -> Pose2:
         """Its pose on the robot [m, rad]."""
-        return self._mounting().sensor_in_robot
+        return self.mounting().sensor_in_robot
 
     @property
     def connected(self) -> bool:
@@ -200,6 +202,7 @@ class LaserDriver:
                 link = await self.config.open()
         except TimeoutError:
             raise LinkError(f"{self.config.url}: no answer within {OPEN_PATIENCE:g} s") from None
+        self.speeds = link.speeds
         client = self._client(link.speeds, link.round_trip)
         try:
             await self._serve(link, client)
@@ -287,7 +290,7 @@ class LaserDriver:
         self.latency = now - raw.stamp - raw.beam_time * max(0, len(raw.ranges) - 1)
         if self.config.time_offset:
             raw = replace(raw, stamp=raw.stamp + self.config.time_offset)
-        scan = self._mounting().scan(raw, self.scans, self.config.name, self._pose_at)
+        scan = self.mounting().scan(raw, self.scans, self.config.name, self._pose_at)
         if not self.connected:
             self._failure, self._good_speed = "", self._speed
             self._publish(Connection.CONNECTED, f"{len(scan.ranges)} readings a scan")
