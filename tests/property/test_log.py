@@ -16,16 +16,19 @@ import pytest
 import zstandard
 from hypothesis import given
 from hypothesis import strategies as st
+from mcap.writer import Writer
 
 from pioneer3.behaviors.action import Contribution
 from pioneer3.behaviors.engine import Decision
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2, Twist2
 from pioneer3.links.tap import recorded_links
-from pioneer3.log.chunks import DAMAGED
+from pioneer3.log.chunks import DAMAGED, split, summary_groups
 from pioneer3.log.command_line import started
 from pioneer3.log.differences import differences, joined_planes, planes, sums
+from pioneer3.log.excerpt import write_excerpt
 from pioneer3.log.folder import create
+from pioneer3.log.index import LogIndex
 from pioneer3.log.mcap import McapFile
 from pioneer3.log.reader import open_log
 from pioneer3.log.rows import fields_of, pack_rows, unpack_rows
@@ -305,6 +308,67 @@ def test_a_chunk_that_would_unpack_to_a_gigabyte_is_not_unpacked(claimed: int) -
     with suppress(ConfigError):
         assert read(bomb) == []
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 100_000  # KiB
+
+
+def rows_of(value: str, count: int) -> bytes:
+    """Return so many rows of a value as a message."""
+    return msgspec.msgpack.encode([[1] * (count - 1), [[0, value]]])
+
+
+@pytest.mark.parametrize(
+    ("told", "data"),
+    [
+        ({"columns": '{"a":0}'}, rows_of("x" * 900_000, 20_000)),
+        ({"pieces": ""}, msgspec.msgpack.encode(([0] * 300_000, [0] * 300_000, b""))),
+    ],
+)
+def test_a_message_that_would_become_a_gigabyte_is_refused_also_in_an_excerpt(
+    told: dict[str, str], data: bytes, tmp_path: Path
+) -> None:
+    path = tmp_path / "a.mcap"
+    with path.open("wb") as file:
+        writer = Writer(file)
+        writer.start()
+        channel = writer.register_channel("snapshot", "msgpack", 0, told)
+        writer.add_message(channel, 7, data, 7)
+        writer.finish()  # type: ignore[no-untyped-call]
+    with pytest.raises(ConfigError, match="is damaged: messages of more than 67108864 bytes"):
+        [*open_log(path).messages()]
+    index = LogIndex(path)
+    with pytest.raises(ConfigError, match="is damaged: messages of more than 67108864 bytes"):
+        write_excerpt(index, tmp_path / "part.mcap", 7, 7)
+
+
+def test_messages_without_chunks_are_found_as_all_others(tmp_path: Path) -> None:
+    path, times = tmp_path / "a.mcap", range(5, 5000, 5)
+    with path.open("wb") as file:
+        writer = Writer(file, use_chunking=False)
+        writer.start()
+        channels = [writer.register_channel(name, "json", 0) for name in ("first", "second")]
+        for number, time in enumerate(times):
+            writer.add_message(channels[number % 2], time, b"x" * 3000, time)
+        writer.finish()  # type: ignore[no-untyped-call]
+    assert [each.time for each in open_log(path).messages()] == [*times]
+    index = LogIndex(path)
+    assert index.topics == {"first", "second"}
+    for at in (4, 5, 2503, 9000):
+        for number, topic in enumerate(("first", "second")):
+            before = [time for time in times[number::2] if time <= at]
+            newest = index.newest(topic, at)
+            assert (newest and newest.time) == (before[-1] if before else None)
+
+
+def test_an_index_that_names_a_chunk_again_and_again_is_not_believed(tmp_path: Path) -> None:
+    log = tmp_path / "a.mcap"
+    log.write_bytes(a_log()[0])
+    with log.open("rb") as file:
+        groups = summary_groups(file, log.stat().st_size, {8})
+        index = [content for _, group in groups for _, content in split(group)]
+    assert len(index) == CHUNKS
+    spoilt = a_log()[0]
+    for content in index[1:]:
+        spoilt = spoilt.replace(content, index[0].ljust(len(content))[: len(content)])
+    assert read(spoilt) == WHOLE
 
 
 SECRETS = st.text("abcXYZ019", min_size=9)

@@ -1,7 +1,7 @@
 """The way and the curves of a run, to be drawn: speeds wanted and measured, battery, link."""
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +11,8 @@ from pioneer3.errors import ConfigError
 from pioneer3.maps import LineMap
 
 Float = NDArray[np.float64]
+LARGEST: Final = 1e6
+"""No robot is so far away [m], or so quick."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,15 +55,16 @@ def run_drawn(log: OpenLog) -> RunDrawn:
     Raises:
         ConfigError: The log is damaged, has several robots, or no report of one.
     """
-    odometry = log.array("odometry")
+    odometry = _possible(log.array("odometry"), "x", "y", "v", "w")
     if not len(odometry):
         raise ConfigError(f"{log.path}: no report of a robot was logged, so nothing can be drawn")
     used = log.newest("map")
-    estimate = log.array("estimate")
-    found = estimate[np.isfinite(estimate["x"])]
+    found = _possible(log.array("estimate"), "x", "y")
     on_map = used is not None and len(found) > 1
     places = found if on_map else odometry
-    wanted, battery, link = (log.array(name) for name in ("decision", "battery", "link"))
+    wanted = _possible(log.array("decision"), "v", "w")
+    battery = _possible(log.array("battery"), "voltage")
+    link = _possible(log.array("link"), "rate")
     return RunDrawn(
         way=np.column_stack([places["x"], places["y"]]),
         line_map=used[1].line_map if used and on_map else None,
@@ -72,6 +75,12 @@ def run_drawn(log: OpenLog) -> RunDrawn:
             _alone("link", "reports/s", link["time"], link["rate"]),
         ),
     )
+
+
+def _possible(rows: NDArray[Any], *names: str) -> NDArray[Any]:
+    """Return the rows whose numbers of some names are finite, and not those of a damaged log."""
+    known: NDArray[Any] = rows[np.all([abs(rows[name]) < LARGEST for name in names], axis=0)]
+    return known
 
 
 def _both(wanted: NDArray[Any], measured: NDArray[Any], column: str) -> tuple[Curve, ...]:

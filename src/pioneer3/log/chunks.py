@@ -81,7 +81,7 @@ class LogRecord:
 
 
 @dataclass(slots=True)
-class Chunk:
+class LogChunk:
     """A chunk: the times of its first and last message [ns], its place, and its channels.
 
     One that is not packed is a part of a file that has messages without chunks.
@@ -123,7 +123,7 @@ class LogFile:
         self.channels: dict[int, Channel] = {}
         self.schemas: dict[int, Schema] = {}
 
-    def chunks(self) -> list[Chunk]:
+    def chunks(self) -> list[LogChunk]:
         """Return its chunks."""
         with self.path.open("rb") as file:
             try:
@@ -143,9 +143,9 @@ class LogFile:
             schema = Schema.read(stream(content))
             self.schemas[schema.id] = schema
 
-    def _indexed(self, file: BinaryIO) -> list[Chunk]:
+    def _indexed(self, file: BinaryIO) -> list[LogChunk]:
         """Return the chunks by the index at the end of a file; none if it has none."""
-        found: list[Chunk] = []
+        found: list[LogChunk] = []
         size = file.seek(0, 2)
         for _, data in summary_groups(file, size, {SCHEMA, CHANNEL, CHUNK_INDEX}):
             for kind, content in split(data):
@@ -160,29 +160,29 @@ class LogFile:
                 raise ValueError("its index is wrong")
         return found
 
-    def _chunk(self, content: bytes, size: int) -> Chunk:
+    def _chunk(self, content: bytes, size: int) -> LogChunk:
         begin, end, offset, length, told = PLACE.unpack_from(content)
         listed = content[PLACE.size : PLACE.size + told]
         if len(listed) != told or offset + length > size or begin > end:
             raise ValueError("its index is wrong")
         channels = {channel for channel, _ in OF_CHANNEL.iter_unpack(listed)}
-        return Chunk(self, begin, end, offset + HEADER, length - HEADER, channels)
+        return LogChunk(self, begin, end, offset + HEADER, length - HEADER, channels)
 
-    def _scanned(self, file: BinaryIO) -> list[Chunk]:
+    def _scanned(self, file: BinaryIO) -> list[LogChunk]:
         """Return the chunks by the heads of all records; messages without one are chunks, too."""
-        found: list[Chunk] = []
+        found: list[LogChunk] = []
         for kind, at, length in data_records(file):
             file.seek(at)
             last = found[-1] if found else None
             if kind == CHUNK and length >= TIMES.size:
                 begin, end = TIMES.unpack(file.read(TIMES.size))
-                found.append(Chunk(self, begin, end, at, length, set()))
+                found.append(LogChunk(self, begin, end, at, length, set()))
             elif kind == MESSAGE_INDEX and last is not None:
                 last.channels.add(int.from_bytes(file.read(2), "little"))
             elif kind == MESSAGE and length >= OF_MESSAGE:
                 number, _, time = MESSAGE_HEAD.unpack(file.read(MESSAGE_HEAD.size))
                 if last is None or last.is_packed or last.length > MOST_LOOSE:
-                    last = Chunk(self, time, time, at - HEADER, 0, set(), is_packed=False)
+                    last = LogChunk(self, time, time, at - HEADER, 0, set(), is_packed=False)
                     found.append(last)
                 last.begin, last.end = min(last.begin, time), max(last.end, time)
                 last.length = at + length - last.offset

@@ -96,9 +96,10 @@ def _write(
                 schemas[channel.schema_id],
                 channel.metadata,
             )
-        number, sequence, _, published = struct.unpack_from("<HIQQ", record.data)
+        with log.damage_told():
+            number, sequence, _, published = struct.unpack_from("<HIQQ", record.data)
+            told = messages_of([record])
         writer.add_message(channels[number], time, record.data[OF_MESSAGE:], published, sequence)
-        told = messages_of([record])
         counts[record.channel.topic] += len(told)
         return told[-1].time if told else time
 

@@ -38,6 +38,7 @@ class LogIndex:
 
     def __init__(self, path: Path, *more: Path) -> None:
         self._log = RunLog(path, *more)
+        self.damage_told = self._log.damage_told
         self._kept: OrderedDict[int, list[LogMessage]] = OrderedDict()
         self._lock = Lock()
         self._chunks = sorted(self._log.chunks(), key=attrgetter("begin"))

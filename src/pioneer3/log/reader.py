@@ -22,7 +22,7 @@ from pioneer3.log.chunks import (
     OF_MESSAGE,
     STATISTICS,
     TIMES,
-    Chunk,
+    LogChunk,
     LogFile,
     LogRecord,
     split,
@@ -54,6 +54,8 @@ MOST_OF_MAP: Final = 4 * 1024 * 1024
 """A longer map is not decoded [bytes]; ARIA's largest has 0.7 MB."""
 MAP: Final = "map"
 """Last part of the topic of maps."""
+OF_EACH: Final = 256
+"""Memory that a message takes besides its bytes [bytes], about."""
 FIRST_MESSAGE: Final = 1_000_000_000
 """The first message of a log is taken so soon after it began [ns]; of its later files, not."""
 MOST_BESIDE: Final = 4096
@@ -210,7 +212,7 @@ class RunLog:
             for chunk in self.chunks():
                 yield from messages_of(chunk.records(wanted))
 
-    def chunks(self) -> Iterator[Chunk]:
+    def chunks(self) -> Iterator[LogChunk]:
         """Yield the chunks of its files, as they lie there."""
         for path in self.files:
             with self.damage_told(path):
@@ -351,7 +353,7 @@ def messages_of(records: Iterable[LogRecord]) -> list[LogMessage]:
     found, room = list[LogMessage](), MOST_UNPACKED
     for record in records:
         for message in _messages_of(record):
-            room -= len(message.data) + OF_MESSAGE
+            room -= len(message.data) + OF_EACH
             if room < 0:
                 raise ValueError(f"messages of more than {MOST_UNPACKED} bytes in one chunk")
             found.append(message)

@@ -1,5 +1,7 @@
 """`pioneer3 log plot` draws the way and the curves of a run, in the terminal or as a picture."""
 
+from dataclasses import replace
+from math import inf, nan
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +17,8 @@ from pioneer3.maps import LineMap
 from pioneer3.maps.write import aria_text
 from pioneer3.navigation.recording import EstimateMade, MapUsed
 from pioneer3.runtime.recording import DecisionMade
-from tests.unit.analysis.support import Message, decided, driven, topic, write_log
+from pioneer3.state import Snapshot
+from tests.unit.analysis.support import Message, decided, driven, snapshot, topic, write_log
 
 ESTIMATES = topic("estimate", EstimateMade)
 ROOM = LineMap(name="room", walls=np.array([[0.0, 0.0, 9.0, 0.0], [9.0, 0.0, 9.0, 4.0]]))
@@ -50,6 +53,18 @@ def test_the_way_is_on_the_map_where_that_is_known(log: Path, tmp_path: Path) ->
     by_odometry = run_drawn(pioneer3.log.open(write_log(tmp_path / "b.mcap", driven(1.0))))
     assert by_odometry.line_map is None
     assert by_odometry.way[-1] == pytest.approx([0.5, 0.0])
+
+
+def test_numbers_that_no_robot_has_are_left_out(tmp_path: Path) -> None:
+    wrong = [
+        (1.0 + number, topic("snapshot", Snapshot), replace(snapshot(1.0), odometry=odometry))
+        for number, odometry in enumerate(
+            replace(snapshot(1.0).odometry, robot_in_odom=Pose2(*each, 0.0))
+            for each in ((nan, 0.0), (0.0, inf), (-1e300, 0.0))
+        )
+    ]
+    run = run_drawn(pioneer3.log.open(write_log(tmp_path / "a.mcap", [*driven(1.0), *wrong])))
+    assert run.way[-1] == pytest.approx([0.5, 0.0])
 
 
 def test_a_terminal_shows_the_map_the_curves_and_no_escape_of_a_name(
