@@ -186,7 +186,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--drives", type=int, default=10)
     parser.add_argument("--models", nargs="*", default=["p3dx-sh", "p3at-sh"])
-    parser.add_argument("--shares", nargs="*", type=float, default=[0.1, 0.9, 0.95, 1.0])
+    parser.add_argument("--shares", nargs="*", type=float, default=[0.1, 0.95, 1.0, 1.25])
     parser.add_argument("--no-hour", action="store_true")
     options = parser.parse_args()
     print("| robot | fault | named within 5 s | when, median | what else is told |", flush=True)

@@ -8,7 +8,7 @@ from random import Random
 
 import pytest
 
-from benchmarks.shadow import WITHIN, Fault, drags, holds, named
+from benchmarks.shadow import WITHIN, Fault, drags, holds, named, slips
 from pioneer3 import connect_async
 from pioneer3.cli.diagnosis import _driven
 from pioneer3.doctor.facts import Level
@@ -166,16 +166,22 @@ async def test_wheels_that_stall_in_the_open_are_held() -> None:
 
 
 @pytest.mark.parametrize(
-    ("fault", "cause"),
+    ("model", "seed", "fault", "cause"),
     [
-        (holds, Cause.HELD),
-        (drags(1.0, 0), Cause.LEFT_DRAGS),
-        (drags(1.0, 1), Cause.RIGHT_DRAGS),
+        ("p3dx-sh", 3, holds, Cause.HELD),
+        ("p3dx-sh", 3, drags(1.0, 0), Cause.LEFT_DRAGS),
+        ("p3dx-sh", 3, drags(1.0, 1), Cause.RIGHT_DRAGS),
+        ("p3dx-sh", 4, holds, Cause.HELD),
+        ("p3dx-sh", 7, slips, Cause.SLIPS),
+        ("p3at-sh", 4, holds, Cause.HELD),
+        ("p3at-sh", 1, drags(1.25, 1), Cause.RIGHT_DRAGS),
     ],
 )
-async def test_robots_with_mass_that_stall_tell_who_holds_what(fault: Fault, cause: Cause) -> None:
+async def test_faults_of_robots_with_mass_are_named(
+    model: str, seed: int, fault: Fault, cause: Cause
+) -> None:
     pytest.importorskip("mujoco")
-    at, told = await named("p3dx-sh", 3, fault)
+    at, told = await named(model, seed, fault)
     assert told is cause
     assert 0 < at <= WITHIN
 

@@ -7,8 +7,8 @@ the way over the ground with that of the wheels.
 """
 
 from collections import deque
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from itertools import pairwise
 from math import hypot, inf, pi, radians
@@ -34,27 +34,41 @@ LEAST = 0.03
 """Ways of wheels that differ by less agree [m]."""
 SHARE = 0.05
 """So do those that differ by less than this share."""
-GROUND_LEAST = 0.025
-"""Ways over the ground and of the wheels that differ by less agree [m]."""
+ASIDE = 0.035
+"""Sides whose ways lack nearly the same agree [m]: what delays a robot delays both."""
+ASIDE_SHARE = 0.25
+"""So do those that lack less than this share of their way around each other: they skid."""
+GROUND_LEAST = 0.038
+"""Ways over the ground and of the wheels that differ by less agree [m]: a place on a map is known
+to a centimetre."""
 GROUND_SHARE = 0.02
-"""So do those that differ by less than this share: odometry that was never calibrated is so wrong,
-and a place on a map is known to a centimetre or two."""
+"""Odometry that was never calibrated is wrong by about this share, which is learnt."""
+LEARNT = 2.0
+"""Way after which that is half known [m]."""
 PIECE = 1.0
 """Ways are compared in pieces of so long: within them, a turn that slips bends nothing [s]."""
-SKID = 0.02
-"""Share of the way of its sides around each other that a skid-steered robot may lose besides."""
 STANDS = 0.15
 """Wheels that went less than this share of the way that they should have gone stand."""
+LATELY = 1.2
+"""A robot that has hardly moved within this time since it stalled is stuck [s]."""
+GIVES = 0.06
+"""Way that hands give meanwhile [m]."""
+FREE = 0.15
+"""A robot that has moved by this is free again [m]: until then one thing holds it."""
 ALIKE = 0.5
 """Both sides are slow if the better one lacks at least this share of what the other lacks."""
 LASTS = 1.0
 """A difference that lasts for so long is believed [s]: on hard turns wheels lag behind for less."""
 SLIP_LASTS = 0.3
 """Time for which a difference over the ground lasts that is believed [s]: no ramp is behind it."""
+TESTS = 0.05
+"""Speed that a wheel is to have if it is to tell whether the robot is held [m/s]."""
+AS_TOLD = 0.12
+"""It goes as it should if its speed differs by less than this share."""
+STRAIGHT = 0.06
+"""Sides whose speeds differ by less go straight, for which nothing sound has to push [m/s]."""
 STALL = 1.0
 """A robot that stands within this time of a stall was stopped by it [s]."""
-PUSHES = 0.35
-"""A side is stalled after it has pushed for about so long [s]."""
 READ = 2.0
 """Shortest time for which it is told [s]."""
 NEAR = 0.3
@@ -116,6 +130,10 @@ class _Moment:
     robot_in_map: Pose2 | None
 
 
+HOLDS = {Cause.HELD, Cause.IN_THE_WAY, Cause.LEFT_DRAGS, Cause.RIGHT_DRAGS}
+"""Causes that keep a robot where it is."""
+
+
 class Twin:
     """A robot of a model without errors on an empty plane, which obeys the bytes of a host."""
 
@@ -172,6 +190,11 @@ class Shadow:
         self._encoder = ORIGIN
         self._since, self._until = inf, -inf
         self._stall: Snapshot | None = None
+        self._stood = ORIGIN
+        self._drags: Cause | None = None
+        self._tested = self._straight = False
+        self._mark: _Moment | None = None
+        self._rolled = self._lost = 0.0
 
     def now(self) -> float:
         """Return the time [s]."""
@@ -215,13 +238,12 @@ class Shadow:
         if not snapshot.motors.enabled or snapshot.motors.stop_button:
             self._moments.clear()  # it stands, whatever it was told before
         if snapshot.motors.stalled:
-            self._stall = snapshot
+            self._feel(snapshot)
         if len(self._moments) > 1 and self._is_blocked(snapshot):
             cause = self._cause_of_stall(snapshot, model)
             if cause is not None:
                 self._tell(self._parting(cause, 1.0), snapshot)
             self._moments.clear()  # the driver stops what stalls
-            self._stall = None
             return self.parting
         self._decide(self._judge(snapshot, model) if len(self._moments) > 1 else None, snapshot)
         return self.parting
@@ -235,32 +257,47 @@ class Shadow:
         return stall is not None and snapshot.stamp - stall.stamp < STALL and stands(snapshot)
 
     def _cause_of_stall(self, snapshot: Snapshot, model: RobotModel) -> Cause | None:
-        """Return the cause of a stall: a side that drags stalls alone, while the other one goes.
+        """Return the cause of a stall; `None` for a robot that pushes hard, and goes as it should.
 
-        A robot that brakes hard on a turn pushes as hard, and goes as it should: `None`.
+        It does so where it brakes on a turn.
         """
         assert self._stall is not None
-        motors, at = self._stall.motors, self._stall.stamp
-        pushing = [each for each in self._moments if -PUSHES < each.stamp - at <= 0]
-        first, last = (pushing or self._moments)[0], (pushing or self._moments)[-1]
-        if motors.left_stalled != motors.right_stalled:
-            stalled, other = (0, 1) if motors.left_stalled else (1, 0)
-            told = [b - a or inf for a, b in zip(first.twin, last.twin, strict=True)]
-            if (last.wheels[stalled] - first.wheels[stalled]) / told[stalled] > ALIKE:
-                return None
-            if self._went(first, last)[other] / told[other] > ALIKE:
-                return Cause.LEFT_DRAGS if motors.left_stalled else Cause.RIGHT_DRAGS
-        return _held(snapshot, model, back=sum(last.twin) < sum(first.twin))
+        lacks, motors = _best(self._compared(self._moments)), self._stall.motors
+        is_alone = motors.left_stalled != motors.right_stalled and not self._straight
+        if is_alone and max(abs(each.missing) for each in lacks) < LEAST:
+            return self.parting.cause if self.parting and self.parting.cause in HOLDS else None
+        return self._why_stuck(lacks, snapshot, model)
 
-    def _went(self, first: _Moment, last: _Moment) -> tuple[float, float]:
-        """Return the ways of both sides [m], over the ground where that is known."""
-        if first.robot_in_map is None or last.robot_in_map is None:
-            left, right = (b - a for a, b in zip(first.wheels, last.wheels, strict=True))
-            return left, right
-        assert self._twin is not None
-        moved, _ = arc_to(first.robot_in_map.inverse() @ last.robot_in_map)
-        aside = moved.w * self._twin.body.track / 2
-        return moved.v - aside, moved.v + aside
+    def _why_stuck(self, lacks: "Sequence[_Lack]", snapshot: Snapshot, model: RobotModel) -> Cause:
+        """Return the side that drags by the first of the last stalls, or what else holds it."""
+        if self._drags is not None:
+            return self._drags
+        return _held(snapshot, model, back=sum(each.told for each in lacks) < 0)
+
+    def _feel(self, snapshot: Snapshot) -> None:
+        """Note a stall, and what the first of several tells.
+
+        A side drags that pushes alone while the other one goes as it should.
+        """
+        motors, speeds = snapshot.motors, snapshot.odometry
+        if self._stall is None or snapshot.stamp - self._stall.stamp > WINDOW:
+            self._drags, self._tested, self._straight = None, False, False
+        self._stall = snapshot
+        other = 1 if motors.left_stalled else 0
+        speed = (speeds.left_speed, speeds.right_speed)[other]
+        before = list(self._moments)[-LAGS:]
+        told = [each.twin_speeds[other] for each in before if abs(each.twin_speeds[other]) > TESTS]
+        if not told:
+            return
+        drags = None
+        goes = min(abs(speed / each - 1) for each in told) < AS_TOLD
+        if goes and motors.left_stalled != motors.right_stalled:
+            drags = Cause.LEFT_DRAGS if motors.left_stalled else Cause.RIGHT_DRAGS
+        if not self._tested:
+            self._drags, self._tested = drags, True
+        if drags is not None and drags is self._drags:
+            apart = (abs(each.twin_speeds[1] - each.twin_speeds[0]) for each in before)
+            self._straight |= max(apart) < STRAIGHT
 
     def _decide(self, found: Parting | None, snapshot: Snapshot) -> None:
         """Believe what lasts, and keep it for as long as people need to read it."""
@@ -276,6 +313,11 @@ class Shadow:
             self._tell(found, snapshot)
 
     def _tell(self, parting: Parting, snapshot: Snapshot) -> None:
+        here, before = snapshot.odometry.robot_in_odom, self.parting
+        if before is None or hypot(here.x - self._stood.x, here.y - self._stood.y) > FREE:
+            self._stood = here
+        elif before.cause in HOLDS and parting.cause is not Cause.IN_THE_WAY:
+            parting = replace(parting, cause=before.cause)
         self.parting, self._until = parting, snapshot.stamp + READ
 
     def _twin_of(self, model: RobotModel, now: float) -> Twin:
@@ -312,20 +354,49 @@ class Shadow:
         )
         self._moments.append(moment)
         while self._moments[0].stamp < snapshot.stamp - WINDOW:
-            self._moments.popleft()
+            self._learn(self._moments.popleft())
+
+    def _learn(self, moment: _Moment) -> None:
+        """Learn which share of its way over the ground the robot usually lacks."""
+        mark, now = self._mark, moment.robot_in_map
+        if self.parting is not None or now is None:
+            self._mark = None
+        elif mark is None or moment.stamp - mark.stamp >= PIECE:
+            self._mark = moment
+            if mark and mark.robot_in_map and moment.stamp - mark.stamp < 2 * PIECE:
+                rolled = _way([mark.robot_in_odom, moment.robot_in_odom])
+                self._rolled += rolled
+                self._lost += rolled - _way([mark.robot_in_map, now])
 
     def _judge(self, snapshot: Snapshot, model: RobotModel) -> Parting | None:
-        lags = range(min(LAGS, len(self._moments) - 1))
-        lacks = min(map(self._lacks, lags), key=lambda both: max(each.excess for each in both))
-        if any(each.excess > 0 for each in lacks):
-            cause = _cause(lacks, snapshot, model)
+        both = self._compared(self._moments)
+        lacks = _best(both)
+        aside = min(abs(left.missing - right.missing) for left, right in both)
+        told = [each.twin[1] - each.twin[0] for each in self._moments]
+        allowed = ASIDE + ASIDE_SHARE * sum(abs(b - a) for a, b in pairwise(told))
+        drags = aside > allowed and any(each.share * abs(each.told) > LEAST for each in lacks)
+        if drags or any(each.excess > 0 for each in lacks):
+            cause = self._stuck(snapshot, model) or _cause(lacks, snapshot, model)
             return self._parting(cause, max(each.share for each in lacks))
-        return self._judge_ground(model)
+        return self._judge_ground()
 
-    def _lacks(self, lag: int) -> "list[_Lack]":
-        """Compare with the twin of so many reports before."""
-        moments = list(self._moments)
-        real, twin = moments[lag:], moments[: len(moments) - lag]
+    def _stuck(self, snapshot: Snapshot, model: RobotModel) -> Cause | None:
+        """Return why a robot has hardly moved lately, if that is so, and it stalled before."""
+        lately = [each for each in self._moments if each.stamp > snapshot.stamp - LATELY]
+        lacks = _best(self._compared(lately))
+        moves = any(abs(each.told - each.missing) > GIVES for each in lacks)
+        if moves or self._stall is None or snapshot.stamp - self._stall.stamp > WINDOW:
+            return None
+        return self._why_stuck(lacks, snapshot, model)
+
+    def _compared(self, moments: Iterable[_Moment]) -> "list[list[_Lack]]":
+        """Compare with the twin of each number of reports before."""
+        each = list(moments)
+        lags = range(max(1, min(LAGS, len(each) - 1)))
+        return [self._lacks(each[lag:], each[: len(each) - lag]) for lag in lags]
+
+    def _lacks(self, real: Sequence[_Moment], twin: Sequence[_Moment]) -> "list[_Lack]":
+        """Compare the ways of a robot with those of its twin."""
         lacks = []
         for side in (0, 1):
             told = twin[-1].twin[side] - twin[0].twin[side]
@@ -339,7 +410,7 @@ class Shadow:
             lacks.append(_Lack(told, told - went, allowed))
         return lacks
 
-    def _judge_ground(self, model: RobotModel) -> Parting | None:
+    def _judge_ground(self) -> Parting | None:
         """Compare the way over the ground with that of the wheels."""
         known = [each for each in self._moments if each.robot_in_map is not None]
         if not known:
@@ -350,11 +421,10 @@ class Shadow:
                 marks.append(each)
         rolled = _way([each.robot_in_odom for each in marks])
         went = _way([each.robot_in_map for each in marks if each.robot_in_map is not None])
-        allowed = GROUND_LEAST + GROUND_SHARE * rolled
-        if model.drive == "skid":
-            aside = [each.wheels[1] - each.wheels[0] for each in known]
-            allowed += SKID / 2 * sum(abs(b - a) for a, b in pairwise(aside))
-        if rolled - went <= allowed:
+        known_way = self._rolled + LEARNT
+        allowed = hypot(GROUND_LEAST, GROUND_SHARE * rolled * LEARNT / known_way)
+        usual = rolled * self._lost / known_way
+        if rolled - went - usual <= allowed:
             return None
         cause = Cause.SPINS if went < STANDS * rolled else Cause.SLIPS
         return self._parting(cause, 1 - went / rolled)
@@ -387,10 +457,10 @@ class _Lack:
         """How much more than allowed is missing, or too much [m]; positive if that is wrong."""
         return abs(self.missing) - self.allowed
 
-    @property
-    def slow(self) -> bool:
-        """Whether too much is missing."""
-        return self.excess > 0 and self.share > 0
+
+def _best(compared: "Iterable[list[_Lack]]") -> "list[_Lack]":
+    """Return the comparison with the twin of the delay that fits best."""
+    return min(compared, key=lambda both: max(each.excess for each in both))
 
 
 def _cause(lacks: Sequence[_Lack], snapshot: Snapshot, model: RobotModel) -> Cause:
@@ -398,7 +468,7 @@ def _cause(lacks: Sequence[_Lack], snapshot: Snapshot, model: RobotModel) -> Cau
     shares = [each.share for each in lacks]
     if min(shares) > 1 - STANDS:
         return _held(snapshot, model, back=sum(each.told for each in lacks) < 0)
-    if not any(each.slow for each in lacks):
+    if max(shares) <= 0:
         return Cause.PUSHED
     if min(shares) < ALIKE * max(shares):
         return Cause.LEFT_DRAGS if shares[0] > shares[1] else Cause.RIGHT_DRAGS
