@@ -72,6 +72,7 @@ def main() -> int:
     parser.add_argument("names", nargs="*", metavar="NAME", help=", ".join(BENCHMARKS | LONG))
     parser.add_argument("--quick", action="store_true", help=f"a small {', '.join(LONG)}")
     parser.add_argument("--jobs", type=int, help="processes for that; one for each processor")
+    parser.add_argument("--beside", metavar="FOLDER", help="another checkout, for cost")
     given = parser.parse_args()
     names = given.names
     if unknown := set(names) - BENCHMARKS.keys() - LONG.keys():
@@ -83,6 +84,8 @@ def main() -> int:
     for name in names or BENCHMARKS:
         if name in LONG:
             rows = LONG[name].rows(quick=given.quick, jobs=given.jobs)
+        elif name == "cost":
+            rows = cost.rows(given.beside)
         else:
             rows = BENCHMARKS[name].rows()
         for row in rows:

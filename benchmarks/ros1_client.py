@@ -3,6 +3,8 @@
 Usage: /usr/bin/python3 ros1_client.py drive COUNT: when each command was published [s, monotonic].
        /usr/bin/python3 ros1_client.py listen SECONDS: when each pose came [s, monotonic], while
        everything else is subscribed to, too.
+       /usr/bin/python3 ros1_client.py follow: listens to three topics until it is ended;
+       `circle` also drives.
 """
 
 from __future__ import annotations
@@ -51,6 +53,25 @@ def listen(seconds: float) -> list[float]:
     return came
 
 
+def follow(*, driving: bool) -> None:
+    """Subscribe to pose, transforms and sonar; send a command ten times a second if `driving`."""
+    for name in ("/RosAria/pose", "/tf", "/RosAria/sonar"):
+        rospy.Subscriber(name, rospy.AnyMsg, lambda _: None)
+    publisher = rospy.Publisher("/RosAria/cmd_vel", Twist, queue_size=1, tcp_nodelay=True)
+    twist = Twist()
+    twist.linear.x, twist.angular.z = 0.15, 0.5
+    print("listens", flush=True)
+    while not rospy.is_shutdown():
+        if driving:
+            publisher.publish(twist)
+        rospy.sleep(0.1)
+
+
 rospy.init_node("bench", anonymous=True)
-what, amount = sys.argv[1:]
-sys.stdout.write(json.dumps(drive(int(amount)) if what == "drive" else listen(float(amount))))
+what, *amount = sys.argv[1:]
+if amount:
+    (number,) = amount
+    found = drive(int(number)) if what == "drive" else listen(float(number))
+    sys.stdout.write(json.dumps(found))
+else:
+    follow(driving=what == "circle")
