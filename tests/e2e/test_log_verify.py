@@ -8,7 +8,6 @@ from typing import Any
 
 import pytest
 
-from pioneer3.arcos.reports import Config, Sip
 from pioneer3.behaviors import engine
 from pioneer3.cli.log_verify import verify as verify_command
 from pioneer3.errors import ConfigError
@@ -20,11 +19,11 @@ from pioneer3.log.reader import open_log
 from pioneer3.models import load_model
 from pioneer3.models.own import find_own, own_path
 from pioneer3.navigation.connect import connect_async
-from pioneer3.robot import assemble
+from pioneer3.robot.assemble import Assembler
 from pioneer3.robot.lasers.mounting import Mounting
 from pioneer3.runtime.recording import recorded
 from pioneer3.runtime.verification import verify
-from pioneer3.state import Battery, Scan
+from pioneer3.state import Scan, Snapshot
 from tests.lasers import LaserUnit
 from tests.support import SimulatedRobot, until
 
@@ -85,16 +84,17 @@ def test_the_first_difference_is_told_with_time_field_and_both_values(
 ) -> None:
     assert verify_command(str(two)) == 0
     assert capsys.readouterr().out.count("all as recorded") == 2
-    before = assemble._battery
+    before = Assembler.assemble
     count = 0
 
-    def wrong_at_tenth(sip: Sip, config: Config | None) -> Battery:
+    def wrong_at_tenth(self: Assembler, *given: Any, **named: Any) -> Snapshot:
         nonlocal count
         count += 1
-        battery = before(sip, config)
-        return replace(battery, voltage=11.5) if count == 10 else battery
+        made = before(self, *given, **named)
+        battery = replace(made.battery, voltage=11.5)
+        return replace(made, battery=battery) if count == 10 else made
 
-    monkeypatch.setattr(assemble, "_battery", wrong_at_tenth)
+    monkeypatch.setattr(Assembler, "assemble", wrong_at_tenth)
     assert verify_command(str(two)) == 1
     text = capsys.readouterr().out
     assert "amy: 9 readings, " in text

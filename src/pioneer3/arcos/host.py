@@ -132,6 +132,11 @@ class Host:
         self._queue(commands.Close(), now)
         self.state = SessionState.CLOSED
 
+    @property
+    def is_due(self) -> bool:
+        """Whether :meth:`outgoing` has something to send."""
+        return bool(self._outbox)
+
     def outgoing(self) -> bytes:
         """Return and forget the bytes to put on the wire."""
         data = b"".join(self._outbox)

@@ -3,7 +3,7 @@
 from collections import deque
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
-from itertools import groupby
+from itertools import chain, compress, groupby
 from math import asin, atan2, ceil, cos, floor, hypot, inf, isfinite, nan, radians, sin
 from typing import NamedTuple
 
@@ -33,6 +33,8 @@ SPACING = 0.2
 """Distance between two cumulative points at least [m]."""
 MOST_POINTS = 500
 """Cumulative points that are kept at most."""
+LEARN_EVERY = 0.5
+"""So often a scan is taken in while nobody asks for what the sensors see [s]."""
 CLEAN_EVERY = 1.0
 """Time between two looks whether cumulative points are still there [s]."""
 CLEAR = 0.075
@@ -262,8 +264,8 @@ class RangeBuffer:
         """Take a new point, `distance` [m] from the robot."""
         self.current.append(point)
         if distance < self._keep.cumulative_distance:
-            near, new = self._keep.spacing, point
-            self._keep_those(lambda old: hypot(old.x - new.x, old.y - new.y) > near)
+            near, (x, y, _) = self._keep.spacing, point
+            self._keep_those([hypot(p[0] - x, p[1] - y) > near for p in self.cumulative])
             self.cumulative.append(point)
 
     def forget(self, pose: Pose2, now: float) -> None:
@@ -271,17 +273,14 @@ class RangeBuffer:
         keep = self._keep
         while self.current and now - self.current[0].stamp > keep.current_age:
             self.current.popleft()
+        age, far, x, y = keep.cumulative_age, keep.cumulative_distance, pose.x, pose.y
         self._keep_those(
-            lambda old: (
-                now - old.stamp <= keep.cumulative_age
-                and hypot(old.x - pose.x, old.y - pose.y) <= keep.cumulative_distance
-            )
+            [now - at <= age and hypot(px - x, py - y) <= far for px, py, at in self.cumulative]
         )
 
-    def _keep_those(self, stays: Callable[[StampedPoint], bool]) -> None:
-        kept = list(filter(stays, self.cumulative))
-        if len(kept) < len(self.cumulative):
-            self.cumulative = deque(kept, maxlen=self._keep.cumulative)
+    def _keep_those(self, stays: list[bool]) -> None:
+        if not all(stays):
+            self.cumulative = deque(compress(self.cumulative, stays), self._keep.cumulative)
 
 
 class RangeMemory:
@@ -308,20 +307,23 @@ class RangeMemory:
         self._push(snapshot, here, now)
         for number, scan in enumerate(scans):
             if now - scan.stamp <= STALE_SCAN:
-                self._lasers.setdefault(scan.laser, LaserMemory(self.model)).add(scan)
+                self._new[scan.laser] = scan
                 self._scan = scan if number == 0 else self._scan
+        if now >= self._learned_at + LEARN_EVERY:
+            self._learn(now)
         for buffer in self._sensors:
             buffer.forget(here, now)
         self._pose = here
 
     def around(self, now: float) -> Surroundings:
         """Return the surroundings of the robot at its last snapshot, as known at `now` [s]."""
+        self._learn(now)
         sensors = self._sensors
         return Surroundings(
             self._pose,
-            [(p.x, p.y) for sensor in sensors for p in sensor.current],
-            [(p.x, p.y) for sensor in sensors for p in sensor.cumulative],
-            [(p.x, p.y) for p in self._window(now)],
+            [*chain.from_iterable(sensor.current for sensor in sensors)],
+            [*chain.from_iterable(sensor.cumulative for sensor in sensors)],
+            [*self._window(now)],
             fields=self._fields(now),
         )
 
@@ -349,12 +351,21 @@ class RangeMemory:
     def _forget_all(self) -> None:
         self._sonar, self._bumpers = RangeBuffer(SONAR), RangeBuffer(BUMPERS)
         self._lasers: dict[str, LaserMemory] = {}
+        self._new: dict[str, Scan] = {}  # not learned yet, by laser
+        self._learned_at = -inf
         self._heard: dict[int, float] = {}  # when each transducer was read last [s]
         self._forwards = True
         self._scan = None
 
+    def _learn(self, now: float) -> None:
+        """Take in the scans that wait: it takes most of all time, and idle robots need few."""
+        for name, scan in self._new.items():
+            self._lasers.setdefault(name, LaserMemory(self.model)).add(scan)
+        self._new.clear()
+        self._learned_at = now
+
     def _listen(self, sonar: Sonar, pose: Pose2, now: float) -> None:
-        mounts = self.model.sonars
+        mounts, c, s = self.model.sonars, cos(pose.theta), sin(pose.theta)
         for number in sonar.fresh:
             if number >= len(mounts):
                 continue
@@ -362,9 +373,10 @@ class RangeMemory:
             metres = sonar.ranges[number]
             if isfinite(metres):
                 mount = mounts[number]
-                echo = Pose2(mount.x, mount.y, mount.theta) @ Pose2(metres)
-                point = pose @ echo
-                self._sonar.add(StampedPoint(point.x, point.y, now), hypot(echo.x, echo.y))
+                x = mount.x + cos(mount.theta) * metres
+                y = mount.y + sin(mount.theta) * metres
+                point = StampedPoint(pose.x + c * x - s * y, pose.y + s * x + c * y, now)
+                self._sonar.add(point, hypot(x, y))
 
     def _push(self, snapshot: Snapshot, pose: Pose2, now: float) -> None:
         """Take a stall for something at the corners it drove with: sonars had not seen it."""

@@ -76,7 +76,7 @@ round."""
 
 
 class Surroundings:
-    """Points around the robot at one instant, by buffer: (x, y) in odometry's frame [m].
+    """Points around the robot at one instant, by buffer: (x, y, ...) in odometry's frame [m].
 
     Without a `window` it has the current ones. The `fields` are the directions in the robot's frame
     that range sensors see now.
@@ -85,9 +85,9 @@ class Surroundings:
     def __init__(
         self,
         pose: Pose2,
-        current: Sequence[tuple[float, float]] = (),
-        cumulative: Sequence[tuple[float, float]] = (),
-        window: Sequence[tuple[float, float]] | None = None,
+        current: Sequence[tuple[float, ...]] = (),
+        cumulative: Sequence[tuple[float, ...]] = (),
+        window: Sequence[tuple[float, ...]] | None = None,
         *,
         fields: Sequence[FieldOfView] = EVERYWHERE,
     ) -> None:
@@ -99,7 +99,7 @@ class Surroundings:
             Buffer.CUMULATIVE: cumulative,
         }
         self._points: dict[Buffer, tuple[Point, ...]] = {}
-        self._known: dict[tuple[float, float], Point] = {}
+        self._known: dict[tuple[float, ...], Point] = {}
 
     @property
     def sensing(self) -> bool:
@@ -151,7 +151,7 @@ class Surroundings:
 
 
 def _seen_from(
-    pose: Pose2, points: Sequence[tuple[float, float]], known: dict[tuple[float, float], Point]
+    pose: Pose2, points: Sequence[tuple[float, ...]], known: dict[tuple[float, ...], Point]
 ) -> tuple[Point, ...]:
     """Return points in the frame of `pose`; `known` holds those worked out before."""
     c, s, here_x, here_y = cos(pose.theta), sin(pose.theta), pose.x, pose.y

@@ -3,6 +3,7 @@
 from collections import deque
 from functools import cache
 from math import inf, nan
+from operator import attrgetter
 
 from pioneer3.arcos.reports import Config, Fault, Sip, SipFlag
 from pioneer3.geometry import ORIGIN, Pose2, Twist2, wrap
@@ -35,6 +36,12 @@ CHARGING = (
     Charging.FLOAT,
     Charging.BALANCE,
 )
+SELDOM = attrgetter(
+    *("battery_decivolts", "battery_decivolts_wide", "charge_state", "charge_percent", "number"),
+    *("flags", "faults", "flags3", "left_stall_rear_bumpers", "right_stall_front_bumpers"),
+    *("digital_in", "digital_out", "analog", "analog_port", "compass_raw", "temperature_celsius"),
+)
+"""Fields that seldom change: while they are the same, so is all that is made of them."""
 
 POSITION_MODULUS = 1 << 15
 """X and Y count in 15 bits; servers that count in 16 agree with that (protocol.md 4.8)."""
@@ -110,6 +117,8 @@ class Assembler:
         self._stamps: deque[float] = deque()
         self.sessions = 0
         self._reports = 0
+        self._seldom: object = None
+        self._last: Snapshot | None = None
 
     def session_opened(self, model: RobotModel) -> None:
         """Begin a session: counters and readings of the last one are no longer valid."""
@@ -135,15 +144,18 @@ class Assembler:
         self._stamps.append(stamp)
         while stamp - self._stamps[0] >= RATE_WINDOW:
             self._stamps.popleft()
-        return Snapshot(
+        seldom = (SELDOM(sip), model, config)
+        same = self._last if seldom == self._seldom else None
+        self._seldom = seldom
+        self._last = snapshot = Snapshot(
             stamp=stamp,
             sequence=self._sequence,
             odometry=self._odometry(sip, model),
-            battery=_battery(sip, config),
-            motors=_motors(sip),
+            battery=same.battery if same else _battery(sip, config),
+            motors=same.motors if same else _motors(sip),
             sonar=self._sonar(sip, model),
-            bumpers=_bumpers(sip, model, config),
-            inputs=_inputs(sip),
+            bumpers=same.bumpers if same else _bumpers(sip, model, config),
+            inputs=same.inputs if same else _inputs(sip),
             link=LinkQuality(
                 reports=self._reports,
                 bad_checksums=bad_checksums,
@@ -152,8 +164,9 @@ class Assembler:
                 sessions=self.sessions,
             ),
             faults=_names(sip.faults) if sip.faults else (),
-            words=_words(sip),
+            words=same.words if same else _words(sip),
         )
+        return snapshot
 
     def _rate(self) -> float:
         """Return the reports per second over the last second, from their intervals."""

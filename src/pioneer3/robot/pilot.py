@@ -82,6 +82,9 @@ class MotionRequest:
     twist: Twist2 | None = None
 
 
+NOTHING_DUE = MotionRequest()
+
+
 def stands(snapshot: Snapshot) -> bool:
     """Whether a robot moves more slowly than :data:`STANDING`."""
     measured = snapshot.odometry.twist
@@ -117,7 +120,7 @@ class Pilot:
         self.refusal: str | None = None
         self.blocked: str | None = None
         self.sent: Twist2 | None = None
-        self._request = MotionRequest()
+        self._request = NOTHING_DUE
         self._snapshot: Snapshot | None = None
         self._command = VelocityCommand(STILL, -inf, after=0)
         self._checked_at = -inf
@@ -146,7 +149,7 @@ class Pilot:
 
     def session_lost(self, why: str, now: float) -> None:
         """Forget all commands: none may reach the next session."""
-        self._request = MotionRequest()
+        self._request = NOTHING_DUE
         self._snapshot, self.sent, self._left_to_raw_commands = None, None, False
         self._motors_wanted, self._motors_seen, self._enable_tries = None, False, 0
         self.deadline = inf
@@ -254,9 +257,14 @@ class Pilot:
         self.deadline = now + REPEAT
         self._update_velocity(now)
 
+    @property
+    def is_due(self) -> bool:
+        """Whether :meth:`outgoing` has something to send."""
+        return self._request is not NOTHING_DUE
+
     def outgoing(self) -> MotionRequest:
         """Return and forget the motion that is due."""
-        request, self._request = self._request, MotionRequest()
+        request, self._request = self._request, NOTHING_DUE
         return request
 
     @property
@@ -368,7 +376,8 @@ class Pilot:
             self.sent, self._sent_at = twist, now
         again = self._sent_at + REPEAT if twist == self.sent else change_at
         power_at = inf if self._motors_wanted else self._motors_wanted_at + BRAKING
-        due_at = (again, self._command.until, power_at, now + REPEAT)
+        rests = now + (REPORT_TIMEOUT if twist.is_zero and self._at_rest else REPEAT)
+        due_at = (again, self._command.until, power_at, rests)
         self.deadline = min(due for due in due_at if due > now)
 
     def _check_bumpers(self, twist: Twist2, now: float) -> None:

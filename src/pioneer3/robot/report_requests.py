@@ -98,6 +98,11 @@ class ReportRequests:
             if wanted.request.answers and now >= wanted.alive_at + RENEW:
                 self._begin(wanted, now)
 
+    @property
+    def is_due(self) -> bool:
+        """Whether :meth:`outgoing` has something to send."""
+        return bool(self._outbox)
+
     def outgoing(self) -> Sequence[Command]:
         """Return and forget the commands to send."""
         outbox, self._outbox = self._outbox, []

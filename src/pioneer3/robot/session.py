@@ -39,7 +39,7 @@ from pioneer3.models.own import find_own
 from pioneer3.robot.assemble import Assembler
 from pioneer3.robot.correction import TwistCorrection
 from pioneer3.robot.limits import limits_for
-from pioneer3.robot.pilot import BRAKING, MotionRequest, Pilot
+from pioneer3.robot.pilot import BRAKING, NOTHING_DUE, MotionRequest, Pilot
 from pioneer3.robot.report_requests import ReportRequests
 from pioneer3.state import Identity, Snapshot
 from pioneer3.units import DEGREE, MM
@@ -106,7 +106,7 @@ class Session:
         self._loop = asyncio.get_running_loop()
         self._clock = self._loop.time
         self._timed = link if isinstance(link, TimedLink) else None
-        self._due = self._clock()
+        self._due = self._alarm = self._clock()
         self._host = Host(self._due, link.speeds, timing, round_trip=link.round_trip)
         self._wake = asyncio.Event()
         self._waiting: deque[Command] = deque()
@@ -119,8 +119,11 @@ class Session:
         self.taken: bool | None = None
 
     def wake(self) -> None:
-        """Wake the writer: there is something to send."""
-        self._wake.set()
+        """Wake the writer if there is something to send, or to do before it wakes by itself."""
+        waits = self._host.is_due or self._pilot.is_due or self._requests.is_due
+        due = min(self._host.deadline, self._pilot.deadline)
+        if waits or self._waiting or self._lost or due < self._alarm:
+            self._wake.set()
 
     def send(self, command: Command) -> None:
         """Queue one command beside the pilot's, unless the last one of its kind is the same.
@@ -168,6 +171,7 @@ class Session:
             now = self._now(self._timed.read_at if self._timed else None)
             for event in self._host.receive(data, now):
                 await self._handle(event, now)
+            self._due = min(self._host.deadline, self._pilot.deadline)
             self.wake()
         closed = f"{self.link.url}: the other end closed the link"
         if self.identity is None:
@@ -187,8 +191,8 @@ class Session:
             self._held_back = not self._link_is_free()
             if not self._held_back:
                 self._send_all(now)
-            self._due = min(self._host.deadline, self._pilot.deadline)
-            timer = self._loop.call_at(self._due, self._wake.set)
+            self._due = self._alarm = min(self._host.deadline, self._pilot.deadline)
+            timer = self._loop.call_at(self._alarm, self._wake.set)
             try:
                 await self._wake.wait()
             finally:
@@ -225,6 +229,8 @@ class Session:
     def _motion_commands(self, now: float) -> list[Command]:
         """Return the commands for the motion that is due; the first come with the settings."""
         request = self._pilot.outgoing()
+        if request is NOTHING_DUE and not self._settings:
+            return []
         if self.model is None or not self.model.settable_acceleration:
             request = replace(request, accelerations=None)
         if request.twist is not None and self._correction is not None:
@@ -247,7 +253,7 @@ class Session:
     def _sent(self, sending: "asyncio.Task[None]") -> None:
         """Wake the writer if it waited for the link, or the link failed."""
         if self._held_back or sending.cancelled() or sending.exception() is not None:
-            self.wake()
+            self._wake.set()
 
     async def _handle(self, event: Event, now: float) -> None:
         match event:
@@ -262,6 +268,7 @@ class Session:
                 self._configure(config, trusted=trusted, now=now)
             case Lost():
                 self._lost = event
+                self.wake()
 
     def _configure(self, config: Config | None, *, trusted: bool, now: float) -> None:
         assert self.identity is not None

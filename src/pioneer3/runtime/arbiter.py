@@ -112,6 +112,13 @@ class _Part:
     freshness: Freshness
     is_held: bool
 
+    def is_idle(self, now: float) -> bool:
+        """Return whether it is an input that asks for nothing."""
+        if not self.is_held or len(self.stack.actions) > 1:
+            return False
+        held = self.stack.actions[0].action
+        return isinstance(held, Hold) and now >= held.until
+
 
 class Arbiter:
     """Asks every action and commands the robot, at each snapshot and at each change.
@@ -195,45 +202,48 @@ class Arbiter:
 
     def decide(self) -> Refusal | None:
         """Resolve now, and drive by the result."""
-        situation, before = self.situation(), self.decision
-        if situation is None:
+        before, now, last = self.decision, self._clock(), self.last_stop
+        info = self._supervisor.info
+        if self._supervisor.snapshot is None or info is None or self._memory is None:
             why = self._supervisor.why_not_moving()
             return why and Refusal(why.text)
         self._end_motions()
+        stacks = self._stacks(now)
+        situation = self.situation() if stacks else None
         try:
-            self.decision = decision = resolve(self._stacks(), situation)
+            self.decision = decision = resolve(stacks, situation) if situation else Decision()
         except ActionError as error:
             return self._fail(error)
         if self.log is not None:
             mode = self.mode.name if self.mode else ""
-            self.log.soon(partial(self.log.decided, mode, decision, situation))
+            self.log.soon(partial(self.log.decided, mode, decision, info.limits, now))
         if why_it_ends := self._why_mode_ends(decision):
             self._forget_mode(why_it_ends)
             self.decide()
             return Refusal(why_it_ends)
         if decision.wanted:
-            self._stop_before_decision = situation.last_stop
+            self._stop_before_decision = last
             command = VelocityCommand(
                 decision.twist,
                 decision.until,
-                after=situation.last_stop.number,
+                after=last.number,
                 answers_stall=decision.answers_stall,
-                accelerations=_accelerations(decision, situation.limits),
+                accelerations=_accelerations(decision, info.limits),
             )
             return self._supervisor.drive(command)
-        stopped = situation.last_stop != self._stop_before_decision
-        self._stop_before_decision = situation.last_stop
-        if before.wanted and situation.now < before.until and not stopped:
+        stopped = last != self._stop_before_decision
+        self._stop_before_decision = last
+        if before.wanted and now < before.until and not stopped:
             return self._stand()  # somebody let go; the pilot itself ends what expires
         return None
 
-    def _stacks(self) -> list[Stack]:
+    def _stacks(self, now: float) -> list[Stack]:
         """Return all stacks that decide; modes see no better than the sensors that work."""
-        stacks = [part.stack for part in self._parts]
+        stacks = [part.stack for part in self._parts if not part.is_idle(now)]
         if self.mode is not None:
             stacks.append(self._by_sonar)
             stacks += self._last_checks
-        if self._apart is not None:
+        if self._apart is not None and stacks:
             stacks.append(self._apart)
         return stacks
 
@@ -362,8 +372,9 @@ class Arbiter:
             self.decide()
         elif self.mode is not None and (failed := self.mode.failed):
             self.end_mode(failed)
-        self._check_knowledge()
-        self._check_progress(snapshot)
+        if self.mode is not None:
+            self._check_knowledge()
+            self._check_progress(snapshot)
 
     def _check_progress(self, snapshot: Snapshot) -> None:
         """End a mode that goes somewhere and does not get there."""

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any, Final
 
 import msgspec
 
-from pioneer3.behaviors.action import Situation
 from pioneer3.behaviors.engine import Decision
 from pioneer3.behaviors.explanations import explain
 from pioneer3.clock import Clock
@@ -187,10 +186,10 @@ class RobotLog:
             self._scans[scan.laser] = topic
         self.log.put(topic, scan)
 
-    def decided(self, mode: str, decision: Decision, situation: Situation) -> None:
+    def decided(self, mode: str, decision: Decision, limits: Limits, now: float) -> None:
         """Take a decision; one that only goes on is taken once a second."""
-        self.put(self._limits, situation.limits)
-        last, now = self._decided[1], situation.now
+        self.put(self._limits, limits)
+        last = self._decided[1]
         if (
             mode == self._decided[0]
             and decision.twist == last.twist

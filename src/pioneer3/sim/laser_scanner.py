@@ -73,6 +73,8 @@ class LaserScanner:
         self._mount = Pose2(at.x, at.y, at.theta) if at else ORIGIN
         self._rng = world.generator(body)
         self._errors = world.realism.range_finder
+        bands = [(each.up_to, each.systematic, each.share, each.sigma) for each in model.errors]
+        self._bands = np.array(bands).T
         self._lasting = self._rng.uniform(-1.0, 1.0) * self._errors.systematic
         self._since = self._time = world.time
         self._before = self._pose = body.robot_in_world
@@ -210,11 +212,11 @@ class LaserScanner:
 
     def _with_errors(self, ranges: Float, spread: Float) -> Float:
         """Return `ranges` with the lasting error of this unit and noise."""
-        bands = self.model.errors
-        band = np.searchsorted([each.up_to for each in bands], ranges).clip(max=len(bands) - 1)
-        systematic = np.array([each.systematic for each in bands])[band]
-        systematic += np.array([each.share for each in bands])[band] * ranges
-        sigma = np.array([each.sigma for each in bands])[band] * self._errors.noise
+        ends, *errors = self._bands
+        band = np.searchsorted(ends, ranges).clip(max=len(ends) - 1)
+        systematic, share, sigma = (each[band] for each in errors)
+        systematic += share * ranges
+        sigma *= self._errors.noise
         if self._errors.noise:
             sigma = np.hypot(sigma, SLANT_NOISE * spread)
             ranges = ranges + sigma * self._rng.standard_normal(len(ranges))

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from math import cos, inf, isnan, nan, pi, radians, sin
+from math import atan2, cos, degrees, inf, isnan, nan, pi, radians, sin
 
 import pytest
 from hypothesis import given
@@ -198,6 +198,16 @@ def test_a_scan_replaces_the_one_before() -> None:
     assert memory.around(0.0).sensing
     memory.update(reading(0.1), [scan(0.1, {0: 1.9}, 1)])
     assert [p.x for p in memory.around(0.1).points()] == [2.0]
+
+
+def test_who_asks_late_gets_the_newest_scan_and_has_not_missed_what_stands() -> None:
+    memory, hidden = RangeMemory(P3AT), dict.fromkeys(range(-20, 21), nan)
+    for number in range(20):
+        ranges = {0: 2.0} if number < 8 else hidden | {45 + number: 1.0}
+        memory.update(reading(number / 10), [scan(number / 10, ranges, number)])
+    late = memory.around(1.9)
+    assert [degrees(atan2(p.y, p.x - 0.1)) for p in late.points()] == pytest.approx([64])
+    assert late.points(Buffer.CUMULATIVE)[0].x == pytest.approx(2.1)
 
 
 @pytest.mark.parametrize(

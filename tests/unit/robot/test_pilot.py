@@ -19,6 +19,7 @@ from pioneer3.robot.pilot import (
     LONGEST_PAUSE,
     MIN_INTERVAL,
     REPEAT,
+    REPORT_TIMEOUT,
     STALL_RECOVERY,
     MotionRequest,
     Pilot,
@@ -645,6 +646,6 @@ def test_what_a_bumper_has_held_up_for_more_than_a_moment_does_not_drive_by_itse
 def test_the_pilot_wants_to_be_asked_again_in_time() -> None:
     pilot = flying(10.0)
     pilot.tick(10.5)
-    assert pilot.deadline == 10.5 + REPEAT
+    assert pilot.deadline == 10.5 + REPORT_TIMEOUT  # it stands, and is to stand
     ask(pilot, AHEAD, 10.6, until=10.7)
     assert pilot.deadline == 10.7

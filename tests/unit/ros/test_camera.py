@@ -14,6 +14,7 @@ from pioneer3.errors import ConfigError
 from pioneer3.mjpeg import END, START
 from pioneer3.ros.node.node import RobotNode
 from pioneer3.ros.node.parameter_reading import read_parameters
+from pioneer3.ros.node.publishing import SILENCE
 from pioneer3.tasks import running
 from tests.cameras import TenASecond, jpeg_of
 from tests.support import SimulatedRobot
@@ -82,7 +83,7 @@ async def test_a_camera_that_sends_nothing_is_left_with_the_last_subscriber() ->
         await asyncio.sleep(1.0)
         assert camera.viewers == 1
         middleware.publishers[IMAGE].subscribed = False
-        await asyncio.sleep(1.0)
+        await asyncio.sleep(SILENCE + 0.1)
         assert camera.viewers == 0
 
 

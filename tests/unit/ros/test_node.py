@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 from pioneer3 import Robot, connect_async
+from pioneer3.models import shape_of
 from pioneer3.robot.devices.laser import Laser
 from pioneer3.robot.devices.presence import Presence
 from pioneer3.ros.node.middleware import Response
@@ -70,6 +71,20 @@ async def test_it_publishes_what_somebody_subscribes_to() -> None:
         assert 9 <= len(await the.subscribe("odom")) <= 11
         assert len(await the.subscribe("/diagnostics", 3.0)) in {2, 3, 4}
         assert the.middleware.publishers["sonar/points"].messages == []
+
+
+async def test_wheels_have_turned_while_nobody_subscribed() -> None:
+    async with a_node(profile="standard", cmd_vel_timeout=10.0) as the:
+        the.middleware.drive("cmd_vel", 0.3)
+        await asyncio.sleep(5.0)
+        told = len(the.middleware.publishers["emergency_stop"].messages)
+        assert told < 5, "a latched topic tells news only"
+        wheels: Any = (await the.subscribe("joint_states", 0.5))[-1]
+        way = the.robot.snapshot.odometry.robot_in_odom.x if the.robot.snapshot else 0.0
+        radius = shape_of(the.robot.info.model).wheel_radius
+        assert way > 1.0
+        assert wheels.position[0] * radius == pytest.approx(way, abs=0.05)
+        assert 9 <= len(await the.subscribe("emergency_stop")) - told - 5 <= 11
 
 
 async def test_lasers_are_on_rosarias_topics_where_they_are_asked_for() -> None:

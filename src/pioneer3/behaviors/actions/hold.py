@@ -20,15 +20,17 @@ class Hold(Action):
     A command begins when the one before was let go of: released, set to zero, or not renewed in
     time. A stream says when it lets go; one that falls silent instead has failed.
 
-    It `streams` if commands come as a stream, from a page or a topic.
+    It `streams` if commands come as a stream, from a page or a topic. From `until` on it wants
+    nothing [s, monotonic].
     """
 
     name: str
     streams: bool = False
     _twist: Twist2 = field(default=STILL, init=False)
-    _until: float = field(default=NEVER, init=False)
+    until: float = field(default=NEVER, init=False)
     _set_at: float = field(default=NEVER, init=False)
     _renewed: bool = field(default=False, init=False)
+    _desire: Desire | None = field(default=None, init=False)
     freshness: Freshness = field(default_factory=Freshness, init=False)
 
     def set(self, twist: Twist2, now: float, seconds: float, last: Stop) -> None:
@@ -37,19 +39,20 @@ class Hold(Action):
             self.freshness, self._renewed = Freshness.new(last), False
         else:
             self._renewed = True
-            if now >= self._until:
+            if now >= self.until:
                 self.freshness.silent = f"{self.name} fell silent while it drove"
             if leads_away(twist, self._twist):
                 self.freshness.answer(last)
-        self._twist, self._set_at, self._until = twist, now, now + seconds
+        self._twist, self._set_at, self.until = twist, now, now + seconds
+        self._desire = None
 
     def release(self) -> None:
         """Want nothing."""
-        self._twist, self._until = STILL, NEVER
+        self._twist, self.until = STILL, NEVER
 
     def overrule(self, why: str, now: float) -> None:
         """Want nothing until what is held at `now`, if anything, has been let go of."""
-        if now < self._until and not self._twist.is_zero:
+        if now < self.until and not self._twist.is_zero:
             self.freshness.overruled = why
 
     def ignored(self, last: Stop) -> Refusal | None:
@@ -58,18 +61,20 @@ class Hold(Action):
 
     def fell_silent(self, now: float) -> bool:
         """Return whether this is a stream that has just stopped coming without letting go."""
-        is_late = now >= self._until and not self.freshness.silent
+        is_late = now >= self.until and not self.freshness.silent
         return self.streams and self._renewed and is_late and not self._twist.is_zero
 
     def holds(self, now: float, last: Stop) -> bool:
         """Return whether this wants something at `now`."""
-        return now < self._until and self.ignored(last) is None
+        return now < self.until and self.ignored(last) is None
 
     def decide(self, situation: Situation) -> Desire | None:
         """Return the twist while it lasts."""
         if not self.holds(situation.now, situation.last_stop):
             return None
-        return Desire(v=self._twist.v, w=self._twist.w, until=self._until, reason="held")
+        if self._desire is None:
+            self._desire = Desire(v=self._twist.v, w=self._twist.w, until=self.until, reason="held")
+        return self._desire
 
     def _begins(self, twist: Twist2, now: float) -> bool:
         """Return whether the command before was let go of."""
@@ -77,4 +82,4 @@ class Hold(Action):
             return True
         if self.streams and self._renewed:
             return False
-        return now >= min(self._until, self._set_at + LETTING_GO)
+        return now >= min(self.until, self._set_at + LETTING_GO)

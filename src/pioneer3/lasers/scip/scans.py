@@ -115,6 +115,8 @@ def _decode_echoes(text: bytes, format_: Format, count: int) -> ScanReadings | N
 def ranges_of(values: Sequence[int], steps: Steps) -> tuple[float, ...]:
     """Return the range of each value [m], as REP 117 has it (scip.md 3.2)."""
     low, high = steps.shortest, steps.longest
+    if values and low <= min(values) and max(values) <= high:
+        return tuple([value * MM for value in values])
     codes = UTM_CODES if high > WIDE_RANGE else CODES
     return tuple(
         [

@@ -82,6 +82,8 @@ def data_lines(
 def values_of(ranges: Sequence[float], shortest: int, longest: int, codes: Codes) -> list[int]:
     """Return distances [mm] or codes for `ranges` [m]."""
     near, far = (shortest - 0.5) / 1000, (longest + 0.5) / 1000
+    if ranges and near <= min(ranges) and max(ranges) < far:
+        return [*map(int, [metres * 1000 + 0.5 for metres in ranges])]
     return [
         int(metres * 1000 + 0.5)
         if near <= metres < far

@@ -4,8 +4,7 @@ import logging
 from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
-from math import inf
-from time import monotonic
+from importlib import import_module
 from typing import Any, Final
 
 from pioneer3.ros.dds.settings import LARGEST
@@ -13,8 +12,6 @@ from pioneer3.ros.ros2.backend import Left, Received
 
 SAMPLES: Final = 64
 """Taken at a time: then it is the turn of others."""
-MATCHED: Final = 1.0
-"""So long a subscriber that was there is believed to be there still [s]."""
 REMEMBERED: Final = 256
 """Publishers that are gone and are remembered."""
 GONE: Final = b""
@@ -30,24 +27,23 @@ class DdsWriter:
     """
 
     def __init__(self, writer: Any, sample: Any, release: Callable[[], None]) -> None:
-        from cyclonedds.core import DDSException
-
+        core: Any = import_module("cyclonedds.core")  # without the types of its stubs
         self._writer, self._sample, self._release = writer, sample, release
-        self._error: type[Exception] = DDSException
+        self._error: type[Exception] = core.DDSException
         self._open, self._told = True, False
-        self._matched_until = -inf
         self.dropped = 0
+        self._matched = False
+        writer.set_listener(core.Listener(on_publication_matched=self._match))
+        self._matched |= bool(writer.get_matched_subscriptions())  # those that came before
 
     @property
     def matched(self) -> bool:
-        """Whether anybody subscribes, or did within the last second: to ask costs time."""
-        if not self._open:
-            return False
-        if (now := monotonic()) >= self._matched_until:
-            if not self._writer.get_matched_subscriptions():
-                return False
-            self._matched_until = now + MATCHED
-        return True
+        """Whether anybody subscribes."""
+        return self._open and self._matched
+
+    def _match(self, writer: Any, status: Any) -> None:
+        """Take note of subscribers that come and go, in a thread of the library's."""
+        self._matched = status.current_count > 0
 
     def write(self, cdr: bytes) -> None:
         """Send a serialized message."""

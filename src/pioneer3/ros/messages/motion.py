@@ -133,7 +133,7 @@ class WheelAngles:
     def update(self, odometry: Odometry, model: RobotModel) -> tuple[float, float]:
         """Take the next odometry; return :attr:`turned`."""
         here = odometry.robot_in_odom
-        if self._before is not None:
+        if self._before is not None and self._before != here:
             moved, _ = arc_to(self._before.inverse() @ here)
             across = moved.w * model.true_base / 2
             radius = shape_of(model).wheel_radius

@@ -5,7 +5,6 @@ from collections.abc import AsyncGenerator, Callable, Iterable, Mapping
 from contextlib import aclosing, suppress
 from dataclasses import replace
 from functools import partial
-from math import inf
 from typing import TYPE_CHECKING, Final
 
 from pioneer3.arcos.commands import Command
@@ -189,8 +188,17 @@ class RobotNode:
         return not topic.sensor or bool(self._sensors[topic.sensor].presence.there)
 
     async def _publish_state(self) -> None:
-        async for snapshot in self._robot.snapshots(patience=inf):
-            self._publishing.publish(self._state_update(snapshot))
+        """Publish each snapshot that somebody subscribes to, or that latched topics tell of."""
+        supervisor, told = self._robot.supervisor, None
+        async for snapshot in supervisor.snapshots.values():
+            model, charging = self._robot.info.model, snapshot.battery.charging
+            emergency, sessions = supervisor.pilot.emergency, snapshot.link.sessions
+            latched = model, sessions, snapshot.motors, charging, emergency
+            if latched != told or self._publishing.has_subscribers(StateUpdate):
+                told = latched
+                self._publishing.publish(self._state_update(snapshot))
+            else:
+                self._updates.pass_over(snapshot, model)
             if self._navigation is not None:
                 self._navigation.publish(snapshot)
 

@@ -52,7 +52,7 @@ class _Row:
     def is_due(self, update: Update) -> bool:
         """Return whether to publish now, and take note of it."""
         topic = self.topic
-        if not (topic.latched or self.subscribed) or not topic.has_data(update):
+        if not topic.has_data(update):
             return False
         if topic.changes is None or not isinstance(update, StateUpdate | NavigationUpdate):
             self.content = None
@@ -75,8 +75,12 @@ class Publishing:
     def __init__(self, topics: Sequence[Topic], profile: Profile, middleware: Outlet) -> None:
         self._rows = [_Row(topic) for topic in topics]
         self._rows_of: dict[tuple[type[Update], str], list[_Row]] = defaultdict(list)
+        self._awaited: dict[tuple[type[Update], str], list[_Row]] = defaultdict(list)
         for row in self._rows:
-            self._rows_of[row.topic.source, row.topic.sensor].append(row)
+            topic = row.topic
+            self._rows_of[topic.source, topic.sensor].append(row)
+            if not topic.latched or topic.changes is None:
+                self._awaited[topic.source, topic.sensor].append(row)
         self._profile = profile
         self._middleware = middleware
 
@@ -99,7 +103,8 @@ class Publishing:
     def publish(self, update: Update, sensor: str = "") -> None:
         """Publish the topics of this kind of update, and of this sensor, that are due."""
         for row in self._rows_of[type(update), sensor]:
-            if row.publishers and row.is_due(update):
+            wanted = row.subscribed or (row.topic.latched and row.publishers)
+            if wanted and row.is_due(update):
                 assert row.topic.fill is not None
                 if row.message is None or row.topic.latched:  # rospy keeps a latched one
                     row.message = self._middleware.make(row.topic.type_name)
@@ -107,8 +112,12 @@ class Publishing:
                 row.publish(row.message)
 
     def has_subscribers(self, source: type[Update], sensor: str = "") -> bool:
-        """Return whether anybody subscribes to a topic of this kind of update and sensor."""
-        return any(row.subscribed for row in self._rows_of[source, sensor])
+        """Return whether anybody subscribes to a topic of this kind of update and sensor.
+
+        Latched ones that are sent when their content changes do not count.
+        """
+        rows = self._awaited[source, sensor]
+        return any(publisher.subscribed for row in rows for publisher in row.publishers)
 
     def lose_robot(self) -> None:
         """Publish on latched topics that nothing is known: they must not outlive it.

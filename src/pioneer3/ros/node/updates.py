@@ -53,6 +53,10 @@ class Updates:
         self._wheels = WheelAngles()
         self._scanned_at: dict[str, float] = {}
 
+    def pass_over(self, snapshot: Snapshot, model: RobotModel) -> None:
+        """Take a snapshot that is not published: its wheels have turned, too."""
+        self._wheels.update(snapshot.odometry, model)
+
     def jumped(self) -> None:
         """Take the next odometry as the present pose: somebody has set it."""
         self._wheels.jumped()

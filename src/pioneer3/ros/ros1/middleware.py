@@ -7,8 +7,8 @@ from functools import cache, partial
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
-from threading import Thread
-from time import sleep
+from threading import Event, Lock, Thread
+from time import sleep, time
 from typing import Any, Final
 
 from pioneer3.errors import ConfigError
@@ -93,23 +93,36 @@ class RospyPublisher:
 
     With a bounded queue, rospy gives each connection a thread, and drops the oldest message where
     one is full: no subscriber holds up another. Without a bound it would block the publisher.
+
+    It is `subscribed` while anybody subscribes.
     """
 
     def __init__(self, name: str, type_name: str, *, latched: bool, queue: int) -> None:
         import rospy
 
-        self._publisher = rospy.Publisher(
-            name,
-            message_class(type_name),
-            queue_size=queue,
-            latch=latched,
-            tcp_nodelay=True,
-        )
+        self._lock = Lock()
+        with self._lock:
+            self._publisher = rospy.Publisher(
+                name,
+                message_class(type_name),
+                queue_size=queue,
+                latch=latched,
+                tcp_nodelay=True,
+                subscriber_listener=self,
+            )
+        self._count()
 
-    @property
-    def subscribed(self) -> bool:
-        """Whether anybody subscribes."""
-        return bool(self._publisher.get_num_connections())
+    def peer_subscribe(self, name: str, publish: object, publish_to_it: object) -> None:
+        """Take note of a subscriber, in a thread of rospy's."""
+        self._count()
+
+    def peer_unsubscribe(self, name: str, left: int) -> None:
+        """Take note of one that is gone, in a thread of rospy's."""
+        self._count()
+
+    def _count(self) -> None:
+        with self._lock:  # two that come and go at once leave the last count
+            self.subscribed = self._publisher.get_num_connections() > 0
 
     def publish(self, message: Any) -> None:
         """Send a message."""
@@ -170,12 +183,15 @@ class RospyTopics:
     ) -> Unsubscribe:
         """Call `receive` in a thread of the connection."""
         senders: dict[int, Sender] = {}
+        sent = Event()
 
         def received(message: Any) -> None:
             header = message._connection_header
-            latched = header.get("latching") == "1"
-            sender = Sender(header.get("callerid", ""), header, latched)
-            senders[id(header)] = sender
+            if (sender := senders.get(id(header))) is None:
+                latched = header.get("latching") == "1"
+                sender = Sender(header.get("callerid", ""), header, latched)
+                senders[id(header)] = sender
+                sent.set()
             receive(message, sender)
 
         full = self._once(name)
@@ -183,7 +199,7 @@ class RospyTopics:
             full, message_class(type_name), received, queue_size=queue, tcp_nodelay=True
         )
         if left is not None:
-            watch = partial(_watch, subscriber, senders, left)
+            watch = partial(_watch, subscriber, sent, senders, left)
             Thread(target=watch, name=f"publishers of {full}", daemon=True).start()
         return subscriber.unregister  # type: ignore[no-any-return]
 
@@ -218,12 +234,15 @@ def _is_known(name: str) -> bool:
     return True
 
 
-def _watch(subscriber: Any, senders: dict[int, Sender], left: Callable[[Sender], None]) -> None:
+def _watch(
+    subscriber: Any, sent: Event, senders: dict[int, Sender], left: Callable[[Sender], None]
+) -> None:
     """Tell which senders are gone, of which rospy tells nobody, until the subscriber ends.
 
     A connection that is lost stays in rospy's list without a socket, and has another header once it
-    is back.
+    is back. Nothing is looked at until somebody has `sent`.
     """
+    sent.wait()
     while (topic := subscriber.impl) is not None and topic.connections is not None:
         known = set(senders)  # before the connections: a new one may send at any moment
         there = {id(each.header) for each in topic.connections if each.socket is not None}
@@ -249,7 +268,9 @@ class RospyMiddleware(RospyTopics):
 
     def stamp(self, age: float) -> Any:
         """Return the ROS time of the moment `age` seconds ago."""
-        return self._rospy.Time.from_sec(max(0.0, self._rospy.get_rostime().to_sec() - age))
+        ours = self._rospy.rostime.is_wallclock()
+        now = time() if ours else self._rospy.get_time()
+        return self._rospy.Time.from_sec(max(0.0, now - age))
 
     def age(self, stamp: Any) -> float | None:
         """Return the time since a stamp [s]; `None` for a stamp of 0."""

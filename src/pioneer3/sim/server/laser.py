@@ -203,7 +203,7 @@ class SimulatedLaser:
                 turn=turn,
                 began=self._began,
                 ranges=ranges.tolist(),
-                intensities=intensities.tolist(),
+                intensities=intensities.data,  # most devices tell none
             ),
             ended,
         )
