@@ -14,8 +14,11 @@ from pioneer3.errors import ConfigError
 from pioneer3.geometry import Twist2
 from pioneer3.lasers.client import RawScan
 from pioneer3.log.excerpt import write_excerpt
+from pioneer3.log.folder import create
 from pioneer3.log.index import LogIndex
+from pioneer3.log.mcap import McapFile
 from pioneer3.log.reader import open_log
+from pioneer3.log.topics import LogEvent, LogTopic
 from pioneer3.models import load_model
 from pioneer3.models.own import find_own, own_path
 from pioneer3.navigation.connect import connect_async
@@ -200,6 +203,17 @@ def test_readings_that_do_not_come_any_more_are_a_difference(
     difference = verify(open_log(two))[0].difference
     assert difference is not None
     assert (difference.field, difference.recorded, difference.now) == ("sequence", "1", "none")
+
+
+def test_a_log_whose_clock_is_no_number_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "a.mcap"
+    file = McapFile(create(path))
+    file.add_metadata("program", {"clock": "inf", "began_ns": "7"})
+    file.add(LogTopic("wire/robot/in", bytes), [(7, b"a")])
+    file.add(LogTopic("snapshot", LogEvent), [(7, LogEvent("a", "b"))])
+    file.finish()
+    with pytest.raises(ConfigError, match="it lacks the exact times of bytes"):
+        verify(open_log(path))
 
 
 def test_a_part_of_a_log_is_refused(two: Path, tmp_path: Path) -> None:

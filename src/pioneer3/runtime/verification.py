@@ -330,8 +330,9 @@ class _Wire:
         self.url = f"replay:{log.path}#{link}"
         facts = log.info().texts.get("program", {})
         try:
-            self.begin, self._began_ns = float(facts["clock"]), int(facts["began_ns"])
-        except (KeyError, ValueError):
+            self.begin = float(facts["clock"])
+            self._offset = round(self.begin * 1e9) - int(facts["began_ns"])
+        except (KeyError, ValueError, OverflowError):
             raise ConfigError(
                 f"{log.path}: it lacks the exact times of bytes: recorded by an older version?"
             ) from None
@@ -360,7 +361,7 @@ class _Wire:
 
         The operating system counts nanoseconds, of which Python makes seconds.
         """
-        return (round(self.begin * 1e9) + time - self._began_ns) / 1e9
+        return (time + self._offset) / 1e9
 
     def take(self) -> None:
         """Go on to the next step."""
