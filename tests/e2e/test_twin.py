@@ -1,5 +1,6 @@
 """A log tells the errors of a robot's odometry, and its twin ends drives where the robot did."""
 
+import asyncio
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from dataclasses import astuple, replace
@@ -20,7 +21,7 @@ from pioneer3.navigation.connect import connect_async
 from pioneer3.navigation.navigator import Navigator
 from pioneer3.runtime.robot import Robot
 from pioneer3.sim.body import Body
-from pioneer3.sim.realism import OdometryErrors, Realism
+from pioneer3.sim.realism import OdometryErrors, Realism, SonarErrors
 from pioneer3.sim.world import World
 from pioneer3.tasks import running
 from tests.e2e.test_navigation import HOME, OFFICE
@@ -29,6 +30,8 @@ from tests.unit.web.test_navigation import at_once
 
 pytest.importorskip("scipy")
 HIDDEN = OdometryCorrection(scale=1.02, base_ratio=0.98, wheel_ratio=1.01)
+NOISY = Realism(sonar=SonarErrors(noise=0.01), laser_noise=0.01)
+"""Twice the usual noise of ranges."""
 OWN = """like = "p3dx-sh"
 
 [odometry]
@@ -56,9 +59,7 @@ def rosie() -> Path:
 @asynccontextmanager
 async def recorded(path: Path, seed: int) -> AsyncIterator[tuple[SimulatedRobot, Robot]]:
     """Drive a robot with hidden errors, whose host knows nothing of them."""
-    sim = SimulatedRobot(
-        OFFICE, home=HOME or Pose2(), seed=seed, realism=Realism(), model=str(rosie())
-    )
+    sim = SimulatedRobot(OFFICE, home=HOME or Pose2(), seed=seed, realism=NOISY, model=str(rosie()))
     async with sim, connect_async(sim.open, record=path) as robot:
         yield sim, robot
 
@@ -71,6 +72,7 @@ async def drive_with_map(path: Path, seed: int) -> OpenLog:
         async with running(navigator.run()):
             await robot.goto("kitchen", speed=0.6)
             await robot.goto("home", speed=0.6)
+            await asyncio.sleep(5)  # sonars hear the same again and again
     return open_log(path)
 
 
@@ -99,6 +101,8 @@ async def test_a_log_with_a_map_tells_the_errors_and_its_twin_ends_where_the_rob
     with robot_like(log, Realism(), against) as like:
         assert load_model(like.robot.model).odometry == twin.model.odometry
         assert like.realism.odometry.turn_noise == pytest.approx(0.01 * twin.noise)
+        assert like.realism.sonar.noise == pytest.approx(NOISY.sonar.noise, rel=0.3)
+        assert like.realism.laser_noise == pytest.approx(NOISY.laser_noise, rel=0.2)
     told = capsys.readouterr().out
     assert f"from {twin.pieces} pieces" in told
     assert AGREES in told

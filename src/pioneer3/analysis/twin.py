@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import astuple, dataclass, replace
 from heapq import merge
 from itertools import pairwise
-from math import pi, tau
+from math import inf, isfinite, pi, tau
 from operator import itemgetter
 from typing import Any, Final
 
@@ -33,7 +33,7 @@ from pioneer3.robot.pilot import stands
 from pioneer3.runtime.recording import TruePoseTold
 from pioneer3.runtime.shadow import Twin
 from pioneer3.sim.realism import OdometryErrors, Realism
-from pioneer3.state import Snapshot
+from pioneer3.state import Scan, Snapshot
 
 PIECE: Final = 1.5
 """A piece of the drive ends after so many metres and radians together."""
@@ -61,6 +61,10 @@ SHORTEST: Final = 5.0
 """Shortest drive that is compared [s]."""
 STEP: Final = 1e-4
 """Step of the ratios that slopes are measured by."""
+FEWEST_RANGES: Final = 40
+"""Fewer ranges do not tell their noise."""
+NORMAL: Final = 1.4826
+"""Standard deviation over the median of the absolute values, of normal noise."""
 COMMON: Final = 8.35
 """A squared distance [spreads^2] that 19 of 20 poses of three numbers are within, of 100 runs."""
 
@@ -104,12 +108,16 @@ class FittedTwin:
         covariance: Of the three ratios, shape (3, 3).
         noise: Of the usual random errors, the share that it has.
         pieces: Number of pieces of the drive that this is from.
+        sonar_noise: Standard deviation of a range as a share of it; `None` where that is not told.
+        laser_noise: The same of the laser [m].
     """
 
     model: RobotModel
     covariance: Float
     noise: float
     pieces: int
+    sonar_noise: float | None = None
+    laser_noise: float | None = None
 
     @property
     def unsure(self) -> tuple[float, ...]:
@@ -117,11 +125,19 @@ class FittedTwin:
         return tuple(np.sqrt(np.diag(self.covariance)).tolist())
 
     def realism(self, realism: Realism) -> Realism:
-        """Return the errors of a simulated robot with this one's noise of odometry."""
+        """Return the errors of a simulated robot with this one's noise."""
         usual = realism.odometry
         names = ("way_noise", "turn_noise", "drift_noise")
         noise = {name: getattr(usual, name) * self.noise for name in names}
-        return replace(realism, odometry=replace(usual, **noise))
+        sonar, laser = realism.sonar, realism.laser_noise
+        if self.sonar_noise is not None:
+            sonar = replace(sonar, noise=self.sonar_noise)
+        return replace(
+            realism,
+            odometry=replace(usual, **noise),
+            sonar=sonar,
+            laser_noise=laser if self.laser_noise is None else self.laser_noise,
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -206,7 +222,15 @@ def twin_of(drive: RecordedDrive) -> FittedTwin:
     ratios, covariance, noise = _fitted(pieces, width)
     bounded = np.clip(ratios, LEAST_RATIO, GREATEST_RATIO).tolist()
     measured = replace(drive.model, odometry=OdometryCorrection(*bounded))
-    return FittedTwin(model=measured, covariance=covariance, noise=noise, pieces=len(pieces))
+    sonar_noise, laser_noise = _range_noise(drive.log)
+    return FittedTwin(
+        model=measured,
+        covariance=covariance,
+        noise=noise,
+        pieces=len(pieces),
+        sonar_noise=sonar_noise,
+        laser_noise=laser_noise,
+    )
 
 
 def likeness(drive: RecordedDrive, twin: FittedTwin, seed: int = 0) -> Likeness:
@@ -262,6 +286,43 @@ def _driven(drive: RecordedDrive, begin: float, end: float) -> Float:
     wait(end)
     left, right = np.diff(np.array(travel), axis=0).T
     return np.array([(left + right) / 2, (right - left) / twin.body.track])
+
+
+def _range_noise(log: OpenLog) -> tuple[float | None, float | None]:
+    """Return the noise of sonar, as a share of the range, and laser [m], of a robot that stands.
+
+    Each range is compared with the one before it.
+    """
+    heard: dict[int, float] = {}
+    seen: Float | None = None
+    of_sonar: list[float] = []
+    of_laser: list[Float] = []
+    is_still = False
+    topics = [topic for topic in ("snapshot", "scan/laser") if topic in log.topics()]
+    for _, message in _by_time(log, topics):
+        if isinstance(message, Scan):
+            ranges = np.array(message.ranges)
+            if is_still and seen is not None and len(seen) == len(ranges):
+                both = np.isfinite(seen) & np.isfinite(ranges)
+                of_laser.append(ranges[both] - seen[both])
+            seen = ranges if is_still else None
+            continue
+        is_still = stands(message)
+        if not is_still:
+            heard, seen = {}, None
+        for number in message.sonar.fresh if is_still else ():
+            now, before = message.sonar.ranges[number], heard.get(number, inf)
+            heard[number] = now
+            if isfinite(now) and isfinite(before):
+                of_sonar.append(2 * (now - before) / (now + before))
+    return _spread(np.array(of_sonar)), _spread(np.concatenate([np.empty(0), *of_laser]))
+
+
+def _spread(differences: Float) -> float | None:
+    """Return the standard deviation of values by their differences; outliers do not count."""
+    if len(differences) < FEWEST_RANGES:
+        return None
+    return float(np.median(abs(differences)) * NORMAL / np.sqrt(2))
 
 
 def _by_time(log: OpenLog, topics: Sequence[str]) -> Iterator[tuple[float, Any]]:

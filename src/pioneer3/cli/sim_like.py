@@ -22,7 +22,7 @@ AGREES: Final = "it ended where 19 of 20 runs of its twin end"
 """In words, if the twin is like it."""
 DIFFERS: Final = "it did not end where its twin does: it slipped, was pushed, or was held up"
 """In words, if not."""
-UNTOLD: Final = "sonar, lasers and their delays are the usual ones: a log does not tell theirs"
+UNTOLD: Final = "what the table does not have, such as delays, is as usual"
 """The parts of a twin that are not the robot's."""
 
 
@@ -114,6 +114,10 @@ def _ratios(twin: "FittedTwin") -> "Table":
         told = "" if abs(value - 1) > 2 * unsure else "no better than chance"
         table.add_row(field.name, f"{value:.4f}", f"{unsure:.4f}", told)
     table.add_row("noise", f"{twin.noise:.2f}", "", "times the usual")
+    if twin.sonar_noise is not None:
+        table.add_row("sonar noise", f"{100 * twin.sonar_noise:.2f} %", "", "of the range")
+    if twin.laser_noise is not None:
+        table.add_row("laser noise", f"{1000 * twin.laser_noise:.1f} mm")
     return table
 
 
