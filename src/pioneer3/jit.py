@@ -17,6 +17,7 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from functools import cache, cached_property, wraps
 from hashlib import sha256
+from importlib import import_module
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from tempfile import TemporaryFile
@@ -189,11 +190,32 @@ def numba_version() -> str:
 
 
 @cache
-def _compiled(function: Any, kept: KernelCache) -> Any:
-    """Return a copy of `function` that calls compiled kernels only, compiled."""
+def _numba() -> Any:
+    """Return numba, without SciPy's linear algebra.
+
+    It looks whether that is there by loading it, 16 MB in a third of a second, and loads it again
+    where a function calls it; no kernel does.
+    """
     import numba  # type: ignore[import-not-found, import-untyped, unused-ignore]
 
-    names = function.__globals__
+    with suppress(ImportError, AttributeError):  # another version may look for it otherwise
+        linalg: Any = import_module("numba.np.linalg")
+        look, linalg.ensure_blas = linalg.ensure_blas, _have_none
+        try:
+            import_module("numba.np.arraymath")
+        finally:
+            linalg.ensure_blas = look
+    return numba
+
+
+def _have_none() -> None:
+    raise ImportError
+
+
+@cache
+def _compiled(function: Any, kept: KernelCache) -> Any:
+    """Return a copy of `function` that calls compiled kernels only, compiled."""
+    numba, names = _numba(), function.__globals__
     called = {name: names[name] for name in function.__code__.co_names if name in names}
     kernels = {
         name: _compiled(value, kept) for name, value in called.items() if hasattr(value, INLINE)

@@ -12,7 +12,7 @@ from markdown_it import MarkdownIt
 
 from pioneer3.cli.aria_options import in_our_words
 from pioneer3.cli.main import app
-from pioneer3.cli.ros2 import gather_ros_arguments
+from pioneer3.cli.ros_arguments import gather_ros_arguments
 from tests.book.page import Block, commands, steps
 
 ROOT: Final = Path(__file__).parents[2]

@@ -12,7 +12,7 @@ from pioneer3.cli.fleet_group import GROUP_COMMANDS
 from pioneer3.cli.fleet_network import aliases, hosts, ssh_config, tell_applied
 from pioneer3.cli.fleet_tables import list_
 from pioneer3.cli.fleet_work import WORK
-from pioneer3.cli.options import Flag, FleetFile
+from pioneer3.cli.options import UNITS, Flag, FleetFile
 from pioneer3.cli.process import ask, write_error, write_line
 from pioneer3.errors import ConfigError
 
@@ -27,6 +27,7 @@ fleet_app = App(
     Example: pioneer3 fleet list
     """,
     help_format="plaintext",
+    help_epilogue=UNITS,
 )
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import App, Parameter
 
-from pioneer3.cli.options import AUTO, Distance, Flag, LaserOptions, Seconds
+from pioneer3.cli.options import AUTO, UNITS, Distance, Flag, LaserOptions, Seconds
 from pioneer3.cli.process import busy_sign, until_told_to_leave, write_json, write_line
 from pioneer3.errors import DeviceError, LinkError
 
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 laser_app = App(
     name="laser",
     help_format="plaintext",
+    help_epilogue=UNITS,
 )
 
 Where = Annotated[

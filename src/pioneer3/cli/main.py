@@ -4,7 +4,7 @@ import errno
 import logging
 import os
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from enum import IntEnum
 from threading import Thread
@@ -12,34 +12,10 @@ from threading import Thread
 from cyclopts import App, CycloptsError, Group, Parameter, UnusedCliTokensError
 
 from pioneer3 import __version__
-from pioneer3.cli.access import access_app
 from pioneer3.cli.aria_options import in_our_words
-from pioneer3.cli.bridge import bridge
-from pioneer3.cli.calibrate import calibrate
-from pioneer3.cli.classroom import class_
-from pioneer3.cli.config import config_app
-from pioneer3.cli.demo import demo
-from pioneer3.cli.diagnosis import doctor, find_port, info
-from pioneer3.cli.docs import docs
-from pioneer3.cli.drive import drive
-from pioneer3.cli.fleet import fleet_app
-from pioneer3.cli.goto import goto, patrol
-from pioneer3.cli.laser import laser_app
-from pioneer3.cli.log import log_app
-from pioneer3.cli.map import map_app
-from pioneer3.cli.model import model_app
-from pioneer3.cli.monitor import monitor
-from pioneer3.cli.motion import MODE_COMMANDS, move, turn
 from pioneer3.cli.options import UNITS, shown_default
 from pioneer3.cli.process import LogFormatter, write_error, write_warning
-from pioneer3.cli.replay import replay
-from pioneer3.cli.robot import robot_app
-from pioneer3.cli.ros1 import ros1_app
-from pioneer3.cli.ros2 import gather_ros_arguments, ros2_app
-from pioneer3.cli.run import run
-from pioneer3.cli.setup import setup_app
-from pioneer3.cli.sim import sim
-from pioneer3.cli.sonar import sonar
+from pioneer3.cli.ros_arguments import gather_ros_arguments
 from pioneer3.errors import (
     CommandError,
     ConfigError,
@@ -80,55 +56,40 @@ app = App(
     default_parameter=Parameter(show_default=shown_default),
 )
 app.register_install_completion_command(help="Let the Tab key complete commands and options.")
-GROUPS: dict[str, tuple[Callable[..., object], ...]] = {
-    "Start": (run, sim, docs),
-    "Drive with your hands": (drive, demo),
-    "Let the robot drive": (*MODE_COMMANDS, goto, move, patrol, turn),
-    "Look at the robot": (info, config_app, monitor, sonar, laser_app, log_app, replay),
-    "When something is wrong": (doctor, find_port, setup_app),
-    "Many robots": (fleet_app, bridge, class_),
+GROUPS: dict[str, tuple[str, ...]] = {
+    "Start": ("run:run", "sim:sim", "docs:docs"),
+    "Drive with your hands": ("drive:drive", "demo:demo"),
+    "Let the robot drive": (
+        *("motion:wander", "motion:follow"),
+        *("goto:goto", "motion:move", "goto:patrol", "motion:turn"),
+    ),
+    "Look at the robot": (
+        *("diagnosis:info", "config:config_app", "monitor:monitor", "sonar:sonar"),
+        *("laser:laser_app", "log:log_app", "replay:replay"),
+    ),
+    "When something is wrong": ("diagnosis:doctor", "diagnosis:find_port", "setup:setup_app"),
+    "Many robots": ("fleet:fleet_app", "bridge:bridge", "classroom:class_"),
     "Maps, models, ROS, and who may use the page": (
-        map_app,
-        model_app,
-        robot_app,
-        calibrate,
-        ros1_app,
-        ros2_app,
-        access_app,
+        *("map:map_app", "model:model_app", "robot:robot_app", "calibrate:calibrate"),
+        *("ros1:ros1_app", "ros2:ros2_app", "access:access_app"),
     ),
 }
-WITHOUT_UNITS = (
-    sim,
-    docs,
-    class_,
-    info,
-    config_app,
-    find_port,
-    log_app,
-    replay,
-    setup_app,
-    map_app,
-    model_app,
-    robot_app,
-    access_app,
-)
-for number, (name, commands) in enumerate(GROUPS.items()):
-    group = Group(name, sort_key=number)
-    for place, command in enumerate(commands):
-        below = None if command in WITHOUT_UNITS else UNITS
-        if isinstance(command, App):
-            command.group, command.sort_key, command.help_epilogue = (group,), place, below
-            app.command(command)
-        else:
-            app.command(
-                command,
-                name=command.__name__.rstrip("_").replace("_", "-"),
-                group=group,
-                sort_key=place,
-                help_epilogue=below,
-            )
+"""Each command: its module here, which is loaded where it is called, and its function or app."""
+WITHOUT_UNITS = {"sim", "docs", "class", "info", "find-port", "replay"}
+"""Functions in whose help no number has a unit."""
+for number, (title, commands) in enumerate(GROUPS.items()):
+    group = Group(title, sort_key=number)
+    for place, path in enumerate(commands):
+        name = path.partition(":")[2].removesuffix("_app").rstrip("_").replace("_", "-")
+        of_function = (
+            {} if path.endswith("_app") or name in WITHOUT_UNITS else {"help_epilogue": UNITS}
+        )
+        where = f"pioneer3.cli.{path}"
+        app.command(where, name=name, group=group, sort_key=place, **of_function)
 
 
+HELP = app.help_flags
+"""Options that show the help of the program where they come first."""
 FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
 """Errors of a disk that takes no more."""
 LAST_WORDS = 1.0
@@ -168,6 +129,8 @@ def _write_what_is_left(failures: list[OSError]) -> None:
 
 def execute(arguments: Sequence[str]) -> int:
     """Run one command; return its exit code, errors told in one line."""
+    if not arguments or arguments[0] in HELP:
+        _load_commands()
     try:
         result = app(
             gather_ros_arguments(in_our_words(arguments, write_warning)),
@@ -190,6 +153,12 @@ def execute(arguments: Sequence[str]) -> int:
             raise
         return _tell_full(error)
     return result if isinstance(result, int) else Exit.OK
+
+
+def _load_commands(program: App = app) -> None:
+    """Load the modules of all commands, for the summaries in the program's help."""
+    for name in program:
+        _ = program[name]
 
 
 def _usage(error: CycloptsError) -> Exception:

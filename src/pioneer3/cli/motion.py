@@ -178,4 +178,11 @@ def _annotation(parameter: ModeParameter) -> Any:
 
 OWN = {"goto", "turn"}
 """Modes with commands of their own: `turn` is a motion, as `move` is: it fails where it sticks."""
-MODE_COMMANDS = tuple(mode_command(mode) for mode in MODES if mode.name() not in OWN)
+
+
+def __getattr__(name: str) -> Callable[..., int]:
+    """Return the command of a mode that has none of its own, by its name."""
+    for mode in MODES:
+        if mode.name() == name not in OWN:
+            return mode_command(mode)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

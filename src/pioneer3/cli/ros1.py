@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import App, Parameter
 
-from pioneer3.cli.options import AUTO, LINK, LaserOptions, LinkOptions
+from pioneer3.cli.options import AUTO, LINK, UNITS, LaserOptions, LinkOptions
 from pioneer3.cli.places import MapName, StartPlace, start_of
 from pioneer3.cli.process import run_until_told_to_leave, until_told_to_leave, write_line
 from pioneer3.cli.topic_demos import commands
@@ -31,6 +31,7 @@ ros1_app = App(
     Example: pioneer3 ros1 --port /dev/ttyUSB0 _cmd_vel_timeout:=0.5
     """,
     help_format="plaintext",
+    help_epilogue=UNITS,
 )
 ARGUMENTS = Annotated[str, Parameter(show=False, help="ROS's own, such as __name:=mine.")]
 

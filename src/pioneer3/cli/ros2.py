@@ -5,11 +5,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import msgspec
 from cyclopts import App
 
 from pioneer3.cli.motion import keyword
-from pioneer3.cli.options import LINK, LinkOptions
+from pioneer3.cli.options import LINK, UNITS, LinkOptions
 from pioneer3.cli.places import MapName, StartPlace, start_of
 from pioneer3.cli.process import run_until_told_to_leave, until_told_to_leave, write_line
 from pioneer3.cli.ros2_bridge import bridge
@@ -24,6 +23,7 @@ if TYPE_CHECKING:
 ros2_app = App(
     name="ros2",
     help_format="plaintext",
+    help_epilogue=UNITS,
 )
 
 
@@ -114,32 +114,6 @@ async def router(*, network: NetworkOptions = ANYWHERE) -> int:
 
     await serve_router(network.router_options(), write_line)
     return 0
-
-
-def gather_ros_arguments(words: list[str]) -> list[str]:
-    """Return the words of a command line with those of ROS 2 as one, after `--ros-args`.
-
-    They begin at `--ros-args` and end at `--`, or at the end; there may be several such parts.
-    """
-    kept: list[str] = []
-    own: list[str] = []
-    inside = False
-    for word in words:
-        if word == "--ros-args":
-            inside = True
-        elif inside and word == "--":
-            inside = False
-        else:
-            (own if inside else kept).append(word)
-    return [*kept, "--ros-args", msgspec.json.encode(own).decode()] if own else kept
-
-
-def separate_ros_arguments(words: Sequence[str]) -> list[str]:
-    """Return the words from which :func:`gather_ros_arguments` has made `words`."""
-    if "--ros-args" not in words:
-        return [*words]
-    place = words.index("--ros-args")
-    return [*words[:place], "--ros-args", *msgspec.json.decode(words[place + 1], type=list[str])]
 
 
 def _install(folder: Path, distro: str) -> int:

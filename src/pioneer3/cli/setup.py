@@ -10,7 +10,8 @@ from cyclopts import App, Parameter
 
 from pioneer3.cli.options import Flag
 from pioneer3.cli.process import write_line, write_warning
-from pioneer3.cli.ros2 import gather_ros_arguments, ros2_app, separate_ros_arguments
+from pioneer3.cli.ros2 import ros2_app
+from pioneer3.cli.ros_arguments import gather_ros_arguments, separate_ros_arguments
 from pioneer3.errors import ConfigError
 
 if TYPE_CHECKING:

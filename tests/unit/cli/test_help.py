@@ -14,9 +14,10 @@ import pytest
 from cyclopts import App
 from rich.console import Console
 
+from pioneer3.behaviors.modes import MODES
 from pioneer3.cli.main import GROUPS, app, execute
 from pioneer3.cli.options import UNITS
-from pioneer3.cli.ros2 import gather_ros_arguments
+from pioneer3.cli.ros_arguments import gather_ros_arguments
 from pioneer3.models import load_model
 from pioneer3.sim.map_convert import look
 
@@ -190,3 +191,16 @@ def test_bash_completes_commands_options_and_choices(
         check=True,
     )
     assert {word.strip() for word in done.stdout.split()} == completed
+
+
+def test_each_mode_has_a_command() -> None:
+    assert {mode.name() for mode in MODES} <= set(COMMANDS)
+
+
+def test_the_command_line_loads_no_command_that_is_not_called() -> None:
+    code = "import sys, pioneer3.cli.main; print(*(n for n in sys.modules if 'pioneer3.' in n))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    commands = {
+        f"pioneer3.cli.{path.partition(':')[0]}" for paths in GROUPS.values() for path in paths
+    }
+    assert not commands & {*done.stdout.split()}
