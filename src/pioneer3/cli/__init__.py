@@ -25,6 +25,7 @@ map               `pioneer3 map`: make maps, look at maps and worlds, check them
 map_build         `pioneer3 map build`
 map_drawing       a map as characters: braille dots for lines, signs and names for places
 ros1              `pioneer3 ros1`
+ros_arguments     the words of ROS 2 in a command line, as one
 topic_demos       the demos on topics, from any computer
 sonar             `pioneer3 sonar`
 topic_driving     drives a robot on topics by keys or by a mode; the same in ROS 1 and ROS 2

@@ -12,6 +12,7 @@ from threading import Thread
 from cyclopts import App, CycloptsError, Group, Parameter, UnusedCliTokensError
 
 from pioneer3 import __version__
+from pioneer3.behaviors.modes import MODES
 from pioneer3.cli.aria_options import in_our_words
 from pioneer3.cli.options import UNITS, shown_default
 from pioneer3.cli.process import LogFormatter, write_error, write_warning
@@ -56,11 +57,13 @@ app = App(
     default_parameter=Parameter(show_default=shown_default),
 )
 app.register_install_completion_command(help="Let the Tab key complete commands and options.")
+OWN_COMMANDS = {"goto", "turn"}
+"""Modes with commands of their own: `turn` is a motion, as `move` is: it fails where it sticks."""
 GROUPS: dict[str, tuple[str, ...]] = {
     "Start": ("run:run", "sim:sim", "docs:docs"),
     "Drive with your hands": ("drive:drive", "demo:demo"),
     "Let the robot drive": (
-        *("motion:wander", "motion:follow"),
+        *(f"motion:{mode.name()}" for mode in MODES if mode.name() not in OWN_COMMANDS),
         *("goto:goto", "motion:move", "goto:patrol", "motion:turn"),
     ),
     "Look at the robot": (

@@ -176,13 +176,9 @@ def _annotation(parameter: ModeParameter) -> Any:
     return Annotated[kind, read, Parameter(help=parameter.help)]
 
 
-OWN = {"goto", "turn"}
-"""Modes with commands of their own: `turn` is a motion, as `move` is: it fails where it sticks."""
-
-
 def __getattr__(name: str) -> Callable[..., int]:
-    """Return the command of a mode that has none of its own, by its name."""
+    """Return the command of a mode by its name."""
     for mode in MODES:
-        if mode.name() == name not in OWN:
+        if mode.name() == name:
             return mode_command(mode)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

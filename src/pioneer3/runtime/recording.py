@@ -116,6 +116,7 @@ class RobotLog:
         self._true: Pose2 | None = None
         self._true_at = -inf
         self._untold: deque[Callable[[], None]] = deque()
+        self._untold_at = -inf
 
     def of(self, robot: str) -> "RobotLog":
         """Return the part about another robot of the same program."""
@@ -144,6 +145,7 @@ class RobotLog:
     def soon(self, tell: Callable[[], None]) -> None:
         """Call `tell` in a moment: the command to the robot goes first."""
         self._untold.append(tell)
+        self._untold_at = self.log.clock()
         if len(self._untold) == 1:
             get_running_loop().call_later(MOMENT, self.tell)
 
@@ -156,7 +158,7 @@ class RobotLog:
         stands = StandsBecause(self.why_not_moving())
         if stands != self._stands:
             self._stands = stands
-            self.log.put(self._reasons, stands)
+            self.log.put(self._reasons, stands, self._untold_at)
 
     def event(self, kind: str, text: str) -> None:
         """Take an event, in words."""

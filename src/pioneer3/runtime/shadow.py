@@ -64,7 +64,7 @@ SLIP_LASTS = 0.3
 TESTS = 0.05
 """Speed that a wheel is to have if it is to tell whether the robot is held [m/s]."""
 AS_TOLD = 0.12
-"""It goes as it should if its speed differs by less than this share."""
+"""Share by which the speed of a side differs at most that goes as it should."""
 STRAIGHT = 0.06
 """Sides whose speeds differ by less go straight, for which nothing sound has to push [m/s]."""
 STALL = 1.0
