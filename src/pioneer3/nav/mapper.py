@@ -245,13 +245,20 @@ class Mapper:
             # nothing that walks along with the robot is to take it with it in small steps
             prior = prior.joined(expected_pose(self._here, odometry, sigma, sigma_theta))
         way, turn = search_window(odometry, sigma, sigma_theta)
-        if way > WIDE_WAY or turn > WIDE_TURN:
+        if wide := way > WIDE_WAY or turn > WIDE_TURN:
             guess = self._submap.search(cloud.points, guess, way, turn)
-        match = self._match = self._submap.match(cloud, guess, prior)
+        match = self._submap.match(cloud, guess, prior)
         far = prior.squared_error(match.pose) > NEAR_ODOMETRY
+        if far and wide:
+            # after a gap people may hide what tells, and much looks alike
+            tight = Prior(prior.pose, prior.information / SLIPPED)
+            held = self._submap.match(cloud, prior.pose, tight)
+            if held.inliers > match.inliers - CLEARLY:
+                match, far = held, False
         if far:
             loose = Prior(prior.pose, SLIPPED * prior.information)
-            match = self._match = self._submap.match(cloud, match.pose, loose)
+            match = self._submap.match(cloud, match.pose, loose)
+        self._match = match
         if self._repair:
             repaired = self._repaired(beams, cloud, match, odometry, (sigma, sigma_theta))
             match, far = repaired or match, far or repaired is not None

@@ -8,6 +8,8 @@ from math import hypot, pi, radians
 import numpy as np
 import pytest
 
+from benchmarks.nav_drives import HARD
+from benchmarks.nav_mapping import Trial
 from pioneer3.geometry import ORIGIN, Pose2
 from pioneer3.nav.loops import ASKED_PASSES, JOINED_APART, RECENT_FRAMES
 from pioneer3.nav.mapper import Mapper
@@ -242,3 +244,11 @@ def test_a_state_survives_saving() -> None:
 def test_an_empty_map_can_be_saved() -> None:
     mapper = Mapper.of(Mapper().state)
     assert mapper.add(look(HALL, Pose2(2.0, 1.5))) == ORIGIN
+
+
+@pytest.mark.thorough
+def test_after_a_gap_a_scan_that_fits_elsewhere_as_well_is_where_odometry_has_it() -> None:
+    # somebody hides half of the room when a robot that has driven a metre without a scan sees again
+    outcome = Trial(name="office", conditions=HARD, seconds=180.0, seed=7205).run()
+    assert outcome is not None
+    assert outcome.errors.max() < 0.05
