@@ -144,7 +144,7 @@ class Checkout:
             yield Running("simulator, a UTM-30LX at 40 Hz", pid, 3.5, 150)
             what = "driver with a UTM-30LX, more than without"
             yield Running(what, host, 1.8, 150, more_than="driver, standing")
-        with self.simulator("--robots", "5") as (pid, _):
+        with self.simulator("-n", "5") as (pid, _):
             yield Running("simulator, five robots, no host", pid, None, 150)
 
     def _ros1(self) -> Iterator[Running]:
