@@ -3,6 +3,7 @@
 import logging
 import time
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from typing import Any, Final
 
@@ -322,7 +323,8 @@ class Ros2Middleware(Ros2Topics):
 
     def warn(self, sentence: str) -> None:
         """Log a warning, here and on `/rosout`."""
-        self._tell(sentence)
+        with suppress(OSError):  # nobody reads any more, and the next message may be a stop
+            self._tell(sentence)
         message = self._types.make("rcl_interfaces/Log")
         message.stamp, message.level = self.stamp(0.0), WARN
         message.name, message.msg = self.name.strip("/").replace("/", "."), sentence
