@@ -19,8 +19,8 @@ from pioneer3.errors import MotionError
 from pioneer3.geometry import Pose2, wrap
 from pioneer3.models import physics_of
 from pioneer3.runtime.connect import connect_robot
+from pioneer3.runtime.parting import Cause
 from pioneer3.runtime.robot import Robot
-from pioneer3.runtime.shadow import Cause
 from pioneer3.sim.realism import Realism
 from tests.support import SimulatedRobot
 

@@ -15,8 +15,9 @@ from pioneer3.doctor.facts import Level
 from pioneer3.errors import MotionError
 from pioneer3.geometry import Pose2
 from pioneer3.maps import LineMap
+from pioneer3.runtime.parting import Cause
 from pioneer3.runtime.robot import Robot
-from pioneer3.runtime.shadow import Cause, Shadow
+from pioneer3.runtime.shadow import Shadow
 from pioneer3.sim.kernels.drives import BOTH_STALLED, STALLED, TARGET, VELOCITY
 from pioneer3.sim.realism import OdometryErrors, Realism
 from pioneer3.sim.worldfile import load_map

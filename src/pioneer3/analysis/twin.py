@@ -31,7 +31,7 @@ from pioneer3.models.odometry import (
 from pioneer3.navigation.recording import EstimateMade
 from pioneer3.robot.pilot import stands
 from pioneer3.runtime.recording import TruePoseTold
-from pioneer3.runtime.shadow import Twin
+from pioneer3.runtime.twin import Twin
 from pioneer3.sim.realism import OdometryErrors, Realism
 from pioneer3.state import Scan, Snapshot
 

@@ -9,20 +9,28 @@ the way over the ground with that of the wheels.
 from collections import deque
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
-from enum import StrEnum
 from itertools import pairwise
-from math import hypot, inf, pi, radians
+from math import hypot, inf
 
-from pioneer3.arcos.device import Commanded, Device, SessionClosed, WatchdogExpired, WatchdogFed
-from pioneer3.geometry import ORIGIN, Pose2, arc, arc_to, wrap
+from pioneer3.geometry import ORIGIN, Pose2, arc, arc_to
 from pioneer3.links.tap import FROM_HOST, OPEN
 from pioneer3.models import RobotModel
 from pioneer3.robot.pilot import stands
 from pioneer3.robot.supervisor import Supervisor
+from pioneer3.runtime.parting import (
+    HOLDS,
+    LEAST,
+    STANDS,
+    Cause,
+    Parting,
+    SideLack,
+    best_of,
+    cause_of,
+    held_by,
+)
+from pioneer3.runtime.twin import Twin
 from pioneer3.sim.body import Body
-from pioneer3.sim.firmware.steering import steer
-from pioneer3.sim.world import World
-from pioneer3.state import Identity, Snapshot
+from pioneer3.state import Snapshot
 
 WINDOW = 5.0
 """Ways of so long are compared [s]."""
@@ -30,8 +38,6 @@ LAGS = 6
 """A robot's reports are behind its twin by less than so many reports: by links, loops, reports."""
 JITTER = 0.1
 """They come so irregularly [s]."""
-LEAST = 0.03
-"""Ways of wheels that differ by less agree [m]."""
 SHARE = 0.05
 """So do those that differ by less than this share."""
 ASIDE = 0.035
@@ -47,16 +53,12 @@ LEARNT = 2.0
 """Way after which that is half known [m]."""
 PIECE = 1.0
 """Ways are compared in pieces of so long: within them, a turn that slips bends nothing [s]."""
-STANDS = 0.15
-"""Wheels that went less than this share of the way that they should have gone stand."""
 LATELY = 1.2
 """A robot that has hardly moved within this time since it stalled is stuck [s]."""
 GIVES = 0.06
 """Way that hands give meanwhile [m]."""
 FREE = 0.15
 """A robot that has moved by this is free again [m]: until then one thing holds it."""
-ALIKE = 0.5
-"""Both sides are slow if the better one lacks at least this share of what the other lacks."""
 LASTS = 1.0
 """A difference that lasts for so long is believed [s]: on hard turns wheels lag behind for less."""
 SLIP_LASTS = 0.3
@@ -71,46 +73,8 @@ STALL = 1.0
 """A robot that stands within this time of a stall was stopped by it [s]."""
 READ = 2.0
 """Shortest time for which it is told [s]."""
-NEAR = 0.3
-"""An echo so near ahead of a sonar is of something in the way [m]."""
-AHEAD = radians(60)
-"""Directions that count as ahead, to both sides [rad]."""
 MOST = 1 << 16
 """Bytes from before the robot said what it is that are kept for its twin."""
-
-
-class Cause(StrEnum):
-    """The reason that fits best where a robot does not do what its twin does."""
-
-    IN_THE_WAY = "something is in the way"
-    HELD = "its wheels do not turn: it is held, braked, or stands against something low"
-    BATTERY = "it is slow, and its battery is low"
-    SLOW = "both sides are slow: a load, a slope, or weak motors"
-    LEFT_DRAGS = "its left side drags"
-    RIGHT_DRAGS = "its right side drags"
-    PUSHED = "it is pushed, or rolls"
-    SLIPS = "its wheels slip"
-    SPINS = "its wheels turn, and it does not move: it is held, lifted, or stuck"
-
-
-@dataclass(frozen=True, slots=True)
-class Parting:
-    """The difference between a robot and its twin, and the reason for it that fits best.
-
-    `lacks` is the share of the way that the robot did not go, negative for too much; `twin_in_odom`
-    is where a twin is now that was beside the robot when the compared time began [m, rad].
-    """
-
-    cause: Cause
-    lacks: float
-    twin_in_odom: Pose2
-
-    @property
-    def text(self) -> str:
-        """The sentence for people."""
-        if self.cause in {Cause.PUSHED, Cause.HELD, Cause.IN_THE_WAY}:
-            return self.cause
-        return f"{self.cause} ({100 * self.lacks:.0f} % of the way are missing)"
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,47 +92,6 @@ class _Moment:
     twin_speeds: tuple[float, float]
     robot_in_odom: Pose2
     robot_in_map: Pose2 | None
-
-
-HOLDS = {Cause.HELD, Cause.IN_THE_WAY, Cause.LEFT_DRAGS, Cause.RIGHT_DRAGS}
-"""Causes that keep a robot where it is."""
-
-
-class Twin:
-    """A robot of a model without errors on an empty plane, which obeys the bytes of a host."""
-
-    def __init__(self, model: RobotModel, now: float) -> None:
-        self.body = Body(model)
-        self._world = World(robots=[self.body])
-        self._device = Device(Identity(name="", family=model.family, model=model.name))
-        self._now = now
-
-    def receive(self, data: bytes, now: float) -> None:
-        """Obey what the host sends at `now` [s]."""
-        self.go_on(now)
-        for event in self._device.receive(data, now):
-            self._obey(event)
-        self._device.outgoing()
-
-    def go_on(self, now: float) -> None:
-        """Move until `now` [s]."""
-        if now <= self._now:
-            return
-        for event in self._device.tick(now):
-            self._obey(event)
-        self._world.step(now - self._now)
-        self._now = now
-
-    def _obey(self, event: object) -> None:
-        match event:
-            case Commanded(command):
-                steer(self.body, command)
-            case WatchdogExpired():
-                self.body.drive.held = True
-            case WatchdogFed():
-                self.body.drive.held = False
-            case SessionClosed():
-                self.body.session_ended()
 
 
 class Shadow:
@@ -262,17 +185,17 @@ class Shadow:
         It does so where it brakes on a turn.
         """
         assert self._stall is not None
-        lacks, motors = _best(self._compared(self._moments)), self._stall.motors
+        lacks, motors = best_of(self._compared(self._moments)), self._stall.motors
         is_alone = motors.left_stalled != motors.right_stalled and not self._straight
         if is_alone and max(abs(each.missing) for each in lacks) < LEAST:
             return self.parting.cause if self.parting and self.parting.cause in HOLDS else None
         return self._why_stuck(lacks, snapshot, model)
 
-    def _why_stuck(self, lacks: "Sequence[_Lack]", snapshot: Snapshot, model: RobotModel) -> Cause:
+    def _why_stuck(self, lacks: Sequence[SideLack], snapshot: Snapshot, model: RobotModel) -> Cause:
         """Return the side that drags by the first of the last stalls, or what else holds it."""
         if self._drags is not None:
             return self._drags
-        return _held(snapshot, model, back=sum(each.told for each in lacks) < 0)
+        return held_by(snapshot, model, back=sum(each.told for each in lacks) < 0)
 
     def _feel(self, snapshot: Snapshot) -> None:
         """Note a stall, and what the first of several tells.
@@ -370,32 +293,32 @@ class Shadow:
 
     def _judge(self, snapshot: Snapshot, model: RobotModel) -> Parting | None:
         both = self._compared(self._moments)
-        lacks = _best(both)
+        lacks = best_of(both)
         aside = min(abs(left.missing - right.missing) for left, right in both)
         told = [each.twin[1] - each.twin[0] for each in self._moments]
         allowed = ASIDE + ASIDE_SHARE * sum(abs(b - a) for a, b in pairwise(told))
         drags = aside > allowed and any(each.share * abs(each.told) > LEAST for each in lacks)
         if drags or any(each.excess > 0 for each in lacks):
-            cause = self._stuck(snapshot, model) or _cause(lacks, snapshot, model)
+            cause = self._stuck(snapshot, model) or cause_of(lacks, snapshot, model)
             return self._parting(cause, max(each.share for each in lacks))
         return self._judge_ground()
 
     def _stuck(self, snapshot: Snapshot, model: RobotModel) -> Cause | None:
-        """Return why a robot has hardly moved lately, if that is so, and it stalled before."""
+        """Return the cause that holds a robot which stalled and has hardly moved lately."""
         lately = [each for each in self._moments if each.stamp > snapshot.stamp - LATELY]
-        lacks = _best(self._compared(lately))
+        lacks = best_of(self._compared(lately))
         moves = any(abs(each.told - each.missing) > GIVES for each in lacks)
         if moves or self._stall is None or snapshot.stamp - self._stall.stamp > WINDOW:
             return None
         return self._why_stuck(lacks, snapshot, model)
 
-    def _compared(self, moments: Iterable[_Moment]) -> "list[list[_Lack]]":
+    def _compared(self, moments: Iterable[_Moment]) -> list[list[SideLack]]:
         """Compare with the twin of each number of reports before."""
         each = list(moments)
         lags = range(max(1, min(LAGS, len(each) - 1)))
         return [self._lacks(each[lag:], each[: len(each) - lag]) for lag in lags]
 
-    def _lacks(self, real: Sequence[_Moment], twin: Sequence[_Moment]) -> "list[_Lack]":
+    def _lacks(self, real: Sequence[_Moment], twin: Sequence[_Moment]) -> list[SideLack]:
         """Compare the ways of a robot with those of its twin."""
         lacks = []
         for side in (0, 1):
@@ -407,7 +330,7 @@ class Shadow:
             )
             speeds = [each.twin_speeds[side] for each in twin]
             allowed = LEAST + SHARE * abs(told) + JITTER * (max(speeds) - min(speeds))
-            lacks.append(_Lack(told, told - went, allowed))
+            lacks.append(SideLack(told, told - went, allowed))
         return lacks
 
     def _judge_ground(self) -> Parting | None:
@@ -437,57 +360,6 @@ class Shadow:
             left, right = (b - a for a, b in zip(before.twin, after.twin, strict=True))
             pose @= arc((left + right) / 2, (right - left) / self._twin.body.track, 1.0)
         return Parting(cause, lacks, pose)
-
-
-@dataclass(frozen=True, slots=True)
-class _Lack:
-    """The way that a side was told to go, what it lacks of it, and how much may be lacking [m]."""
-
-    told: float
-    missing: float
-    allowed: float
-
-    @property
-    def share(self) -> float:
-        """The missing share of the way; 0 where there was none to go."""
-        return self.missing / self.told if abs(self.told) > LEAST else 0.0
-
-    @property
-    def excess(self) -> float:
-        """How much more than allowed is missing, or too much [m]; positive if that is wrong."""
-        return abs(self.missing) - self.allowed
-
-
-def _best(compared: "Iterable[list[_Lack]]") -> "list[_Lack]":
-    """Return the comparison with the twin of the delay that fits best."""
-    return min(compared, key=lambda both: max(each.excess for each in both))
-
-
-def _cause(lacks: Sequence[_Lack], snapshot: Snapshot, model: RobotModel) -> Cause:
-    """Return why the wheels differ from what they were told."""
-    shares = [each.share for each in lacks]
-    if min(shares) > 1 - STANDS:
-        return _held(snapshot, model, back=sum(each.told for each in lacks) < 0)
-    if max(shares) <= 0:
-        return Cause.PUSHED
-    if min(shares) < ALIKE * max(shares):
-        return Cause.LEFT_DRAGS if shares[0] > shares[1] else Cause.RIGHT_DRAGS
-    return Cause.BATTERY if snapshot.battery.low else Cause.SLOW
-
-
-def _held(snapshot: Snapshot, model: RobotModel, *, back: bool) -> Cause:
-    """Return the cause for which no wheel turns."""
-    is_met = any((*snapshot.bumpers.front, *snapshot.bumpers.rear))
-    return Cause.IN_THE_WAY if is_met or _is_near(snapshot, model, back=back) else Cause.HELD
-
-
-def _is_near(snapshot: Snapshot, model: RobotModel, *, back: bool) -> bool:
-    """Whether something echoes close ahead, or behind."""
-    pairs = zip(model.sonars, snapshot.sonar.ranges, strict=False)
-    return any(
-        heard < NEAR and abs(wrap(mount.theta + (pi if back else 0.0))) < AHEAD
-        for mount, heard in pairs
-    )
 
 
 def _way(poses: Sequence[Pose2]) -> float:

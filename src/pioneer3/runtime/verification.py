@@ -23,19 +23,19 @@ from pioneer3.arcos.commands import RVel, Vel, from_payload, to_payload
 from pioneer3.arcos.host_events import Timing
 from pioneer3.arcos.packet import PacketReader
 from pioneer3.behaviors.engine import Decision, decided_again
-from pioneer3.errors import ConfigError, LinkError, NoRobotError, RecordingOverError
+from pioneer3.errors import ConfigError, LinkError, NoRobotError
 from pioneer3.geometry import STILL, Twist2
 from pioneer3.lasers.client import ScanSettings
 from pioneer3.limits import Limits
-from pioneer3.links import Link
 from pioneer3.links.tap import ROBOT
 from pioneer3.log.reader import RunLog
-from pioneer3.log.topics import EVENT, LogEvent, LogTopic
+from pioneer3.log.topics import LogTopic
 from pioneer3.models import GivenModel, RobotModel
 from pioneer3.models.lasers import LaserProtocol
 from pioneer3.robot.lasers.mounting import Mounting
 from pioneer3.robot.limits import limit
 from pioneer3.robot.supervisor import RobotInfo, Supervisor
+from pioneer3.runtime.recorded_wire import RecordedWire
 from pioneer3.runtime.recording import RENEWED, DecisionMade
 from pioneer3.state import Bumpers, Scan, Snapshot
 from pioneer3.tasks import FastTimeLoop
@@ -105,7 +105,7 @@ def verify(log: RunLog, model: GivenModel = None) -> list[Verification]:
 
 
 def _verify(log: RunLog, prefix: str, model: GivenModel) -> Verification:
-    wire = _Wire(log, prefix + ROBOT)
+    wire = RecordedWire(log, prefix + ROBOT)
     known = log.info().texts.get(prefix + ROBOT, {})
     if model is None and "parameters" in known:
         with log.damage_told():
@@ -138,7 +138,7 @@ def _scan(
         return None
     from pioneer3.robot.lasers.driver import LaserConfig, LaserDriver  # loads slowly
 
-    wire = _Wire(log, described)
+    wire = RecordedWire(log, described)
     comparison = _Comparison(log, LogTopic(f"{prefix}scan/{name}", Scan), _readings)
     with log.damage_told():
         mounting = msgspec.json.decode(texts["mounting"], type=Mounting)
@@ -169,7 +169,9 @@ def _readings(scan: Scan) -> object:
 class _Decisions:
     """The decisions of a log that are the same today, up to the first difference."""
 
-    def __init__(self, log: RunLog, prefix: str, wire: "_Wire", known: Mapping[str, str]) -> None:
+    def __init__(
+        self, log: RunLog, prefix: str, wire: RecordedWire, known: Mapping[str, str]
+    ) -> None:
         self.made: list[tuple[float, Decision]] = []
         self.difference: Difference | None = None
         self._log, self._wire = log, wire
@@ -222,14 +224,14 @@ def _payloads(twist: Twist2) -> tuple[bytes, bytes]:
 
 
 def _lately(told: Sequence[tuple[float, T]], at: float) -> list[T]:
-    """Return what was told last at a time [s], and what had been so until shortly before."""
+    """Return the last values at a time [s], and those that were so until shortly before."""
     first = bisect_right(told, at - LATE, key=itemgetter(0))
     last = bisect_right(told, at, key=itemgetter(0))
     return [each for _, each in told[max(0, first - 1) : last]]
 
 
 async def _drive(
-    wire: "_Wire", comparison: "_Comparison[Snapshot]", model: GivenModel
+    wire: RecordedWire, comparison: "_Comparison[Snapshot]", model: GivenModel
 ) -> RobotInfo | None:
     supervisor = Supervisor(wire.open, model=model, auto_enable=False, timing=PATIENT)
     supervisor.snapshot_taken = comparison.take
@@ -309,104 +311,3 @@ def _fields(name: str, value: Any) -> Iterator[tuple[str, str]]:
             yield from _fields(f"{name}[{number}]", each)
     else:
         yield name, repr(value)
-
-
-@dataclass(frozen=True, slots=True)
-class _Step:
-    """A step of a link in a log, at a time [s]: it opens or closes, or bytes are read."""
-
-    at: float
-    opens: bool = False
-    closes: bool = False
-    data: bytes = b""
-
-
-class _Wire:
-    """Opens the recorded connections of a link one after the other, each at its time."""
-
-    def __init__(self, log: RunLog, link: str) -> None:
-        self.link = link
-        self.speeds: tuple[int, ...] = ()
-        self.url = f"replay:{log.path}#{link}"
-        facts = log.info().texts.get("program", {})
-        try:
-            self.begin = float(facts["clock"])
-            self._offset = round(self.begin * 1e9) - int(facts["began_ns"])
-        except (KeyError, ValueError, OverflowError):
-            raise ConfigError(
-                f"{log.path}: it lacks the exact times of bytes: recorded by an older version?"
-            ) from None
-        self._steps = self._of(log, link)
-        self.next = next(self._steps, None)
-        if self.next is None or not self.next.opens:
-            raise ConfigError(
-                f"{log.path}: its connection began before: verify the log that this is a part of"
-            )
-
-    def _of(self, log: RunLog, link: str) -> Iterator[_Step]:
-        read = f"wire/{link}/in"
-        for message in log.messages(lambda topic: topic in {read, EVENT.name}):
-            at = self.seconds(message.time)
-            if message.topic == read:
-                yield _Step(at, data=message.data)
-                continue
-            event = message.decode(LogEvent)
-            if event.kind == "link" and event.text.startswith(f"{link}: open: "):
-                yield _Step(at, opens=True)
-            elif event.kind == "link" and event.text == f"{link}: closed":
-                yield _Step(at, closes=True)
-
-    def seconds(self, time: int) -> float:
-        """Return a time [ns since 1970] of the clock of the recording, as it was read then.
-
-        The operating system counts nanoseconds, of which Python makes seconds.
-        """
-        return (time + self._offset) / 1e9
-
-    def take(self) -> None:
-        """Go on to the next step."""
-        self.next = next(self._steps, None)
-
-    async def until_next(self) -> None:
-        """Wait for the time of the next step."""
-        if self.next is None:
-            raise RecordingOverError(f"{self.url}: the recording is over")
-        await asyncio.sleep(self.next.at - asyncio.get_running_loop().time())
-
-    async def open(self) -> Link:
-        """Return the next connection."""
-        while self.next is not None and not self.next.opens:
-            self.take()
-        await self.until_next()
-        self.take()
-        return _PlayedLink(self)
-
-
-class _PlayedLink:
-    """One connection; `read_at` is when the last bytes were read, as the log has it [s]."""
-
-    round_trip = 0.0
-
-    def __init__(self, wire: _Wire) -> None:
-        self.url, self.read_at, self.speeds = wire.url, wire.begin, wire.speeds
-        self._wire = wire
-
-    async def read(self) -> bytes:
-        """Return the next bytes at their time, none once the connection was closed."""
-        await self._wire.until_next()
-        step = self._wire.next
-        assert step is not None
-        if step.opens or step.closes:
-            return b""
-        self._wire.take()
-        self.read_at = step.at
-        return step.data
-
-    async def write(self, data: bytes) -> None:
-        """Do nothing: the log has the answers."""
-
-    async def set_speed(self, baud: int) -> None:
-        """Do nothing."""
-
-    async def close(self) -> None:
-        """Do nothing."""

@@ -1,0 +1,111 @@
+"""The connections of a link in a log, opened again: bytes come at the very times of the log."""
+
+import asyncio
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from pioneer3.errors import ConfigError, RecordingOverError
+from pioneer3.links import Link
+from pioneer3.log.reader import RunLog
+from pioneer3.log.topics import EVENT, LogEvent
+
+
+@dataclass(frozen=True, slots=True)
+class _Step:
+    """A step of a link in a log, at a time [s]: it opens or closes, or bytes are read."""
+
+    at: float
+    opens: bool = False
+    closes: bool = False
+    data: bytes = b""
+
+
+class RecordedWire:
+    """Opens the recorded connections of a link one after the other, each at its time."""
+
+    def __init__(self, log: RunLog, link: str) -> None:
+        self.link = link
+        self.speeds: tuple[int, ...] = ()
+        self.url = f"replay:{log.path}#{link}"
+        facts = log.info().texts.get("program", {})
+        try:
+            self.begin = float(facts["clock"])
+            self._offset = round(self.begin * 1e9) - int(facts["began_ns"])
+        except (KeyError, ValueError, OverflowError):
+            raise ConfigError(
+                f"{log.path}: it lacks the exact times of bytes: recorded by an older version?"
+            ) from None
+        self._steps = self._of(log, link)
+        self.next = next(self._steps, None)
+        if self.next is None or not self.next.opens:
+            raise ConfigError(
+                f"{log.path}: its connection began before: verify the log that this is a part of"
+            )
+
+    def _of(self, log: RunLog, link: str) -> Iterator[_Step]:
+        read = f"wire/{link}/in"
+        for message in log.messages(lambda topic: topic in {read, EVENT.name}):
+            at = self.seconds(message.time)
+            if message.topic == read:
+                yield _Step(at, data=message.data)
+                continue
+            event = message.decode(LogEvent)
+            if event.kind == "link" and event.text.startswith(f"{link}: open: "):
+                yield _Step(at, opens=True)
+            elif event.kind == "link" and event.text == f"{link}: closed":
+                yield _Step(at, closes=True)
+
+    def seconds(self, time: int) -> float:
+        """Return a time [ns since 1970] of the clock of the recording, as it was read then.
+
+        The operating system counts nanoseconds, of which Python makes seconds.
+        """
+        return (time + self._offset) / 1e9
+
+    def take(self) -> None:
+        """Go on to the next step."""
+        self.next = next(self._steps, None)
+
+    async def until_next(self) -> None:
+        """Wait for the time of the next step."""
+        if self.next is None:
+            raise RecordingOverError(f"{self.url}: the recording is over")
+        await asyncio.sleep(self.next.at - asyncio.get_running_loop().time())
+
+    async def open(self) -> Link:
+        """Return the next connection."""
+        while self.next is not None and not self.next.opens:
+            self.take()
+        await self.until_next()
+        self.take()
+        return _RecordedLink(self)
+
+
+class _RecordedLink:
+    """One connection; `read_at` is when the last bytes were read, as the log has it [s]."""
+
+    round_trip = 0.0
+
+    def __init__(self, wire: RecordedWire) -> None:
+        self.url, self.read_at, self.speeds = wire.url, wire.begin, wire.speeds
+        self._wire = wire
+
+    async def read(self) -> bytes:
+        """Return the next bytes at their time, none once the connection was closed."""
+        await self._wire.until_next()
+        step = self._wire.next
+        assert step is not None
+        if step.opens or step.closes:
+            return b""
+        self._wire.take()
+        self.read_at = step.at
+        return step.data
+
+    async def write(self, data: bytes) -> None:
+        """Do nothing: the log has the answers."""
+
+    async def set_speed(self, baud: int) -> None:
+        """Do nothing."""
+
+    async def close(self) -> None:
+        """Do nothing."""
