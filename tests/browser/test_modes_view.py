@@ -185,7 +185,7 @@ def test_a_stop_ends_a_step_of_a_calibration(modes: Page, product: Product) -> N
         expect(state).not_to_have_text(words)
     modes.locator("#calibration-drive").click()
     until(lambda: speed(product) > 0.05)
-    expect(modes.locator("#card-title")).to_have_text("Driving to be measured, started by you")
+    expect(modes.locator("#card-title")).to_have_text("Calibrating, started by you")
     modes.locator("#stop").click()
     until(lambda: speed(product) == 0.0)
     expect(modes.locator("#calibration-note")).not_to_be_empty()

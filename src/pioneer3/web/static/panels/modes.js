@@ -12,7 +12,7 @@ const WORDS = { // for modes that people name otherwise; `going`: while there is
   goto: { doing: "On the way", noun: "the drive", going: "Looks for the way" },
   patrol: { doing: "On patrol", noun: "the patrol", going: "Stands at a place of its patrol" },
   "look around": { doing: "Looking around", noun: "looking around", going: "Drives until it knows where it is", done: "It knows where it is." },
-  calibration: { doing: "Driving to be measured", noun: "the calibration", done: "It has driven its leg.", quiet: true },
+  calibration: { doing: "Calibrating", noun: "the calibration", done: "It has driven its leg.", quiet: true },
   follow: { doing: "Following", noun: "following", going: "Looks for somebody to follow" },
 };
 const LEAVE = "A mode, a goal or a patrol goes on while this page is heard of: close it, lose the connection or lock the phone, "
