@@ -14,12 +14,12 @@ from math import ceil, floor, hypot, inf
 
 import numpy as np
 
-from pioneer3.arrays import Float, Int
+from pioneer3.arrays import Float
 from pioneer3.geometry import ORIGIN, Pose2, wrap
-from pioneer3.maps.materials import MATT, REFERENCE, REMISSION, Codes
+from pioneer3.maps.materials import MATT, REFERENCE, REMISSION
 from pioneer3.models.lasers import LaserModel
 from pioneer3.sim.body import Body
-from pioneer3.sim.kernels import laser_fan
+from pioneer3.sim.kernels import Fan
 from pioneer3.sim.world import World
 
 PIECE = 2.5e-3
@@ -31,10 +31,6 @@ MOST_RAYS = 8
 many rays."""
 CLOSEST = 1.0
 """Nearer spots are no wider, seen from the laser, than one at this range [m]."""
-EDGE = 0.05
-"""The three ranges of a spot are of one surface if they fit a straight wall this well [m]."""
-SLANT_NOISE = 1 / 8
-"""Standard deviation of a reading, as a share of the depth of a slanted surface in the spot."""
 DARK_SHARE = 1 / 3
 """Range to dark surfaces over the longest one, where the maker does not say: light fades with the
 square of the range, and 90 % of remission give the longest."""
@@ -74,19 +70,28 @@ class LaserScanner:
         self._rng = world.generator(body)
         self._errors = world.realism.range_finder
         bands = [(each.up_to, each.systematic, each.share, each.sigma) for each in model.errors]
-        self._bands = np.array(bands).T
+        self._bands = np.array(bands).T.copy()
         self._lasting = self._rng.uniform(-1.0, 1.0) * self._errors.systematic
         self._since = self._time = world.time
         self._before = self._pose = body.robot_in_world
-        self.begin(Arc(first=0.0, step=model.step, count=1, beam_time=0.0), inf)
+        self._lay_out(Arc(first=0.0, step=model.step, count=1, beam_time=0.0))
+        self._began, self._cast = inf, 0
 
     def begin(self, arc: Arc, began: float) -> None:
         """Begin a turn whose first reading is at `began` [s], not before the last but one `now`."""
-        self._arc, self._began = arc, began
+        if arc != self._arc:
+            self._lay_out(arc)
+        self._began, self._cast = began, 0
+
+    def _lay_out(self, arc: Arc) -> None:
+        """Make room for the rays of a turn."""
+        self._arc = arc
         self._per_step, self._aside = self._rays_of_spots() if self._errors.spot else (1, 0)
+        self._apart = arc.step / self._per_step
         rays = (arc.count - 1) * self._per_step + 1 + 2 * self._aside
         self._ranges, self._codes = np.empty(rays), np.zeros(rays, dtype=np.uint8)
-        self._cast = 0
+        angles = arc.first + self._apart * np.arange(-self._aside, rays - self._aside)
+        self._headings = np.stack([np.cos(angles), np.sin(angles)])
 
     def look(self, now: float) -> bool:
         """Take the readings up to `now`, the world's time [s]; return whether all are taken.
@@ -112,16 +117,21 @@ class LaserScanner:
         They are ranges [m], `inf` where nothing came back, and intensities: the share of the light
         of a perfect matt white wall, 0 for nothing; both of shape (count,).
         """
-        middle = self._aside + self._per_step * np.arange(self._arc.count)
-        ranges, codes = self._ranges[middle], self._codes[middle]
-        spread, light = np.zeros(len(ranges)), np.ones(len(ranges))
-        if self._errors.spot:
-            ranges, codes, spread, light = self._spots(middle)
-        intensities = REMISSION[codes] * np.where(MATT[codes], light, 1.0)
-        lost = (ranges >= self.model.far) | (ranges > self._reach(intensities))
-        measured = self._with_errors(ranges, spread)
-        measured[lost], intensities[lost] = inf, 0.0
-        return measured, intensities
+        model, errors, count = self.model, self._errors, self._arc.count
+        read = np.empty((2, count))
+        self._world.kernels.spots(
+            (self._ranges, self._codes),
+            (self._per_step, self._aside, self._apart, model.divergence, model.spot),
+            (model.far, model.far_dark or DARK_SHARE * model.far, REFERENCE),
+            (REMISSION, MATT),
+            (self._bands, self._lasting, errors.noise),
+            (
+                self._rng.random(count) if errors.spot else np.zeros(count),
+                self._rng.standard_normal(count) if errors.noise else np.zeros(count),
+            ),
+            read,
+        )
+        return read[0], read[1]
 
     def _rays_of_spots(self) -> tuple[int, int]:
         """Return the number of rays for each reading, and at most aside of a spot's middle."""
@@ -149,79 +159,25 @@ class LaserScanner:
 
     def _look_along(self, first: int, end: int, motion: "_Motion") -> None:
         """Cast the rays `first` to `end`, without `end`, from where the robot was then."""
-        arc, per_step = self._arc, self._per_step
-        each = arc.beam_time / per_step
-        began = self._began + (first - self._aside) * each
-        middle = motion.pose_at(began + (end - 1 - first) / 2 * each)
-        turned = motion.rate * each  # by the robot, from one ray to the next
-        start = arc.first + (first - self._aside) * arc.step / per_step
-        start -= turned * (end - 1 - first) / 2
-        # World looks from the present pose of the robot; seen from there the laser was here
-        mount = self._pose.inverse() @ middle @ self._mount
-        fan = laser_fan(
-            (mount.x, mount.y, mount.theta), start, arc.step / per_step + turned, end - first
+        mount, headings = self._mount, self._headings[:, first:end]
+        start, apart = self._arc.first + (first - self._aside) * self._apart, self._apart
+        if motion.begin != motion.end:
+            each = self._arc.beam_time / self._per_step
+            half = (end - 1 - first) / 2
+            turned = motion.rate * each  # by the robot, from one ray to the next
+            at = motion.pose_at(self._began + (first - self._aside + half) * each)
+            # World looks from the present pose of the robot; seen from there the laser was here
+            mount = self._pose.inverse() @ at @ mount
+            start, apart = start - turned * half, apart + turned
+            if turned:
+                angles = start + apart * np.arange(end - first)
+                headings = np.stack([np.cos(angles), np.sin(angles)])
+        fan = Fan(
+            np.array([mount.x, mount.y, mount.theta, start, apart]), np.ascontiguousarray(headings)
         )
-        found = self._world.look(self._body, fan, self.model.far)
-        self._ranges[first:end], self._codes[first:end] = found
-
-    def _spots(self, middle: Int) -> tuple[Float, Codes, Float, Float]:
-        """Return range, material, depth of the surface [m] and share of light of each spot.
-
-        `middle` are the rays in the middle of the spots, shape (B,).
-        """
-        model, apart = self.model, self._arc.step / self._per_step
-        nearest = self._ranges[middle].clip(min=1e-3)
-        half = (model.divergence + model.spot / nearest) / 2
-        aside = np.rint(half / apart).astype(np.int64).clip(1, self._aside)
-        rays = np.stack([middle, middle - aside, middle + aside])
-        ranges = self._ranges[rays]
-        inverse = 1 / ranges.clip(min=1e-3)
-        misfit = abs(2 * inverse[0] - inverse[1] - inverse[2]) * ranges[0] ** 2
-        # the inverse range along a straight wall is nearly linear in the angle
-        divided = misfit > EDGE
-        # slants are of the surface; between two surfaces there is none
-        tangent = (ranges[2] - ranges[1]) / (2 * aside * apart * ranges[0].clip(min=1e-3))
-        light = np.where(divided, 1.0, 1 / np.hypot(1.0, tangent))
-        spread = np.where(divided, 0.0, abs(ranges[2] - ranges[1]))
-        seen, which = self._of_two(ranges)
-        chosen = np.where(divided, which, 0)
-        codes = self._codes[rays[chosen, np.arange(len(middle))]]
-        return np.where(divided, seen, ranges[0]), codes, spread, light
-
-    def _of_two(self, ranges: Float) -> tuple[Float, Int]:
-        """Return the readings of spots that two surfaces share, and the ray of the nearer one.
-
-        The nearer surface wins if it fills half of the spot, or there is nothing behind it. Else
-        the reading is anywhere between the two.
-
-        `ranges` are those at the middle and both edges [m], shape (3, B).
-        """
-        near, far, which = ranges.min(axis=0), ranges.max(axis=0), ranges.argmin(axis=0)
-        is_near = ranges - near <= (far - near) / 2
-        share = self._rng.random(len(near))
-        mixed = (is_near.sum(axis=0) == 1) & (far < self.model.far)
-        near = np.where(is_near[0], ranges[0], near)
-        which = np.where(is_near[0], 0, which)
-        return np.where(mixed, near + share * (far - near), near), which
-
-    def _reach(self, intensities: Float) -> Float:
-        """Return the longest range to surfaces that send back so much light [m]."""
-        dark = self.model.far_dark or DARK_SHARE * self.model.far
-        reach: Float = dark * np.sqrt(intensities / REFERENCE)
-        return reach
-
-    def _with_errors(self, ranges: Float, spread: Float) -> Float:
-        """Return `ranges` with the lasting error of this unit and noise."""
-        ends, *errors = self._bands
-        band = np.searchsorted(ends, ranges).clip(max=len(ends) - 1)
-        systematic, share, sigma = (each[band] for each in errors)
-        systematic += share * ranges
-        sigma *= self._errors.noise
-        if self._errors.noise:
-            sigma = np.hypot(sigma, SLANT_NOISE * spread)
-            ranges = ranges + sigma * self._rng.standard_normal(len(ranges))
-        measured: Float = (ranges + self._lasting * systematic).clip(min=0.0)
-        return measured
+        self._ranges[first:end], self._codes[first:end] = self._world.look(
+            self._body, fan, self.model.far
+        )
 
 
 @dataclass(frozen=True, slots=True)

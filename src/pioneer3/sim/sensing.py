@@ -61,8 +61,6 @@ class Surfaces:
         nearest wall or robot that is not of glass [m].
         """
         codes = np.full(len(angles), PLAIN, dtype=np.uint8)
-        if not len(self.walls):
-            return ranges, codes
         limit = float(ranges.max(initial=0.0)) + 1.0
         alone = ranges_reference(origin, angles, self.walls, limit)
         glass = self.codes == GLASS
@@ -162,6 +160,11 @@ class PlanarSensing:
         self, robots: Sequence[Body], obstacles: Sequence[Obstacle], outlines: RobotArrays
     ) -> None:
         self._robots, self._obstacles, self._outlines = robots, obstacles, outlines
+        self._boxes = [
+            o
+            for o in obstacles
+            if isinstance(o.kind, Box) and o.kind.material is not Material.PLAIN
+        ]
         self._has_walkers = any(each.walks for each in obstacles)
         self._places = None
         self.forget()
@@ -230,7 +233,9 @@ class PlanarSensing:
 
     def _through_glass(self, number: int, fan: Fan, ranges: Float) -> tuple[Float, Codes]:
         """Return ranges and materials for the `ranges` of what is not glass, shape (B,)."""
-        surfaces = self._walls.surfaces.joined(_movable_surfaces(self._obstacles))
+        if not (self._boxes or len(self._walls.surfaces.walls)):
+            return ranges, np.full(len(ranges), PLAIN, dtype=np.uint8)
+        surfaces = self._walls.surfaces.joined(_movable_surfaces(self._boxes))
         at, angles = beams_of(self._robots[number], fan)
         return surfaces.seen(np.array([at.x, at.y]), angles, ranges)
 
@@ -249,11 +254,7 @@ def beams_of(body: Body, fan: Fan) -> tuple[Pose2, Float]:
 
 
 def _movable_surfaces(obstacles: Sequence[Obstacle]) -> Surfaces:
-    """Return the sides of movable boxes that are not plain."""
-    boxes = [
-        replace(o.kind, pose=o.pose)
-        for o in obstacles
-        if isinstance(o.kind, Box) and o.kind.material is not Material.PLAIN
-    ]
+    """Return the sides of movable boxes."""
+    boxes = [replace(o.kind, pose=o.pose) for o in obstacles if isinstance(o.kind, Box)]
     codes = codes_of(box.material for box in boxes for _ in box.corners)
     return Surfaces(np.concatenate([np.empty((0, 4)), *(box.outline for box in boxes)]), codes)

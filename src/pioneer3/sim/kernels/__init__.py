@@ -5,6 +5,7 @@ module    contents
 ========  ====================================================================================
 kernels   motion, rays, fans and collisions of all robots at once. Arrays in, arrays out
 fans      laser fans: near segments rasterised onto the beams, the nearest one wins
+spots     spots of a laser: the reading that three rays give, and its errors
 rays      sonar and single rays: from cell to cell through the grid
 motion    drives, and what stops them
 robots    all that moves, as arrays, and its sensors: where rays start and where they point

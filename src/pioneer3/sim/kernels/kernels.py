@@ -14,7 +14,7 @@ import numpy as np
 
 from pioneer3.arrays import Bool, Float, Int32
 from pioneer3.jit import KernelCache, fast, numba_version, plain
-from pioneer3.sim.kernels import fans, motion, rays
+from pioneer3.sim.kernels import fans, motion, rays, spots
 from pioneer3.sim.kernels.drives import DriveArrays
 from pioneer3.sim.kernels.echoes import ALL, Reflectors
 from pioneer3.sim.kernels.robots import Fan, Mounts, RobotArrays, laser_fan, place, sonar_mounts
@@ -47,6 +47,7 @@ class Kernels:
         self.compiled = compiled and bool(numba_version())
         by = partial(fast, kept=CACHE) if self.compiled else partial(plain, scalar=True)
         self._place, self._sonar, self._fans = by(place), by(rays.sonar), by(fans.fans)
+        self.spots = by(spots.spots)
         self._blocked, self._step = by(motion.blocked), by(motion.step)
         self._ramp, self._count = by(motion.ramp), by(motion.count)
         self._threads = threads
@@ -201,6 +202,17 @@ def compiled_kernels(threads: int = 1, begin: Callable[[], None] = lambda: None)
         kernels.sonar(grid, robots, sonar_mounts([np.zeros((1, 3))], [0]), 2.0)
         kernels.cast_fans(grid, robots, laser_fan((0.0, 0.0, 0.0), 0.0, 1.0, 1), 2.0)
         kernels.blocked(grid, robots, robots.poses)
+        surfaces = np.ones(1), np.ones(1, dtype=np.bool_)
+        chance, read = (np.zeros(1), np.zeros(1)), np.empty((2, 1))
+        kernels.spots(
+            (np.ones(1), np.zeros(1, dtype=np.uint8)),
+            (1, 0, 1.0, 0.0, 0.0),
+            (2.0, 1.0, 1.0),
+            surfaces,
+            (np.zeros((4, 1)), 0.0, 0.0),
+            chance,
+            read,
+        )
         for noise in (None, np.zeros((3, 1))):
             kernels.step(grid, robots, drives, 0.1, noise)
         kernels.ramp(drives, 0.1)
