@@ -2,7 +2,9 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from datetime import UTC, datetime
+from heapq import merge
 from math import cos, inf, nan, sin
+from operator import itemgetter
 from pathlib import Path
 from typing import Any, Final
 
@@ -11,6 +13,8 @@ from pioneer3.geometry import Pose2, Twist2, wrap
 from pioneer3.log.folder import create
 from pioneer3.log.mcap import McapFile
 from pioneer3.log.topics import LogTopic
+from pioneer3.nav.places import Destination
+from pioneer3.navigation.goals import GoalChanged
 from pioneer3.navigation.recording import EstimateMade, WayPlanned, kind_of
 from pioneer3.runtime.recording import CommandGiven, DecisionMade
 from pioneer3.state import Battery, Charging, Motors, Odometry, Scan, Snapshot, Sonar
@@ -94,6 +98,18 @@ def drive(seconds: int = 3, robot: str = "", lasers: Sequence[str] = ()) -> Iter
             yield at + 0.01, f"{before}command", command
             made = Decision(twist=Twist2(0.3, 0.25), limits={"v_max": 0.4})
             yield at + 0.01, f"{before}decision", DecisionMade("", made, ("0.30 m/s: keyboard",))
+
+
+def with_goal(messages: Iterable[Message]) -> Iterable[Message]:
+    """Return the messages of a log, and what it has of a robot that drives to a dock meanwhile."""
+    dock = Destination(x=6.0, y=7.0, heading=0.5, name="dock")
+    told: list[Message] = [(0.5, "way", WayPlanned("office", dock, ((5.0, 6.0), (6.0, 7.0))))]
+    for at, status, why in ((0.5, "executing", ""), (9.0, "succeeded", "arrived")):
+        changed = GoalChanged(
+            number=1, by="ann", places=(dock,), status=status, reason=why, speed=None, rounds=1
+        )
+        told.append((at, "goal", changed))
+    return merge(messages, told, key=itemgetter(0))
 
 
 def write_log(

@@ -14,7 +14,7 @@ from pioneer3.log.reader import open_log
 from pioneer3.ros.bag.convert import BagKind, write_bag
 from pioneer3.ros.node.names import Profile
 from pioneer3.ros.tcpros.types import Ros1Types
-from tests.logs import BEGAN, READINGS, SECOND, drive, snapshot, write_log
+from tests.logs import BEGAN, READINGS, SECOND, drive, snapshot, with_goal, write_log
 from tests.ros1.master import HERE, PYTHON, has_ros
 
 PROFILES = (Profile.BOTH, Profile.P2OS)
@@ -28,7 +28,7 @@ def bags(tmp_path_factory: pytest.TempPathFactory) -> list[dict[str, Any]]:
             pytest.fail("ROS 1 is not installed; scripts/test installs it")
         pytest.skip("ROS 1 is not installed; scripts/test installs it")
     folder = tmp_path_factory.mktemp("bags")
-    log = open_log(write_log(folder / "a.mcap", drive(60, lasers=["laser"])))
+    log = open_log(write_log(folder / "a.mcap", with_goal(drive(60, lasers=["laser"]))))
     paths = [folder / f"{profile}.bag" for profile in PROFILES]
     for path, profile in zip(paths, PROFILES, strict=True):
         write_bag(log, path, BagKind.ROS1, profile)
@@ -65,6 +65,16 @@ def test_the_numbers_are_those_of_the_log(bags: list[dict[str, Any]]) -> None:
         assert [each for each in ranges if not isnan(each)] == [1.25, inf, -inf, 7.5]
         assert isnan(ranges[READINGS.index(-inf) + 1])
         assert content[15:] == [1.0, 2.0, 3.0, 4.0, 5.0]
+    diagnoses = bag["/diagnostics"]["messages"]
+    assert [time for time, _ in diagnoses[:2]] == [BEGAN + each * SECOND // 50 for each in (1, 51)]
+    assert diagnoses[0][1][3:6] == [0, "RosAria: Link", "connected"]
+    ((_, sent),) = bag["/move_base/goal"]["messages"]
+    assert sent[-7:-4] == [6.0, 7.0, 0.0]
+    ((_, ended),) = bag["/move_base/result"]["messages"]
+    assert ended[-2:] == [3, "arrived"]
+    assert ended[-3] == sent[4]
+    *_, (_, fed) = bag["/move_base/feedback"]["messages"]
+    assert (fed[3:7], fed[9]) == ([*sent[3:5], 1, "on its way"], "map")
     voltages = {content[0] for _, content in bag["/RosAria/battery_voltage"]["messages"]}
     assert voltages == {12.3}
     assert {content[2] for _, content in bag["/battery_state"]["messages"]} == {"base_link"}

@@ -15,7 +15,7 @@ from pioneer3.log.reader import open_log
 from pioneer3.ros.bag.convert import BagKind, write_bag
 from pioneer3.ros.node.names import Profile
 from pioneer3.state import Snapshot
-from tests.logs import BEGAN, READINGS, SECOND, drive, snapshot, write_log
+from tests.logs import BEGAN, READINGS, SECOND, drive, snapshot, with_goal, write_log
 from tests.ros2.foreign import foreign
 
 NOT_THERE = {"tf2_msgs/msg/TFMessage"}
@@ -26,7 +26,7 @@ Read = dict[str, list[tuple[int, Any]]]
 @pytest.fixture(scope="module")
 def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("bag")
-    log = open_log(write_log(folder / "a.mcap", drive(20, lasers=["laser"])))
+    log = open_log(write_log(folder / "a.mcap", with_goal(drive(20, lasers=["laser"]))))
     write_bag(log, folder / "bag", BagKind.ROS2, Profile.ROS2)
     return folder / "bag/bag.mcap"
 
@@ -95,5 +95,12 @@ def test_rclpy_reads_the_numbers_of_the_log(read: Read) -> None:
     assert {message["data"] for _, message in read["/emergency_stop"]} == {False}
     (_, place), *_ = read["/amcl_pose"]
     assert place["header"]["frame_id"] == "map"
+    diagnoses = [message["status"] for _, message in read["/diagnostics"]]
+    assert len(diagnoses) == 21
+    link, *_, navigation = diagnoses[1]
+    assert (link["name"], link["level"], link["hardware_id"]) == ("RosAria: Link", [0], "bob")
+    assert navigation["message"] == "on the way to dock"
+    (_, goal), *_ = read["/goal_pose"]
+    assert (goal["header"]["frame_id"], goal["pose"]["position"]["x"]) == ("map", 6.0)
     (_, urdf), *_ = read["/robot_description"]
     assert urdf["data"].startswith("<?xml")

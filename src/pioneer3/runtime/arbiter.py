@@ -25,7 +25,7 @@ from pioneer3.robot.devices.laser import LaserSource
 from pioneer3.robot.explain import Reason
 from pioneer3.robot.pilot import STOPPED, Pilot, VelocityCommand
 from pioneer3.robot.supervisor import ConnectionStatus, Feed, RobotInfo
-from pioneer3.runtime.recording import EMERGENCY_STOP, CommandGiven, RobotLog
+from pioneer3.runtime.recording import EMERGENCY_STOP, RESET, CommandGiven, RobotLog
 from pioneer3.state import Snapshot
 from pioneer3.stops import Freshness, Stop
 
@@ -348,7 +348,7 @@ class Arbiter:
     def reset_emergency_stop(self) -> None:
         """Release the latch; the motors stay off."""
         self._supervisor.reset_emergency_stop()
-        self._note("", "reset the emergency stop")
+        self._note("", RESET)
 
     def set_motors(self, *, on: bool, by: Hold | None = None) -> Refusal | None:
         """Stop as :meth:`stop` does, then switch the motors."""

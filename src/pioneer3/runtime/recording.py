@@ -2,15 +2,16 @@
 
 from asyncio import CancelledError, get_running_loop
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import astuple, dataclass
 from math import inf
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 import msgspec
 
+from pioneer3.arcos.reports import Config
 from pioneer3.behaviors.engine import Decision
 from pioneer3.behaviors.explanations import explain
 from pioneer3.clock import Clock
@@ -21,19 +22,34 @@ from pioneer3.links import Opener
 from pioneer3.links.tap import ROBOT, WireRecording, tapped
 from pioneer3.log.command_line import without_secrets
 from pioneer3.log.output import refuse_taken
-from pioneer3.log.topics import LogTopic
+from pioneer3.log.topics import LogEvent, LogTopic
 from pioneer3.log.writer import LogWriter, named_log, user_log
+from pioneer3.models import GivenModel, RobotModel
 from pioneer3.robot.explain import Reason
-from pioneer3.robot.supervisor import RobotInfo, Supervisor, kind
-from pioneer3.state import Scan, Snapshot
+from pioneer3.robot.limits import limits_for
+from pioneer3.robot.session import model_of
+from pioneer3.robot.supervisor import (
+    Connection,
+    ConnectionStatus,
+    RobotInfo,
+    Supervisor,
+    kind,
+)
+from pioneer3.state import Identity, Scan, Snapshot
 
 if TYPE_CHECKING:
     from pioneer3.robot.lasers.driver import LaserDriver
+
+T = TypeVar("T")
 
 RENEWED: Final = 1.0
 """Period at which a command or decision is told that only goes on, as of a held key [s]."""
 EMERGENCY_STOP: Final = "emergency stop"
 """The command of an emergency stop."""
+RESET: Final = "reset the emergency stop"
+"""The command that ends it."""
+GIVES_MOTION: Final = {"drive", "start"}
+"""Commands that nobody obeys while the emergency stop is latched."""
 TRUTH_PERIOD: Final = 0.095
 """Shortest time between two true poses [s]: ten a second, at the time of snapshots."""
 MOMENT: Final = 0.001
@@ -55,6 +71,14 @@ class CommandGiven:
     twist: Twist2 = STILL
     seconds: float = 0.0
     refused: str = ""
+
+    @property
+    def latches(self) -> bool | None:
+        """Whether the emergency stop is latched after it; `None` leaves that open."""
+        if self.command == EMERGENCY_STOP:
+            return True
+        free = self.command == RESET or (self.command in GIVES_MOTION and not self.refused)
+        return False if free else None
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,6 +107,41 @@ class TruePoseTold:
 def _told(made: tuple[str, Decision]) -> DecisionMade:
     mode, decision = made
     return DecisionMade(mode, decision, explain(decision))
+
+
+def described(texts: Mapping[str, str], url: str = "", given: GivenModel = None) -> RobotInfo:
+    """Return the description of a robot by the texts of its log, as far as they can be read.
+
+    Raises:
+        ConfigError: There is no such model as is given, or the robot's own file is wrong.
+    """
+    config, told = _read(texts, "configuration", Config), _read(texts, "parameters", RobotModel)
+    identity = Identity(name=texts.get("name", ""), family="", model=texts.get("model", ""))
+    model = model_of(identity, config, given)
+    if given is None and told is not None and astuple(told) != astuple(model):
+        model = told  # its file was another one then
+    return RobotInfo(
+        identity=identity,
+        model=model,
+        limits=_read(texts, "limits", Limits) or limits_for(model, config),
+        config=config,
+        url=url or texts.get("url", ""),
+        speed=None,
+    )
+
+
+def _read(texts: Mapping[str, str], name: str, kind: type[T]) -> T | None:
+    with suppress(msgspec.MsgspecError, ConfigError):
+        return msgspec.json.decode(texts.get(name, ""), type=kind)
+    return None
+
+
+def link_status(event: LogEvent, name: str) -> ConnectionStatus | None:
+    """Return the state of the link of a robot or laser that an event tells; `None` if none."""
+    connection, _, message = event.text.removeprefix(f"{name}: ").partition(": ")
+    told = event.kind == "link" and event.text.startswith(f"{name}: ")
+    known = told and connection in {*Connection}
+    return ConnectionStatus(Connection(connection), message) if known else None
 
 
 def _scan_size(scan: Scan) -> int:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from datetime import datetime
 from enum import StrEnum
 from functools import partial
+from operator import attrgetter
 from pathlib import Path
 from typing import Any, Final
 
@@ -12,7 +13,7 @@ from pioneer3.log.chunks import DAMAGED
 from pioneer3.log.output import new_output
 from pioneer3.log.progress import Tell, followed
 from pioneer3.log.reader import LogInfo, RunLog
-from pioneer3.log.topics import LogTopic
+from pioneer3.log.topics import EVENT, LogTopic
 from pioneer3.models import GivenModel
 from pioneer3.navigation.recording import kind_of
 from pioneer3.ros.bag.bags import ros1_bag, ros2_bag
@@ -45,8 +46,8 @@ class BagWritten:
     warnings: Sequence[str] = ()
 
 
-Take = Callable[[int, Any], None]
-"""Takes a message of a time [ns since 1970]."""
+Taker = tuple[LogTopic[Any], Player, Callable[[Any], None]]
+"""A topic, and who takes its messages."""
 
 
 def write_bag(
@@ -68,14 +69,19 @@ def write_bag(
     if not robots:
         raise wrong(log.path, " has no robot in it that sent readings: there is nothing to convert")
     with new_output(path) as made, OPEN[kind](made) as bag:
-        takers: dict[str, tuple[LogTopic[Any], Take]] = {}
-        for robot in robots:
-            takers |= _takers(robot, Player(robot, bag, profile, _wall_clock(known)))
+        players = [Player(robot, bag, profile, _wall_clock(known)) for robot in robots]
+        takers = {EVENT.name: [(EVENT, player, player.event) for player in players]}
+        for robot, player in zip(robots, players, strict=True):
+            takers |= _takers(robot, player)
         for message in followed(log.messages(takers.__contains__), known, tell):
-            topic, take = takers[message.topic]
+            topic, *_ = takers[message.topic][0]
             decoded = log.decoded(message, topic)
             try:
-                take(message.time, decoded)
+                while (first := min(players, key=attrgetter("due"))).due <= message.time:
+                    first.diagnose(message.time)
+                for _, player, take in takers[message.topic]:
+                    player.outlet.now = message.time
+                    take(decoded)
             except WRONG as error:
                 problem = f" has a message of {message.topic} that is none: {one_line(error)}"
                 raise wrong(log.path, problem) from error
@@ -85,28 +91,29 @@ def write_bag(
 
 def _guess(robot: LoggedRobot) -> str:
     return (
-        f"{robot.prefix}robot is of the type {robot.model.name!r}, which nobody knows here: its"
-        " sizes are guessed; --model gives them"
+        f"{robot.prefix}robot is of the type {robot.info.model.name!r}, which nobody knows here:"
+        " its sizes are guessed; --model gives them"
     )
 
 
-def _takers(robot: LoggedRobot, player: Player) -> dict[str, tuple[LogTopic[Any], Take]]:
+def _takers(robot: LoggedRobot, player: Player) -> dict[str, list[Taker]]:
     """Return the receivers of a robot's messages, by their topics."""
-    before = robot.prefix
-    takers: dict[str, tuple[LogTopic[Any], Take]] = {}
-
-    def add(topic: str, take: Take) -> None:
-        kind = kind_of(topic)
+    takes: dict[str, Callable[[Any], None]] = {
+        SNAPSHOT: player.snapshot,
+        "command": player.command,
+        "decision": player.decision,
+        "standing": player.standing,
+        "estimate": player.navigation.estimate,
+        "way": player.navigation.way,
+        "goal": player.navigation.goal,
+        "map": player.navigation.use_map,
+        **{f"scan/{laser}": partial(player.scan, laser) for laser in robot.lasers},
+    }
+    takers: dict[str, list[Taker]] = {}
+    for name, take in takes.items():
+        topic, kind = robot.prefix + name, kind_of(name)
         assert kind is not None
-        takers[topic] = LogTopic(topic, kind), take
-
-    add(f"{before}{SNAPSHOT}", player.snapshot)
-    add(f"{before}command", player.command)
-    add(f"{before}estimate", player.navigation.estimate)
-    add(f"{before}way", player.navigation.way)
-    add(f"{before}map", player.navigation.use_map)
-    for laser in robot.lasers:
-        add(f"{before}scan/{laser}", partial(player.scan, laser))
+        takers[topic] = [(LogTopic(topic, kind), player, take)]
     return takers
 
 

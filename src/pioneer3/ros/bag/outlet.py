@@ -24,8 +24,11 @@ class BagPublisher:
         self._write: Write | None = None
 
     def publish(self, message: Any) -> None:
-        """Write a message, at the time of the outlet."""
+        """Write a message, or the content of one with a single field, at the outlet's time."""
         outlet = self._outlet
+        if not hasattr(message, "__msgtype__"):
+            content, message = message, outlet.make(self._type)
+            message.data = content
         if self._write is None:
             self._write = outlet.bag.connect(
                 self._name, self._type, outlet.name, latched=self._latched

@@ -2,21 +2,19 @@
 
 import re
 from collections.abc import Iterable, Mapping
-from contextlib import suppress
 from dataclasses import dataclass
 from typing import Final
 
-import msgspec
-
-from pioneer3.arcos.reports import Config
 from pioneer3.geometry import Pose2
+from pioneer3.links.tap import ROBOT
 from pioneer3.log.reader import RunLog
 from pioneer3.log.topics import LogTopic
-from pioneer3.models import GivenModel, RobotModel, loaded_model
+from pioneer3.models import GivenModel, loaded_model
 from pioneer3.models.model import UnknownModel
 from pioneer3.names import free_name
-from pioneer3.robot.session import model_of
-from pioneer3.state import Identity, Scan
+from pioneer3.robot.supervisor import RobotInfo
+from pioneer3.runtime.recording import described
+from pioneer3.state import Scan
 from pioneer3.text import wrong
 
 MOST_ROBOTS: Final = 256
@@ -39,13 +37,13 @@ class LoggedRobot:
 
     prefix: str
     namespace: str
-    model: RobotModel
+    info: RobotInfo
     lasers: Mapping[str, Pose2]
 
     @property
     def is_guessed(self) -> bool:
         """Whether nobody knows a model of this type."""
-        return isinstance(self.model, UnknownModel)
+        return isinstance(self.info.model, UnknownModel)
 
 
 def robots_of(log: RunLog, given: GivenModel = None) -> list[LoggedRobot]:
@@ -70,7 +68,7 @@ def robots_of(log: RunLog, given: GivenModel = None) -> list[LoggedRobot]:
             LoggedRobot(
                 prefix=prefix,
                 namespace=f"/{name}" if name else "",
-                model=_model(texts.get(f"{prefix}robot", {}), given),
+                info=described(texts.get(f"{prefix}{ROBOT}", {}), given=given),
                 lasers={
                     scans.rpartition("/")[2]: pose
                     for scans, pose in mounted.items()
@@ -91,14 +89,6 @@ def ros_name(text: str) -> str:
     """Return a text as a name in ROS: letters, digits and underscores, a letter first."""
     name = re.sub(r"\W+", "_", text, flags=re.ASCII).strip("_")
     return name if name[:1].isalpha() else f"robot_{name}".rstrip("_")
-
-
-def _model(texts: Mapping[str, str], given: GivenModel) -> RobotModel:
-    config = None
-    with suppress(msgspec.MsgspecError):
-        config = msgspec.json.decode(texts.get("configuration", "null"), type=Config | None)
-    identity = Identity(name=texts.get("name", ""), family="", model=texts.get("model", ""))
-    return model_of(identity, config, given)
 
 
 def _mounted(log: RunLog, topics: Iterable[str]) -> dict[str, Pose2]:

@@ -15,7 +15,7 @@ from pioneer3.lasers.client import LaserIdentity
 from pioneer3.robot.explain import Reason
 from pioneer3.robot.lasers.driver import LaserDriver
 from pioneer3.robot.supervisor import RobotInfo
-from pioneer3.state import Motors, Snapshot
+from pioneer3.state import Motors, Scan, Snapshot
 from pioneer3.units import DECIVOLT, MS
 
 ENABLE: Final = "enable_motors"
@@ -296,15 +296,9 @@ LATE: Final = 2.0
 
 def laser_status(laser: LaserDriver) -> DiagnosticStatus:
     """Return the state of a laser."""
-    scan, state = laser.latest, laser.status.latest
-    identity = laser.identity or LaserIdentity()
-    level, message = OK, "scans"
-    expected = 1 / scan.period if scan is not None and scan.period else 0.0
-    if not laser.connected:
-        level, message = ERROR, state.message if state else "not asked yet"
-    elif laser.scans > LATE * expected and laser.rate < SLOW_SCANS * expected:
-        level, message = WARN, f"{laser.rate:.1f} scans/s, {expected:.1f} expected"
-    values = (
+    state, identity = laser.status.latest, laser.identity or LaserIdentity()
+    lost = "" if laser.connected else state.message if state else "not asked yet"
+    about = (
         *_place(laser.config.url),
         ("Vendor Name", identity.vendor),
         ("Product Name", identity.product),
@@ -315,11 +309,36 @@ def laser_status(laser: LaserDriver) -> DiagnosticStatus:
         ("Device Status", identity.status),
         ("Computed Latency", f"{laser.latency:.4f}"),
         ("User Time Offset", f"{laser.config.time_offset:.4f}"),
-        ("Scan Rate", f"{laser.rate:.2f}"),
-        ("Scans", str(laser.scans)),
-        ("Scan Thread Lost Count", str(laser.losses)),
     )
-    return DiagnosticStatus(laser.name.capitalize(), level, message, values)
+    scans = ScanCounts(latest=laser.latest, scans=laser.scans, rate=laser.rate, losses=laser.losses)
+    return scans_status(laser.name, scans, lost, about)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ScanCounts:
+    """The last scan of a laser, and counts of all, of those in a second [1/s], and of losses."""
+
+    latest: Scan | None
+    scans: int
+    rate: float
+    losses: int
+
+
+def scans_status(name: str, told: ScanCounts, lost: str, about: Values = ()) -> DiagnosticStatus:
+    """Return the state of a laser by its scans, `lost` for a reason, with more values about it."""
+    level, message = OK, "scans"
+    expected = 1 / told.latest.period if told.latest is not None and told.latest.period else 0.0
+    if lost:
+        level, message = ERROR, lost
+    elif told.scans > LATE * expected and told.rate < SLOW_SCANS * expected:
+        level, message = WARN, f"{told.rate:.1f} scans/s, {expected:.1f} expected"
+    values = (
+        *about,
+        ("Scan Rate", f"{told.rate:.2f}"),
+        ("Scans", str(told.scans)),
+        ("Scan Thread Lost Count", str(told.losses)),
+    )
+    return DiagnosticStatus(name.capitalize(), level, message, values)
 
 
 def device_id(identity: LaserIdentity) -> str:

@@ -82,6 +82,16 @@ class FeedbackUpdate:
     stamp: Any
 
 
+def fill_goal(message: Any, goal: SentGoal, robot_in_map: Pose2, frame: str) -> None:
+    """Fill a move_base_msgs/MoveBaseActionGoal, or a geometry_msgs/PoseStamped."""
+    if hasattr(message, "goal_id"):
+        message.header.stamp = goal.stamp
+        message.goal_id.id, message.goal_id.stamp = goal.id, goal.stamp
+        message = message.goal.target_pose
+    fill_header(message, goal.stamp, frame)
+    fill_pose(message.pose.position, message.pose.orientation, robot_in_map)
+
+
 def statuses(message: Any, update: GoalsUpdate) -> None:
     """Fill an actionlib_msgs/GoalStatusArray."""
     message.header.stamp = update.stamp

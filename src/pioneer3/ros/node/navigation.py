@@ -11,7 +11,6 @@ from pioneer3.geometry import Pose2
 from pioneer3.maps.line_map import OccupancyGrid
 from pioneer3.maps.occupancy import occupancy_of
 from pioneer3.ros.messages.diagnostics import DiagnosticStatus
-from pioneer3.ros.messages.goals import FeedbackUpdate
 from pioneer3.ros.messages.navigation import (
     MapUpdate,
     NavigationUpdate,
@@ -86,7 +85,7 @@ class NodeNavigation:
         self._began = self._clock()
         for topic, take in (
             (INITIAL_POSE, self._take_start),
-            (SIMPLE_GOAL, lambda sent: self._goals.send(self._place_in(SIMPLE_GOAL, sent))),
+            (SIMPLE_GOAL, lambda sent: self._goals.take(self._place_in(SIMPLE_GOAL, sent))),
             (GOAL_NAME, self._take_name),
             (ACTION_GOAL, self._take_action_goal),
             (ACTION_CANCEL, lambda sent: self._goals.cancel(*ACTION_CANCEL.content(sent))),
@@ -132,15 +131,7 @@ class NodeNavigation:
                 make=self._middleware.make,
             )
         )
-        if self._goals.current is not None:
-            self._publishing.publish(
-                FeedbackUpdate(
-                    goal=self._goals.current,
-                    robot_in_map=robot_in_map,
-                    frame=self._options.map_frame,
-                    stamp=stamp,
-                )
-            )
+        self._goals.topics.feed_back(robot_in_map, self._options.map_frame, stamp)
 
     def diagnose(self) -> tuple[DiagnosticStatus, ...]:
         """Return the state of localization and of the goal."""
@@ -226,13 +217,13 @@ class NodeNavigation:
 
     def _take_action_goal(self, message: Any) -> None:
         where = self._place_in(ACTION_GOAL, message)
-        self._goals.take(str(message.goal_id.id), message.goal_id.stamp, where)
+        self._goals.take(where, str(message.goal_id.id), message.goal_id.stamp)
 
     def _take_name(self, message: Any) -> None:
         from pioneer3.nav.places import find_place
 
         name = GOAL_NAME.content(message)
-        self._goals.send(lambda: find_place(self.navigator.line_map, name))
+        self._goals.take(lambda: find_place(self.navigator.line_map, name))
 
     def _place_in(self, topic: Topic, message: Any) -> "Callable[[], Destination]":
         """Return a function that returns the place of a goal, and raises if it is wrong."""

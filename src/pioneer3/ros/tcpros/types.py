@@ -9,8 +9,19 @@ from pioneer3.errors import ConfigError
 from pioneer3.ros.definitions import DEFINITIONS, file_of
 from pioneer3.ros.typestore import MessageStore, full_name
 
-TRANSFORMS: Final = ("tf2_msgs/TFMessage", "geometry_msgs/TransformStamped[] transforms")
-"""A type of ROS 1 itself that rosbags lacks, and its definition."""
+LACKING: Final = {
+    "tf2_msgs/TFMessage": "geometry_msgs/TransformStamped[] transforms",
+    "move_base_msgs/MoveBaseGoal": "geometry_msgs/PoseStamped target_pose",
+    "move_base_msgs/MoveBaseFeedback": "geometry_msgs/PoseStamped base_position",
+    "move_base_msgs/MoveBaseResult": "",
+    "move_base_msgs/MoveBaseActionGoal": "Header header\nactionlib_msgs/GoalID goal_id\n"
+    "MoveBaseGoal goal",
+    "move_base_msgs/MoveBaseActionFeedback": "Header header\nactionlib_msgs/GoalStatus status\n"
+    "MoveBaseFeedback feedback",
+    "move_base_msgs/MoveBaseActionResult": "Header header\nactionlib_msgs/GoalStatus status\n"
+    "MoveBaseResult result",
+}
+"""Definitions of types of ROS 1 itself that rosbags lacks."""
 SERVICES: Final = {
     "std_srvs/Empty": ("", ""),
     "std_srvs/Trigger": ("", "bool success\nstring message"),
@@ -41,7 +52,7 @@ class Ros1Types(MessageStore):
             advice = how_to_get("zenoh")
             raise ConfigError(f"ROS 1 without ROS needs rosbags: {advice}") from error
         super().__init__(get_typestore(Stores.ROS1_NOETIC))
-        for name, text in (TRANSFORMS, *((name, file_of(name)) for name in DEFINITIONS)):
+        for name, text in (LACKING | {name: file_of(name) for name in DEFINITIONS}).items():
             self._store.register(get_types_from_msg(text, full_name(name)))
 
     def definition(self, name: str) -> Definition:

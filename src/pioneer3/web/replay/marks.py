@@ -9,15 +9,16 @@ from typing import Final, TypeVar
 
 import msgspec
 
+from pioneer3.links.tap import ROBOT
 from pioneer3.log.chunks import DAMAGED
 from pioneer3.log.reader import LogMessage
 from pioneer3.log.topics import LogEvent
 from pioneer3.names import printable
 from pioneer3.navigation.goals import GoalChanged
 from pioneer3.robot.supervisor import Connection
-from pioneer3.runtime.recording import CommandGiven
+from pioneer3.runtime.recording import EMERGENCY_STOP, RESET, CommandGiven, link_status
 from pioneer3.web.messages import MarkKind, ReplayMark
-from pioneer3.web.replay.recorded import EMERGENCY_STOP, SECOND, SNAPSHOT, RecordedRobot
+from pioneer3.web.replay.recorded import SECOND, SNAPSHOT, RecordedRobot
 
 T = TypeVar("T")
 
@@ -29,7 +30,7 @@ STALLED: Final = (b'"left_stalled":true', b'"right_stalled":true')
 """In a snapshot whose wheels are blocked."""
 PRESSED: Final = b'"stop_button":true'
 """In a snapshot whose red button is pressed."""
-LATCH: Final = (f'"command":"{EMERGENCY_STOP}"'.encode(), b'"command":"reset')
+LATCH: Final = tuple(f'"command":"{each}"'.encode() for each in (EMERGENCY_STOP, RESET))
 """Commands that are told."""
 MODE: Final = b'{"mode":"'
 """Begin of a decision."""
@@ -122,13 +123,13 @@ class MarkFinder:
         if event.kind in CHANGES:
             return _mark(message, None, "note", f"{CHANGES[event.kind]}: {event.text}")
         for prefix in self._robots:
-            about = f"{prefix}robot: "
-            if event.kind == "link" and event.text.startswith(about):
-                known, told = self._known[prefix], event.text.removeprefix(about)
-                before, known.link = known.link, told.partition(":")[0]
+            if (told := link_status(event, f"{prefix}{ROBOT}")) is not None:
+                known = self._known[prefix]
+                before, known.link = known.link, told.connection
                 back = before == Connection.LOST and known.link == Connection.CONNECTED
                 if back or (known.link == Connection.LOST != before):
-                    return self._mark(message, prefix, "link", f"link {told}")
+                    words = f"link {told.connection}: {told.message}"
+                    return self._mark(message, prefix, "link", words)
         return None
 
     def _mark(self, message: LogMessage, prefix: str, kind: MarkKind, text: str) -> ReplayMark:

@@ -1,41 +1,45 @@
 """One robot of a log: what is known of it at any time."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
+from contextlib import suppress
 from typing import Any, Final, TypeVar
 
 import msgspec
 
-from pioneer3.arcos.reports import Config
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import ORIGIN, Pose2
-from pioneer3.limits import Limits
+from pioneer3.links.tap import ROBOT
 from pioneer3.log.chunks import DAMAGED
 from pioneer3.log.index import LogIndex
 from pioneer3.log.reader import LogMessage
 from pioneer3.log.topics import LogEvent
-from pioneer3.models import RobotModel, load_model
 from pioneer3.navigation.recording import EstimateMade, MapUsed, WayPlanned
-from pioneer3.robot.limits import limits_for
-from pioneer3.robot.supervisor import Connection, ConnectionStatus, RobotInfo
-from pioneer3.runtime.recording import CommandGiven, DecisionMade, StandsBecause, TruePoseTold
-from pioneer3.state import Identity, Scan, Snapshot
+from pioneer3.robot.supervisor import ConnectionStatus
+from pioneer3.runtime.recording import (
+    EMERGENCY_STOP,
+    GIVES_MOTION,
+    RESET,
+    CommandGiven,
+    DecisionMade,
+    StandsBecause,
+    TruePoseTold,
+    described,
+    link_status,
+)
+from pioneer3.state import Scan, Snapshot
 
 T = TypeVar("T")
 
 SECOND: Final = 1_000_000_000
 """Second [ns]."""
+TELL_OF_LATCH: Final = tuple(
+    f'"command":"{each}"'.encode() for each in (EMERGENCY_STOP, RESET, *GIVES_MOTION)
+)
+"""Commands after which it is known whether the emergency stop is latched."""
 FRESH: Final = SECOND + SECOND // 2
 """A true pose, which is told once a second at least, or a scan holds for so long [ns]."""
 SNAPSHOT: Final = "snapshot"
 """Topic of a robot; the others likewise."""
-EMERGENCY_STOP: Final = "emergency stop"
-"""Command in the log."""
-RESET: Final = "reset"
-"""Begin of the command that ends the emergency stop."""
-GIVES_MOTION: Final = (b'"command":"drive"', b'"command":"start"')
-"""Commands that nobody obeys while the emergency stop is latched."""
-USUAL_MODEL: Final = "p3dx-sh"
-"""Robot that is drawn where the model of the log is not known here."""
 
 
 class RecordedRobot:
@@ -50,7 +54,7 @@ class RecordedRobot:
 
     def __init__(self, number: int, name: str, index: LogIndex, prefix: str) -> None:
         self.number, self.name, self.index, self.prefix = number, name, index, prefix
-        self.info = info_of(index.info().texts.get(f"{prefix}robot", {}), str(index.path))
+        self.info = described(index.info().texts.get(f"{prefix}{ROBOT}", {}), str(index.path))
         self.began = index.first(prefix + SNAPSHOT)
         self.time = 0
         self.lasers = sorted(
@@ -85,7 +89,9 @@ class RecordedRobot:
         for kind in self._kinds:
             self._newest[kind] = self.index.newest(self.prefix + kind, time)
         self._newest["link"] = self.index.newest("event", time, self._is_link)
-        self._latch = self.index.newest(f"{self.prefix}command", time, _tells_of_latch)
+        self._latch = self.index.newest(
+            f"{self.prefix}command", time, lambda data: _latches(data) is not None
+        )
 
     def advance(self, time: int) -> None:
         """Go on to a later time."""
@@ -93,7 +99,7 @@ class RecordedRobot:
             kind = message.topic.removeprefix(self.prefix)
             if kind in self._kinds:
                 self._newest[kind] = message
-            if kind == "command" and _tells_of_latch(message.data):
+            if kind == "command" and _latches(message.data) is not None:
                 self._latch = message
             if message.topic == "event" and self._is_link(message.data):
                 self._newest["link"] = message
@@ -148,20 +154,13 @@ class RecordedRobot:
     @property
     def emergency(self) -> bool:
         """Whether the emergency stop was latched."""
-        return self._latch is not None and _is_stop(self._latch.data)
+        return self._latch is not None and bool(_latches(self._latch.data))
 
     @property
     def link(self) -> ConnectionStatus | None:
         """The state of its link as the log tells it; `None` where it does not."""
         event = self._get("link", LogEvent)
-        if event is None:
-            return None
-        told = event.text.removeprefix(f"{self.prefix}robot: ")
-        connection, _, message = told.partition(": ")
-        try:
-            return ConnectionStatus(Connection(connection), message)
-        except ValueError:
-            return None
+        return link_status(event, f"{self.prefix}{ROBOT}") if event else None
 
     @property
     def robot_in_map(self) -> Pose2:
@@ -207,44 +206,13 @@ def robots_of(index: LogIndex, numbers: Callable[[], int], label: str) -> list[R
     ]
 
 
-def info_of(texts: Mapping[str, str], url: str) -> RobotInfo:
-    """Return the description of a robot by the texts of its log, as far as they can be read."""
-    model, config = _model(texts.get("model", "")), _read(texts.get("configuration", ""), Config)
-    return RobotInfo(
-        identity=Identity(name=texts.get("name", ""), family=model.family, model=model.name),
-        model=model,
-        limits=_read(texts.get("limits", ""), Limits) or limits_for(model, config),
-        config=config,
-        url=url,
-        speed=None,
-    )
-
-
-def _model(name: str) -> RobotModel:
-    """Return a shipped model; nothing else is read because a log names it."""
-    try:
-        return load_model(name if "." not in name and "/" not in name else USUAL_MODEL)
-    except ConfigError:
-        return load_model(USUAL_MODEL)
-
-
-def _read(text: str, kind: type[T]) -> T | None:
-    try:
-        return msgspec.json.decode(text, type=kind)
-    except (msgspec.MsgspecError, ConfigError):
-        return None
-
-
 def _is_snapshot(topic: str) -> bool:
     return topic == SNAPSHOT or topic.endswith(f"/{SNAPSHOT}")
 
 
-def _is_stop(command: bytes) -> bool:
-    return f'"command":"{EMERGENCY_STOP}"'.encode() in command
-
-
-def _tells_of_latch(command: bytes) -> bool:
-    """Whether a command latches the emergency stop, or shows that it is not latched."""
-    if _is_stop(command) or f'"command":"{RESET}'.encode() in command:
-        return True
-    return b'"refused":""' in command and any(each in command for each in GIVES_MOTION)
+def _latches(data: bytes) -> bool | None:
+    """Return whether a command latches the emergency stop; `None` leaves that open."""
+    if any(each in data for each in TELL_OF_LATCH):
+        with suppress(*DAMAGED):
+            return msgspec.json.decode(data, type=CommandGiven, strict=False).latches
+    return None

@@ -4,6 +4,7 @@ from collections import defaultdict
 from collections.abc import Iterable
 from dataclasses import replace
 from math import isnan
+from operator import itemgetter
 from pathlib import Path
 from typing import Any
 
@@ -12,20 +13,32 @@ import pytest
 from rosbags.rosbag1 import Reader as Ros1Reader
 from rosbags.rosbag2 import Reader as Ros2Reader
 
+from pioneer3.behaviors.action import Contribution
+from pioneer3.behaviors.engine import Decision
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
 from pioneer3.log.reader import open_log
+from pioneer3.log.topics import LogEvent
 from pioneer3.models import load_model
+from pioneer3.nav.places import Destination
+from pioneer3.navigation.goals import GoalChanged
 from pioneer3.navigation.recording import EstimateMade, MapUsed
+from pioneer3.robot.explain import Reason, ReasonKind
 from pioneer3.ros.bag.convert import BagKind, write_bag
 from pioneer3.ros.node.names import Profile
+from pioneer3.ros.node.navigation_topics import NAVIGATION_TOPICS
 from pioneer3.ros.node.topics import COMMANDS, topics_of
 from pioneer3.ros.ros2.distros import DEFAULT, distro_of
 from pioneer3.ros.ros2.types import MessageTypes
 from pioneer3.ros.tcpros.types import Ros1Types
 from pioneer3.ros.typestore import full_name
-from pioneer3.runtime.recording import EMERGENCY_STOP, CommandGiven
-from pioneer3.state import Motors
+from pioneer3.runtime.recording import (
+    EMERGENCY_STOP,
+    RESET,
+    CommandGiven,
+    DecisionMade,
+    StandsBecause,
+)
 from tests.logs import BEGAN, READINGS, SECOND, Message, drive, scan, snapshot, write_log
 
 ROS1, ROS2 = Ros1Types(), MessageTypes(distro_of(DEFAULT))
@@ -96,13 +109,10 @@ def test_the_topics_are_those_of_the_table_with_their_types(
     bag = converted(tmp_path, drive(lasers=["laser"]), kind, profile)
     table = {
         name.replace("~", "/RosAria/") if name[0] in "~/" else f"/{name}": topic.type_name
-        for topic in topics_of(load_model("p3at-sh"))
+        for topic in (*topics_of(load_model("p3at-sh")), *NAVIGATION_TOPICS)
         for name in topic.names(profile)
     }
-    navigation = {"/amcl_pose", "/plan", "/current_goal"}
-    navigation |= {"/move_base/NavfnROS/plan", "/move_base/current_goal"}
-    own = {topic: type_ for topic, type_ in bag.types.items() if topic not in navigation}
-    assert own == {topic: full_name(table[topic]) for topic in own}
+    assert bag.types == {topic: full_name(table[topic]) for topic in bag.types}
     (commands,) = (each for each in COMMANDS.names(profile)[:1])
     for name in ("/scan", "/tf", commands.replace("~", "/RosAria/")):
         assert name in bag.messages or f"/{name}" in bag.messages
@@ -171,7 +181,8 @@ def test_several_robots_have_namespaces_and_one_tree_of_frames(tmp_path: Path) -
     robots = {"bob": "p3at-sh", "Ännie 2": "p3dx-sh"}
     messages = [each for robot in robots for each in drive(robot=robot, lasers=["laser"])]
     bag = converted(tmp_path, sorted(messages, key=lambda each: each[0]), robots=robots)
-    assert {topic.split("/")[1] for topic in bag.messages} == {"bob", "nnie_2", "tf", "tf_static"}
+    shared = {"diagnostics", "tf", "tf_static"}
+    assert {topic.split("/")[1] for topic in bag.messages} == {"bob", "nnie_2", *shared}
     assert len(bag.messages["/bob/odom"]) == len(bag.messages["/nnie_2/odom"]) == 31
     assert bag.of("/nnie_2/scan")[0].header.frame_id == "nnie_2/laser"
     wheels = {child for _, child in bag.edges() if child.endswith("wheel")}
@@ -194,22 +205,21 @@ def test_a_laser_that_is_none_is_left_out(tmp_path: Path) -> None:
     assert not any("scan" in topic or "x" in topic for topic in bag.messages)
 
 
-def test_the_emergency_stop_lasts_until_the_motors_have_power_again(tmp_path: Path) -> None:
-    def seen(second: float, *, on: bool) -> Message:
-        return second, "snapshot", replace(snapshot(second), motors=Motors(enabled=on))
+def test_the_emergency_stop_lasts_until_it_is_reset_or_the_robot_obeys_again(
+    tmp_path: Path,
+) -> None:
+    def bag(freed: CommandGiven, folder: str) -> list[bool]:
+        stop = CommandGiven("", EMERGENCY_STOP)
+        refused = replace(CommandGiven("program", "drive"), refused="latched")
+        told = [(0.1, stop), (0.3, refused), (0.5, CommandGiven("", "motors on")), (0.7, freed)]
+        seen = [(each, "snapshot", snapshot(each)) for each in (0.0, 0.2, 0.4, 0.6, 0.8)]
+        commands = [(at, "command", given) for at, given in told]
+        made = converted(_made(tmp_path / folder), sorted([*seen, *commands], key=itemgetter(0)))
+        return [message.data for message in made.of("/emergency_stop")]
 
-    stop = CommandGiven("", EMERGENCY_STOP)
-    bag = converted(
-        tmp_path,
-        [
-            seen(0.0, on=True),
-            (0.1, "command", stop),
-            seen(0.2, on=True),
-            seen(0.3, on=False),
-            seen(0.4, on=True),
-        ],
-    )
-    assert [message.data for message in bag.of("/emergency_stop")] == [False, True, True, False]
+    held = [False, True, True, True, False]
+    assert bag(CommandGiven("", RESET), "reset") == held
+    assert bag(CommandGiven("keyboard", "drive"), "driven") == held
 
 
 def test_commands_that_were_refused_or_ask_for_no_speed_are_no_velocity_commands(
@@ -277,3 +287,116 @@ def test_the_real_time_of_a_log_counts_and_not_that_of_the_computer(tmp_path: Pa
     assert nanoseconds(message.header.stamp) == pytest.approx(time - 0.002 * SECOND, abs=1000)
     assert message.header.frame_id == "odom"
     assert message.child_frame_id == "base_link"
+
+
+def parts(message: Any) -> dict[str, Any]:
+    """Return the states of a diagnosis by the names of the parts."""
+    return {each.name.partition(": ")[2]: each for each in message.status}
+
+
+def test_a_diagnosis_of_each_part_comes_once_a_second_also_of_a_lost_robot(tmp_path: Path) -> None:
+    stands = StandsBecause(Reason(ReasonKind.FAULT, "It is held."))
+    made = Decision(contributions=(Contribution("keyboard", "v", 0.0, 1.0, ""),))
+    lost = [
+        (3.5, "event", LogEvent("link", "robot: lost: the cable is out")),
+        (3.6, "event", LogEvent("link", "laser: lost: no scans")),
+        (7.5, "event", LogEvent("link", "robot: connected: again")),
+    ]
+    log = [
+        *drive(lasers=["laser"]),
+        (3.1, "standing", stands),
+        (3.1, "decision", DecisionMade("", made, ())),
+        *lost,
+        (8.6, "snapshot", snapshot(8.6)),
+    ]
+    for kind, profile in ((BagKind.ROS2, Profile.ROS2), (BagKind.ROS1, Profile.STANDARD)):
+        bag = converted(_made(tmp_path / kind), log, kind, profile)
+        times = [time for time, _ in bag.messages["/diagnostics"]]
+        assert times == [BEGAN + round(0.02 * SECOND) + each * SECOND for each in range(9)]
+        first, *_, gone, last = map(parts, bag.of("/diagnostics"))
+        assert [*first] == [
+            *("Link", "Motors", "Battery", "Sonar", "Odometry", "Command"),
+            *("Laser", "Localization", "Navigation"),
+        ]
+        assert {each.hardware_id for each in first.values()} == {"bob"}
+        assert first["Battery"].message == "12.3 V"
+        assert {each.key: each.value for each in first["Localization"].values}["stage"] == "sure"
+        assert gone["Link"].message == "no robot is connected: the cable is out"
+        assert [gone[each].level for each in ("Link", "Motors", "Laser")] == [2, 3, 2]
+        assert gone["Laser"].message == "no scans"
+        assert last["Link"].level == 0
+        values = {each.key: each.value for each in last["Command"].values}
+        assert last["Command"].message == "It is held."
+        assert values["driver"] == "keyboard"
+        stopped = [message.data for message in bag.of("/emergency_stop")]
+        assert stopped == [False] * 31 + [True] * 5 + [False]
+
+
+def test_a_log_that_says_nothing_for_a_month_has_ten_minutes_of_diagnoses(tmp_path: Path) -> None:
+    bag = converted(tmp_path, [(at, "snapshot", snapshot(at)) for at in (0.0, 30 * 86_400.0)])
+    assert len(bag.of("/diagnostics")) == 602
+
+
+def test_goals_are_told_as_the_node_tells_them_whoever_gave_them(tmp_path: Path) -> None:
+    kitchen = Destination(x=3.0, y=4.0, heading=0.5, name="kitchen")
+
+    def changed(number: int, status: str, reason: str = "") -> GoalChanged:
+        return GoalChanged(
+            number=number,
+            by="ann",
+            places=(Destination(x=0.0, y=0.0), kitchen),
+            status=status,
+            reason=reason,
+            speed=None,
+            rounds=1,
+        )
+
+    goals: list[Message] = [
+        (0.5, "goal", changed(1, "accepted")),
+        (0.55, "goal", changed(1, "executing")),
+        (1.0, "goal", changed(1, "canceled", "another goal came")),
+        (1.0, "goal", changed(2, "accepted")),
+        (1.05, "goal", changed(2, "executing")),
+        (2.5, "goal", changed(2, "aborted", "a wall")),
+    ]
+    log = sorted([*drive(9), *goals], key=itemgetter(0))
+    bag = converted(_made(tmp_path / "1"), log, BagKind.ROS1, Profile.COMPATIBILITY)
+    sent = bag.of("/move_base/goal")
+    assert len(sent) == 2
+    for each in sent:
+        place = each.goal.target_pose
+        assert (place.header.frame_id, place.pose.position.x) == ("map", 3.0)
+        assert (each.goal_id.stamp, place.header.stamp) == (each.header.stamp,) * 2
+    results = bag.of("/move_base/result")
+    assert [(each.status.status, each.status.text) for each in results] == [
+        (2, "another goal came"),
+        (4, "a wall"),
+    ]
+    assert [each.status.goal_id.id for each in results] == [each.goal_id.id for each in sent]
+    fed = bag.messages["/move_base/feedback"]
+    assert BEGAN + 0.5 * SECOND < fed[0][0] < fed[-1][0] < BEGAN + 2.5 * SECOND
+    assert len(fed) == 20
+    where = fed[0][1].feedback.base_position.pose.position
+    expected = Pose2(5.0, 6.0, 0.5) @ snapshot(0.52).odometry.robot_in_odom
+    assert (where.x, where.y) == (expected.x, expected.y)
+    lists = bag.messages["/move_base/status"]
+    states = [[each.status for each in message.status_list] for _, message in lists]
+    assert [*dict.fromkeys(map(tuple, states))] == [(), (1,), (2,), (2, 1), (2, 4), (4,)]
+    assert states[-1] == []
+    pauses = np.diff([time for time, _ in lists]) / SECOND
+    assert pauses.max() == pytest.approx(0.2)
+    new = converted(_made(tmp_path / "2"), log)
+    assert [each.pose.position.y for each in new.of("/goal_pose")] == [4.0, 4.0]
+    assert not any("move_base" in topic for topic in new.messages)
+
+
+def test_robots_of_one_log_are_diagnosed_in_the_order_of_time(tmp_path: Path) -> None:
+    later = [(at + 0.5, topic, message) for at, topic, message in drive(3, robot="eve")]
+    log = sorted([*drive(5, robot="bob"), *later], key=itemgetter(0))
+    robots = {"bob": "p3at-sh", "eve": "p3dx-sh"}
+    bag = converted(tmp_path, log, robots=robots)
+    found = bag.messages["/diagnostics"]
+    times = [time for time, _ in found]
+    assert times == sorted(times)
+    names = [message.status[0].name for _, message in found]
+    assert names[:4] == ["bob/RosAria: Link", "eve/RosAria: Link"] * 2

@@ -10,6 +10,7 @@ import pytest
 from pioneer3.errors import ConfigError
 from pioneer3.log.index import LogIndex
 from pioneer3.maps import LineMap
+from pioneer3.models.model import UnknownModel
 from pioneer3.navigation.recording import MapUsed
 from pioneer3.robot.explain import STOPPED, ReasonKind
 from pioneer3.robot.supervisor import Connection
@@ -176,7 +177,7 @@ def test_no_file_is_read_because_a_log_names_it(tmp_path: Path, model: str) -> N
     log.add("snapshot", [(0.0, snapshot(0.0))])
     log.close()
     (robot,) = robots(tmp_path / "odd.mcap")
-    assert robot.info.model.name == "p3dx-sh"
+    assert isinstance(robot.info.model, UnknownModel)
     assert view.listed(robot).kind == "REPLAY"
 
 
