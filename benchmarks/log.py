@@ -145,7 +145,7 @@ def rows_of_cost(laser: str, most: float, most_mb: float | None) -> Iterator[Row
 def bytes_of_a_second(path: Path) -> float:
     """Return how fast a log grows [bytes/s], after its first chunk, which has the schemas."""
     with path.open("rb") as file:
-        sizes = [(kind, length) for kind, _, length in data_records(file)]
+        sizes = [(kind, length) for kind, _, length, _ in data_records(file)]
     chunks = [number for number, (kind, _) in enumerate(sizes) if kind == CHUNK]
     grown = sum(length + HEADER for _, length in sizes[chunks[1] : chunks[-1]])
     return (grown / (len(chunks) - 2) + INDEXED) / CHUNK_PERIOD

@@ -133,11 +133,14 @@ async def test_a_drive_on_the_page_is_in_the_log_with_all_that_belongs_to_it(
 
 async def test_of_several_robots_each_has_its_own_topics(tmp_path: Path) -> None:
     path = tmp_path / "run.mcap"
-    async with recorded_page(path, "amy", "bob") as (page, _), Browser(make_app(page)) as ann:
+    async with recorded_page(path, "amy", "bob") as (page, here), Browser(make_app(page)) as ann:
         await asyncio.sleep(1.0)
         ann.say("goto", robot=2, x=-1.0, y=0.0)
         await ann.stay(20.0)
+        there = [robot.body.robot_in_world for robot in here.robots]
     found = decoded(path)
+    for name, place in zip(("amy", "bob"), there, strict=True):
+        assert is_at(found[f"{name}/truth"][-1][1].robot_in_world, place)
     assert found.keys() >= {"amy/truth", "bob/truth", "amy/map", "bob/map", "bob/goal", "bob/way"}
     assert "amy/goal" not in found
     assert any(

@@ -8,14 +8,16 @@ out, as their serial numbers are in each scan; the scans themselves stay.
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, Final
 
 import msgspec
 
-from pioneer3.analysis.anonymous_bytes import STRANGER, without_names
+from pioneer3.analysis.anonymous_bytes import STRANGER, LinkScrubber
 from pioneer3.analysis.open_log import OpenLog
 from pioneer3.errors import ConfigError
+from pioneer3.limits import Limits
 from pioneer3.log.folder import create
 from pioneer3.log.mcap import McapFile
 from pioneer3.log.reader import RunLog
@@ -24,7 +26,8 @@ from pioneer3.maps.write import aria_text
 from pioneer3.models import model_names
 from pioneer3.navigation.goals import GoalChanged
 from pioneer3.navigation.recording import MapUsed, WayPlanned, kind_of
-from pioneer3.state import Scan
+from pioneer3.runtime.recording import TruePoseTold
+from pioneer3.state import Scan, Snapshot
 
 FORMS: Final = (
     (
@@ -49,6 +52,10 @@ FORMS: Final = (
     ),
 )
 """Forms of addresses and paths, and the words that take their place."""
+TELLING: Final = re.compile(r"(?<![^\s,;'\"])[^\s,;'\":/@.\\]*+[:/@.\\][^\s,;'\"]*+")
+"""A word that may be of such a form."""
+LONGEST_KNOWN: Final = 256
+"""Longer words are not remembered."""
 NO_NAMES: Final = {"", "program", "ROS", "localhost", "robot", "laser", "Pioneer", "SIM"}
 """Words where names stand that name nobody."""
 SHORT: Final = 3
@@ -67,6 +74,10 @@ FLUSHED: Final = 10**9
 """Messages of such a time are written together [ns]."""
 EXACT: Final = 1
 """Times of bytes are told to the nanosecond, as a driver needs them [ns]."""
+NAMING: Final = (GoalChanged, WayPlanned, MapUsed)
+"""Messages that name users, places and maps."""
+NUMBERS: Final = (Scan, Snapshot, Limits, TruePoseTold)
+"""Messages without texts."""
 WIRE: Final = "wire/"
 """Begin of the topics of bytes."""
 
@@ -94,9 +105,24 @@ class Names:
                 for name in longest
             ]
             self._pattern = re.compile("|".join(words) or r"(?!)")
-        for form, word in FORMS:
-            text = form.sub(word, text)
+        text = TELLING.sub(_without_form, text)
         return self._pattern.sub(lambda found: self.aliases[found[0]], text)
+
+
+def _formless(word: str) -> str:
+    """Return a word, or what takes the place of its form."""
+    for form, alias in FORMS:
+        word = form.sub(alias, word)
+    return word
+
+
+@lru_cache(4096)
+def _known(word: str) -> str:
+    return _formless(word)
+
+
+def _without_form(found: re.Match[str]) -> str:
+    return (_known if len(found[0]) < LONGEST_KNOWN else _formless)(found[0])
 
 
 def write_anonymous(log: OpenLog, output: Path) -> int:
@@ -111,7 +137,7 @@ def write_anonymous(log: OpenLog, output: Path) -> int:
         prefix: f"{names.aliases.get(name, name)}/" if prefix else ""
         for name, prefix in log.prefixes.items()
     }
-    wires = _wires(log, source, names)
+    wires = _Wires(source, log.prefixes.values())
     try:
         file = McapFile(create(output))
     except OSError as error:
@@ -141,10 +167,17 @@ def _names_of(log: OpenLog, source: RunLog) -> Names:
     for told in robots:
         names.add("host", re.findall(r"[\w.-]{3,}", told.get("url", "").partition(":")[2]))
         names.add("serial", {*_serials(told.get("configuration", ""))} - public)
-    for topic, kind in _kinds(source):
-        if kind in {GoalChanged, WayPlanned, MapUsed}:
-            for _, message in source.of(LogTopic(topic, kind)):
-                _add_names(names, message)
+    told_by = _Wires(source, log.prefixes.values()).scrubbers
+    kinds = {topic: kind_of(topic) for topic in source.topics()}
+    naming = {topic: kind for topic, kind in kinds.items() if kind in NAMING}
+    for message in source.messages(lambda topic: topic in naming or topic in told_by):
+        if scrubber := told_by.get(message.topic):
+            scrubber.feed(message.time, message.data)
+            scrubber.ready.clear()
+        elif kind := naming.get(message.topic):
+            _add_names(names, source.decoded(message, LogTopic(message.topic, kind)))
+    heard = {name for each in told_by.values() for name in each.names}
+    names.add("robot", heard - {*model_names()})
     return names
 
 
@@ -171,33 +204,26 @@ def _serials(configuration: str) -> list[str]:
     return [each for key in ("serial_number", "name") if isinstance(each := told.get(key), str)]
 
 
-def _kinds(source: RunLog) -> Iterator[tuple[str, type]]:
-    """Yield the topics of a log that are known, and the classes of their messages."""
-    for topic in sorted(source.topics()):
-        if (kind := kind_of(topic)) is not None:
-            yield topic, kind
+class _Wires:
+    """The bytes of the robots' links without names; they are read once more, a little ahead."""
 
+    def __init__(self, source: RunLog, prefixes: Iterable[str]) -> None:
+        self.scrubbers = {
+            f"{WIRE}{prefix}robot/{way}": LinkScrubber(is_command=way == "out")
+            for prefix in prefixes
+            for way in ("in", "out")
+        }
+        self._ahead = source.messages(self.scrubbers.__contains__)
 
-def _wires(log: OpenLog, source: RunLog, names: Names) -> dict[str, Iterator[tuple[int, bytes]]]:
-    """Return the pieces of the robots' links without names, by topic; learn names from them."""
-    found = {}
-    for prefix in log.prefixes.values():
-        for way in ("in", "out"):
-            topic = f"{WIRE}{prefix}robot/{way}"
-            pieces = [(each.time, each.data) for each in source.messages(topic.__eq__)]
-            joined = b"".join(data for _, data in pieces)
-            clean, told = without_names(joined, is_command=way == "out")
-            names.add("robot", told - {*model_names()})
-            found[topic] = _cut(pieces, clean)
-    return found
-
-
-def _cut(pieces: list[tuple[int, bytes]], joined: bytes) -> Iterator[tuple[int, bytes]]:
-    """Yield the pieces of bytes again."""
-    at = 0
-    for time, data in pieces:
-        yield time, joined[at : at + len(data)]
-        at += len(data)
+    def next(self, topic: str) -> bytes:
+        """Return the next piece of a topic."""
+        ready = self.scrubbers[topic].ready
+        while not ready:
+            if (message := next(self._ahead, None)) is None:
+                self.scrubbers[topic].end()
+                return ready.popleft()
+            self.scrubbers[message.topic].feed(message.time, message.data)
+        return ready.popleft()
 
 
 def _texts(
@@ -256,7 +282,7 @@ def _write(
     source: RunLog,
     names: Names,
     prefixes: Mapping[str, str],
-    wires: Mapping[str, Iterator[tuple[int, bytes]]],
+    wires: _Wires,
 ) -> int:
     """Write the messages of a log without names; return how many."""
     topics: dict[str, LogTopic[Any] | None] = {}
@@ -264,12 +290,12 @@ def _write(
     since = written = 0
     for message in source.messages():
         if message.topic not in topics:
-            topics[message.topic] = _topic(message.topic, prefixes, wires)
+            topics[message.topic] = _topic(message.topic, prefixes, wires.scrubbers)
         topic = topics[message.topic]
         if topic is None:
             continue
-        if message.topic in wires:
-            told: Any = next(wires[message.topic])[1]
+        if message.topic in wires.scrubbers:
+            told: Any = wires.next(message.topic)
         else:
             told = source.decoded(message, LogTopic(message.topic, topic.kind))
             with source.damage_told():
@@ -315,7 +341,7 @@ def _topic(
 
 def _without(message: Any, names: Names) -> Any:
     """Return a message without names."""
-    if isinstance(message, Scan):
+    if isinstance(message, NUMBERS):
         return message
     if isinstance(message, MapUsed):
         line_map = message.line_map

@@ -4,14 +4,15 @@ A robot tells its name and serial number when a session begins, and in its confi
 its firmware and of other devices may tell anything. Numbers stay. Bytes of no frame become zeros.
 """
 
+from collections import deque
 from dataclasses import replace
 from typing import Any, Final
 
 from pioneer3.arcos import reports
 from pioneer3.arcos.packet import HEADER, checksum
 
-OF_FRAME: Final = 5
-"""Bytes of a frame beside its payload."""
+GIVEN_UP: Final = 2 * 10**9
+"""After such a silence [ns] no driver waits for the rest of a frame."""
 NAMED: Final = {reports.SyncIdentity: ("name",), reports.Config: ("name", "serial_number")}
 """Reports with names, and their fields."""
 KEPT: Final = (
@@ -30,19 +31,57 @@ STRANGER: Final = "x"
 """Letter in place of each letter of a name."""
 
 
-def without_names(data: bytes, *, is_command: bool) -> tuple[bytes, set[str]]:
-    """Return bytes of a link without names, and the names that they had."""
-    clean, names, at = bytearray(len(data)), set[str](), 0
-    while (at := data.find(HEADER, at)) >= 0 and at + OF_FRAME < len(data):
-        end = at + 3 + data[at + 2]
-        payload = data[at + 3 : end - 2]
-        if end > len(data) or not payload or data[end - 2 : end] != _sum(payload):
-            at += 1
-            continue
-        kept = _command(payload) if is_command else _report(payload, names)
-        clean[at:end] = data[at : at + 3] + kept + _sum(kept)
-        at = end
-    return bytes(clean), names
+class LinkScrubber:
+    """The bytes of one link without names, piece by piece; a frame that is not whole waits.
+
+    Attributes:
+        names: That the bytes had.
+        ready: Pieces of which each byte is known, as many bytes as before.
+    """
+
+    def __init__(self, *, is_command: bool) -> None:
+        self.names: set[str] = set()
+        self.ready: deque[bytes] = deque()
+        self._is_command, self._time = is_command, 0
+        self._raw, self._clean = bytearray(), bytearray()
+        self._sizes: deque[int] = deque()
+
+    def feed(self, time: int, data: bytes) -> None:
+        """Take a piece of a time [ns]; after a long silence nothing waits for it."""
+        if time - self._time > GIVEN_UP:
+            self.end()
+        self._time = time
+        self._raw += data
+        self._sizes.append(len(data))
+        self._scrub(is_end=False)
+
+    def end(self) -> None:
+        """Take the end: a frame that is not whole is none."""
+        self._scrub(is_end=True)
+
+    def _scrub(self, *, is_end: bool) -> None:
+        raw, at, done = self._raw, 0, 0
+        clean = bytearray(len(raw))
+        while (at := raw.find(HEADER, at)) >= 0:
+            end = at + 3 + (raw[at + 2] if at + 2 < len(raw) else len(raw))
+            if end > len(raw) and not is_end:
+                break
+            payload = bytes(raw[at + 3 : end - 2])
+            if end > len(raw) or not payload or raw[end - 2 : end] != _sum(payload):
+                at += 1
+                continue
+            kept = _command(payload) if self._is_command else _report(payload, self.names)
+            clean[at:end] = raw[at : at + 3] + kept + _sum(kept)
+            at = done = end
+        known = len(raw) if is_end else at
+        if known < 0:  # the last byte may begin a frame
+            known = max(done, len(raw) - raw.endswith(HEADER[:1]))
+        self._clean += clean[:known]
+        del raw[:known]
+        while self._sizes and len(self._clean) >= self._sizes[0]:
+            size = self._sizes.popleft()
+            self.ready.append(bytes(self._clean[:size]))
+            del self._clean[:size]
 
 
 def _report(payload: bytes, names: set[str]) -> bytes:

@@ -5,7 +5,7 @@ bound. An index that is wrong counts as none: the heads of all records are read 
 """
 
 import struct
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from io import BytesIO
 from operator import attrgetter
@@ -24,6 +24,10 @@ MOST_UNPACKED: Final = 64 * 1024 * 1024
 """A larger chunk is not unpacked [bytes]; ours have one MiB."""
 MOST_RECORD: Final = 64 * 1024 * 1024
 """A larger record is not read [bytes]."""
+MOST_CHUNKS: Final = 1_000_000
+"""Chunks of one file at most; ours have 96,000 a day."""
+NONE: Final = frozenset[int]()
+"""Channels of a chunk of which none is known yet."""
 MOST_LOOSE: Final = 1024 * 1024
 """Messages without chunks are read in parts of this size [bytes], or a message more."""
 SCHEMA: Final = 0x03
@@ -49,6 +53,13 @@ MESSAGE_HEAD: Final = struct.Struct("<HIQ")
 """Begin of a message: its channel, its number, its time [ns]."""
 TIMES: Final = struct.Struct("<QQ")
 """Begin of a chunk: times of its first and last message [ns]."""
+CHUNK_HEAD: Final = struct.Struct("<QQQII")
+"""Begin of a chunk: these times, bytes when it is unpacked, their checksum, and the length of the
+name of the packing."""
+LENGTH: Final = 8
+"""Bytes of the length of what is packed, which comes before it."""
+UNTOLD: Final = -1
+"""Length of what is packed by zstd where it does not tell it."""
 PLACE: Final = struct.Struct("<QQQQI")
 """Begin of a chunk's index: times of its first and last message, place and length of the chunk's
 record, and length of the list of its channels."""
@@ -92,7 +103,7 @@ class LogChunk:
     end: int
     offset: int
     length: int
-    channels: set[int]
+    channels: frozenset[int]
     is_packed: bool = True
 
     @property
@@ -122,6 +133,7 @@ class LogFile:
         self.path = path
         self.channels: dict[int, Channel] = {}
         self.schemas: dict[int, Schema] = {}
+        self._sets: dict[frozenset[int], frozenset[int]] = {}
 
     def chunks(self) -> list[LogChunk]:
         """Return its chunks."""
@@ -130,7 +142,11 @@ class LogFile:
                 found = self._indexed(file)
             except DAMAGED:
                 found = []
-            return found or self._scanned(file)
+            found = found or self._scanned(file)
+        for chunk in found:
+            if not chunk.channels <= self.channels.keys():
+                raise ValueError("a message is of no topic")
+        return found
 
     def _note(self, kind: int, content: bytes) -> None:
         """Note a channel or a schema."""
@@ -165,40 +181,53 @@ class LogFile:
         listed = content[PLACE.size : PLACE.size + told]
         if len(listed) != told or offset + length > size or begin > end:
             raise ValueError("its index is wrong")
-        channels = {channel for channel, _ in OF_CHANNEL.iter_unpack(listed)}
+        channels = self._same(channel for channel, _ in OF_CHANNEL.iter_unpack(listed))
         return LogChunk(self, begin, end, offset + HEADER, length - HEADER, channels)
+
+    def _same(self, channels: Iterable[int]) -> frozenset[int]:
+        """Return the one set of these channels: most chunks have the same."""
+        found = frozenset(channels)
+        return self._sets.setdefault(found, found)
 
     def _scanned(self, file: BinaryIO) -> list[LogChunk]:
         """Return the chunks by the heads of all records; messages without one are chunks, too."""
         found: list[LogChunk] = []
-        for kind, at, length in data_records(file):
-            file.seek(at)
-            last = found[-1] if found else None
+        last: LogChunk | None = None
+        for kind, at, length, head in data_records(file):
             if kind == CHUNK and length >= TIMES.size:
-                begin, end = TIMES.unpack(file.read(TIMES.size))
-                found.append(LogChunk(self, begin, end, at, length, set()))
+                begin, end = TIMES.unpack(head)
+                last = LogChunk(self, begin, end, at, length, NONE)
+                found.append(last)
             elif kind == MESSAGE_INDEX and last is not None:
-                last.channels.add(int.from_bytes(file.read(2), "little"))
+                number = int.from_bytes(head[:2], "little")
+                if number not in last.channels:
+                    last.channels = self._same((*last.channels, number))
             elif kind == MESSAGE and length >= OF_MESSAGE:
-                number, _, time = MESSAGE_HEAD.unpack(file.read(MESSAGE_HEAD.size))
+                number, _, time = MESSAGE_HEAD.unpack_from(head)
                 if last is None or last.is_packed or last.length > MOST_LOOSE:
-                    last = LogChunk(self, time, time, at - HEADER, 0, set(), is_packed=False)
+                    last = LogChunk(self, time, time, at - HEADER, 0, NONE, is_packed=False)
                     found.append(last)
                 last.begin, last.end = min(last.begin, time), max(last.end, time)
                 last.length = at + length - last.offset
-                last.channels.add(number)
+                if number not in last.channels:
+                    last.channels = self._same((*last.channels, number))
             elif kind in {SCHEMA, CHANNEL}:
                 self._note(kind, _content(file, at, length))
+            if len(found) > MOST_CHUNKS:
+                raise ValueError(f"more than {MOST_CHUNKS} chunks")
         for chunk in found:
             if chunk.is_packed and not (chunk.channels and chunk.channels <= self.channels.keys()):
-                chunk.channels.clear()
-                for kind, data in unpacked(_content(file, chunk.offset, chunk.length)):
-                    self._note(kind, data)
-                    if kind == MESSAGE:
-                        chunk.channels.add(int.from_bytes(data[:2], "little"))
-            if not chunk.channels <= self.channels.keys():
-                raise ValueError("a message is of no topic")
+                chunk.channels = self._same(
+                    self._seen_in(_content(file, chunk.offset, chunk.length))
+                )
         return [chunk for chunk in found if chunk.channels]
+
+    def _seen_in(self, content: bytes) -> Iterator[int]:
+        """Yield the channel of each message of a chunk, and note all that it tells of them."""
+        for kind, data in unpacked(content):
+            self._note(kind, data)
+            if kind == MESSAGE:
+                yield int.from_bytes(data[:2], "little")
 
 
 def summary_groups(file: BinaryIO, size: int, kinds: set[int]) -> Iterator[tuple[int, bytes]]:
@@ -240,20 +269,22 @@ def _groups(data: bytes) -> Iterator[tuple[int, ...]]:
 
 def unpacked(content: bytes) -> Iterator[tuple[int, bytes]]:
     """Yield the records in a chunk."""
-    import zstandard
-    from mcap.records import Chunk
+    *_, size, _, told = CHUNK_HEAD.unpack_from(content)
+    packed_by = bytes(content[CHUNK_HEAD.size : CHUNK_HEAD.size + told])
+    at = CHUNK_HEAD.size + told + LENGTH
+    data = content[at : at + int.from_bytes(content[at - LENGTH : at], "little")]
+    if size > MOST_UNPACKED:
+        raise ValueError(f"a chunk of {size} bytes")
+    if packed_by == b"zstd":
+        import zstandard
 
-    chunk = Chunk.read(stream(content))
-    if chunk.uncompressed_size > MOST_UNPACKED:
-        raise ValueError(f"a chunk of {chunk.uncompressed_size} bytes")
-    data = chunk.data
-    if chunk.compression == "zstd":
+        if zstandard.frame_content_size(data) not in {size, UNTOLD}:
+            raise ValueError("a chunk has another length than it says")
         unpacker = zstandard.ZstdDecompressor(max_window_size=MOST_UNPACKED)
-        with unpacker.stream_reader(chunk.data) as packed:
-            data = packed.read(chunk.uncompressed_size)
-    elif chunk.compression:
-        raise ValueError(f"packed by {chunk.compression!r}: `mcap recompress` packs it by zstd")
-    if len(data) != chunk.uncompressed_size:
+        data = unpacker.decompress(data, max_output_size=size) if size else b""
+    elif packed_by:
+        raise ValueError(f"packed by {packed_by.decode()!r}: `mcap recompress` packs it by zstd")
+    if len(data) != size:
         raise ValueError("a chunk is shorter than it says")
     yield from split(data)
 

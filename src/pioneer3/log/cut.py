@@ -15,6 +15,8 @@ DATA_END: Final = 0x0F
 """Kind of the record behind the data."""
 HEADER: Final = 9
 """Bytes before the content of a record."""
+BEGIN: Final = 16
+"""Bytes of the begin of the content of a record, or fewer: times of a chunk, or a message's."""
 END: Final = b"\x02" + (20).to_bytes(8, "little") + bytes(20) + MAGIC
 """Footer of a file without an index, and the magic bytes."""
 
@@ -77,25 +79,25 @@ def is_cut(path: Path) -> bool:
         return file.read() != MAGIC
 
 
-def data_records(file: BinaryIO) -> Iterator[tuple[int, int, int]]:
-    """Yield kind, place and length of the content of each record up to the end of the data.
+def data_records(file: BinaryIO) -> Iterator[tuple[int, int, int, bytes]]:
+    """Yield kind, place, length and begin of the content of each record up to the data's end.
 
     A file without an end has them up to the last whole one. The reader may move in the file.
     """
     size, at = file.seek(0, 2), len(MAGIC)
     while True:
         file.seek(at)
-        header = file.read(HEADER)
-        length = int.from_bytes(header[1:], "little")
-        if len(header) < HEADER or header[0] == DATA_END or at + HEADER + length > size:
+        head = file.read(HEADER + BEGIN)
+        length = int.from_bytes(head[1:HEADER], "little")
+        if len(head) < HEADER or head[0] == DATA_END or at + HEADER + length > size:
             return
-        yield header[0], at + HEADER, length
+        yield head[0], at + HEADER, length, head[HEADER : HEADER + length]
         at += HEADER + length
 
 
 def _end_of_data(file: BinaryIO) -> int:
     """Return where the last whole record of the data ends."""
     end = len(MAGIC)
-    for _, at, length in data_records(file):
+    for _, at, length, _ in data_records(file):
         end = at + length
     return end

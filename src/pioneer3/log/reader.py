@@ -332,10 +332,9 @@ def _read_index(file: BinaryIO, size: int) -> _Index | None:
 def _index_of_all(file: BinaryIO) -> _Index:
     """Return the facts of a file without its end, read from the heads of its records."""
     index = _Index()
-    for kind, at, length in data_records(file):
+    for kind, at, length, head in data_records(file):
         if kind == CHUNK and length >= TIMES.size:
-            file.seek(at)
-            began, ended = TIMES.unpack(file.read(TIMES.size))
+            began, ended = TIMES.unpack(head)
             index.began = min(index.began or began, began)
             index.ended = max(index.ended, ended)
         elif kind == METADATA and length <= MOST_RECORD:

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from mcap.reader import make_reader
 
 import pioneer3
-from pioneer3.analysis.anonymous import Names, _command, write_anonymous
-from pioneer3.analysis.anonymous_bytes import without_names
+from pioneer3.analysis.anonymous import FORMS, Names, _command, write_anonymous
+from pioneer3.analysis.anonymous_bytes import GIVEN_UP, LinkScrubber
 from pioneer3.arcos import packet, reports
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
@@ -28,6 +28,7 @@ from pioneer3.runtime.recording import CommandGiven, StandsBecause
 from pioneer3.state import Scan
 from tests.unit.analysis.support import driven, given, scan, topic, write_log
 
+SECOND = 10**9
 MAC = "aa:bb:cc:dd:ee:ff"
 SECRETS = (
     *("rosalind", "SN-20457", "ann.lee", "Smith", "Beamline", "lab-17", "10.4.7.21", "4711"),
@@ -125,6 +126,32 @@ def unpacked(path: Path) -> bytes:
     return b"\n".join(parts)
 
 
+def without_names(data: bytes, *, is_command: bool, size: int = 7) -> tuple[bytes, set[str]]:
+    """Return bytes without names that came in pieces of a size, and the names."""
+    scrubber = LinkScrubber(is_command=is_command)
+    pieces = [data[at : at + size] for at in range(0, len(data), size)]
+    for number, piece in enumerate(pieces):
+        scrubber.feed(number * SECOND, piece)
+    scrubber.end()
+    assert [*map(len, scrubber.ready)] == [*map(len, pieces)]
+    return b"".join(scrubber.ready), scrubber.names
+
+
+def test_a_frame_that_comes_in_pieces_waits_until_it_is_whole_or_the_line_is_silent() -> None:
+    scrubber, whole = LinkScrubber(is_command=False), frame(IDENTITY)
+    scrubber.feed(0, whole[:9])
+    scrubber.feed(SECOND, whole[9:-1])
+    assert not scrubber.ready
+    scrubber.feed(2 * SECOND, whole[-1:] + b"ab")
+    first, *rest = scrubber.ready
+    assert first == whole[:4] + b"xxxxx"
+    assert b"".join(rest)[-2:] == bytes(2)
+    scrubber.ready.clear()
+    scrubber.feed(3 * SECOND, whole[:9])
+    scrubber.feed(3 * SECOND + GIVEN_UP + 1, whole[9:])
+    assert b"".join(scrubber.ready) == bytes(len(whole))
+
+
 def test_frames_stay_valid_and_as_long_as_before() -> None:
     clean, names = without_names(WIRE, is_command=False)
     assert names == {"rosalind", "SN-20457"}
@@ -151,8 +178,17 @@ def test_any_bytes_stay_as_long_and_tell_no_name(pieces: list[bytes]) -> None:
     data = b"".join(pieces)
     for is_command in (False, True):
         clean, _ = without_names(data, is_command=is_command)
+        assert clean == without_names(data, is_command=is_command, size=1000)[0]
         assert len(clean) == len(data)
         assert b"rosalind" not in clean
+
+
+@drawn(st.text(alphabet="ac1A:/@.\\~ ,'_-°\n", max_size=60) | st.text(max_size=20))
+def test_a_form_is_found_in_its_word_as_in_the_whole_text(text: str) -> None:
+    whole = text
+    for form, alias in FORMS:
+        whole = form.sub(alias, whole)
+    assert Names().hidden(text) == whole
 
 
 @pytest.mark.parametrize(

@@ -6,6 +6,7 @@ from random import Random
 import pytest
 
 from pioneer3.errors import ConfigError
+from pioneer3.log import chunks
 from pioneer3.log.excerpt import write_excerpt
 from pioneer3.log.index import LogIndex
 from pioneer3.log.reader import LogMessage, open_log
@@ -118,3 +119,21 @@ def test_an_excerpt_begins_with_what_was_told_once(tmp_path: Path) -> None:
         assert now is not None
         assert (now.data, now.time) == (before.data, begin)
     assert part.newest("decision", begin) is None
+
+
+def test_more_chunks_than_fit_in_memory_are_refused(
+    path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(chunks, "MOST_CHUNKS", 3)
+    with pytest.raises(ConfigError, match="more than 3 chunks"):
+        LogIndex(cut(path, tmp_path / "cut.mcap", path.stat().st_size - 1))
+
+
+def test_a_chunk_that_lies_about_its_length_is_not_unpacked(tmp_path: Path) -> None:
+    import zstandard
+
+    packed = zstandard.ZstdCompressor().compress(bytes(10_000_000))
+    for told in (0, 100, 10_000_001):
+        head = chunks.CHUNK_HEAD.pack(0, 0, told, 0, 4) + b"zstd"
+        with pytest.raises(ValueError, match="another length than it says"):
+            list(chunks.unpacked(head + len(packed).to_bytes(8, "little") + packed))
