@@ -6,11 +6,15 @@ import selectors
 from collections.abc import AsyncIterator, Callable, Coroutine, Iterable
 from contextlib import asynccontextmanager, suppress
 from functools import partial
+from math import floor
 from threading import Thread
 from typing import Any, TypeVar
 
 T = TypeVar("T")
 log = logging.getLogger(__name__)
+
+ROUNDING = 1e-6
+"""A tick that is nearer than this share of a period is the present one."""
 
 
 @asynccontextmanager
@@ -57,6 +61,16 @@ async def cancelled(tasks: Iterable["asyncio.Future[Any]"]) -> None:
     for task in several:
         task.cancel()
     await asyncio.gather(*several, return_exceptions=True)
+
+
+async def next_tick(period: float) -> None:
+    """Wait for the next multiple of `period` [s] of the loop's clock.
+
+    Tasks whose periods divide each other wake up together: waking up costs more than what most do.
+    """
+    now = asyncio.get_running_loop().time()
+    ticks = floor(now / period + ROUNDING) + 1
+    await asyncio.sleep(ticks * period - now)
 
 
 def hand_over(

@@ -156,8 +156,14 @@ def test_a_sip_of_any_length_loses_no_byte(
     assert missing[:-1] == sorted(missing[:-1])
 
 
-@given(st.sampled_from([cls.ID for cls in EXACT]), st.binary(max_size=250))
+@given(
+    st.sampled_from([cls.ID for cls in EXACT]),
+    st.sampled_from([b"", b"\0\0", b"a\0\xff\0"]),
+    st.binary(max_size=250),
+)
 @settings(max_examples=examples(300))
-def test_reports_that_are_not_written_again_lose_no_byte(number: int, data: bytes) -> None:
-    payload = bytes([number]) + data
+def test_reports_that_are_not_written_again_lose_no_byte(
+    number: int, texts: bytes, data: bytes
+) -> None:
+    payload = bytes([number]) + texts + data
     assert reports.to_payload(reports.from_payload(payload)) == payload

@@ -15,6 +15,7 @@ import ssl
 from collections import Counter
 from collections.abc import Callable
 from enum import IntEnum
+from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +23,7 @@ import uvicorn
 from uvicorn.protocols.http.h11_impl import H11Protocol
 from uvicorn.server import ServerState
 
+from pioneer3.tasks import next_tick
 from pioneer3.web.websocket import BoundedWebSocket
 
 log = logging.getLogger(__name__)
@@ -43,6 +45,8 @@ REQUEST_TIME = 5.0
 """Longest time from the first byte of a request to its last [s]."""
 ANSWER_TIME = 30.0
 """Longest time until an answer has been taken [s]."""
+TICK = 0.1
+"""Time between two looks at all connections [s], as uvicorn has it."""
 STREAMING = "pioneer3.streaming"
 """Extension of the ASGI scope: a function that an answer without end calls before each piece."""
 TAKING = "pioneer3.taking"
@@ -353,8 +357,14 @@ class WebServer(uvicorn.Server):
         ]
         self.started = True
 
+    async def main_loop(self) -> None:
+        """Tick, at the same time as what else goes on in this program, until told to stop."""
+        ticks = count()
+        while not await self.on_tick(next(ticks)):
+            await next_tick(TICK)
+
     async def on_tick(self, counter: int) -> bool:
-        """Close overdue connections; ten times a second."""
+        """Close overdue connections; each tenth call renews the date of answers."""
         self._limits.pool.close_overdue(asyncio.get_running_loop().time())
         return await super().on_tick(counter)
 

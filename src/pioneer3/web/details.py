@@ -18,6 +18,7 @@ from pioneer3.robot.devices.sensor import Sensor
 from pioneer3.robot.lasers.driver import LaserDriver
 from pioneer3.runtime.robot import Robot
 from pioneer3.state import Snapshot
+from pioneer3.tasks import next_tick
 from pioneer3.web import messages
 from pioneer3.web.broadcast import RetainedChannel, Subscriber
 from pioneer3.web.scene import RobotScene
@@ -70,7 +71,7 @@ class RobotDetails:
                     now = self._clock()
                     self._ask_for_lines(now)
                     self._publish("details", self._describe(now))
-                    await asyncio.sleep(PERIOD)
+                    await next_tick(PERIOD)
             self.channel.forget("details")
             self._subscribed.clear()
 

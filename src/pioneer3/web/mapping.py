@@ -20,7 +20,7 @@ from pioneer3.navigation.connect import prepare_navigation
 from pioneer3.navigation.map_files import free_path, not_continued, save_map, save_survey
 from pioneer3.navigation.recording import points_of
 from pioneer3.runtime.robot import Robot
-from pioneer3.tasks import running
+from pioneer3.tasks import next_tick, running
 from pioneer3.web import messages, navigation, requests
 from pioneer3.web.control import Control, Operator
 from pioneer3.web.scene import RobotScene
@@ -277,7 +277,7 @@ class RobotMapping:
         while True:
             self._publish(self._message() if self.making or self.possible else None)
             await self._encode()
-            await asyncio.sleep(PERIOD)
+            await next_tick(PERIOD)
 
     async def _encode(self) -> None:
         """Encode what was drawn, in a thread: a large picture takes half a second."""

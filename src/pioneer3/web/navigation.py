@@ -8,7 +8,7 @@ the server's loop meanwhile, and the page is told the reason to wait.
 import asyncio
 import logging
 from collections.abc import Awaitable, Callable, Iterable, Sequence
-from functools import partial
+from functools import cache, partial
 from importlib.util import find_spec
 from math import inf
 from typing import TYPE_CHECKING, Any
@@ -21,7 +21,7 @@ from pioneer3.navigation.connect import prepare_navigation
 from pioneer3.navigation.goals import GONE, GoalServer, GoalStatus, NavigationGoal
 from pioneer3.navigation.recording import points_of
 from pioneer3.runtime.robot import Robot
-from pioneer3.tasks import running
+from pioneer3.tasks import next_tick, running
 from pioneer3.web import messages, requests
 from pioneer3.web.control import GOTO_TIME, SILENCE, Control, Operator
 from pioneer3.web.scene import RobotScene
@@ -377,7 +377,7 @@ class RobotNavigation:
                 state = navigator.state.latest
                 if state is not None:
                     self._publish(self._message(state))
-                await asyncio.sleep(PERIOD)
+                await next_tick(PERIOD)
         finally:
             self._publish(None)
 
@@ -397,6 +397,7 @@ def _seconds(length: float, speed: float) -> int:
     return round(length / (CRUISE * speed))
 
 
+@cache
 def installed() -> bool:
     """Whether the extra `nav` is."""
     return all(find_spec(name) is not None for name in ("numba", "scipy"))

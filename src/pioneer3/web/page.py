@@ -12,7 +12,7 @@ from pioneer3.errors import CommandError, Refusal
 from pioneer3.names import free_name
 from pioneer3.navigation.traffic import Participant, Traffic
 from pioneer3.runtime.robot import Robot
-from pioneer3.tasks import running
+from pioneer3.tasks import next_tick, running
 from pioneer3.teleop.gamepad import SCHEME
 from pioneer3.web import messages, requests
 from pioneer3.web.access.access import Access
@@ -119,7 +119,7 @@ class Page:
             async with running(self.map_editor.run()):
                 while True:
                     self.update()
-                    await asyncio.sleep(UPDATE_PERIOD)
+                    await next_tick(UPDATE_PERIOD)
         finally:
             self.closed.set()
 

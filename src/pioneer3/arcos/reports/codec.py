@@ -60,10 +60,10 @@ ALL: tuple[type[Report], ...] = (
 )
 """Every report class but :class:`UnknownReport`, by id."""
 EXACT: Final[frozenset[type[Report]]] = frozenset(
-    {simulators.SimLaser, simulators.SimLaserExtended}
+    {simulators.SimLaser, simulators.SimLaserExtended, simulators.SimStat}
 )
 """Reports of which nothing can get lost, so that none is written to see it: a simulator sends them
-60 times a second, and they have numbers and `extra` only."""
+10 to 60 times a second."""
 
 
 @cache

@@ -20,6 +20,7 @@ from pioneer3.classroom.downloads import Downloads
 from pioneer3.classroom.roster import Roster
 from pioneer3.classroom.runs import Run, RunFolder
 from pioneer3.errors import CommandError, ConfigError, Refusal
+from pioneer3.tasks import next_tick
 from pioneer3.web import messages, requests
 from pioneer3.web.access.access import Access, Rate, RateLimiter
 from pioneer3.web.access.sessions import LoginSession, Role, SessionKind, fingerprint
@@ -94,7 +95,7 @@ class Classroom:
         try:
             while True:
                 self.update()
-                await asyncio.sleep(PERIOD)
+                await next_tick(PERIOD)
         finally:
             for robot in self.robots.values():
                 robot.discard_recording()
