@@ -3,11 +3,10 @@
 Definitions of messages are those of rosbags, definitions of services those of `services.toml`.
 """
 
-import json
 import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
+from copy import copy
 from functools import cache
-from hashlib import sha256
 from importlib.resources import files
 from math import inf
 from typing import Any, Final
@@ -18,33 +17,16 @@ from pioneer3.ros.ros2.backend import MessageType, ServiceType
 from pioneer3.ros.ros2.cdr import LARGEST as LARGEST_NUMBER
 from pioneer3.ros.ros2.cdr import encoder
 from pioneer3.ros.ros2.distros import Distro
-from pioneer3.ros.typestore import ARRAY, BASE, NAME, MessageStore, full_name
+from pioneer3.ros.typestore import BASE, NAME, MessageStore, full_name
 
-TYPE_IDS: Final[Mapping[str, int]] = {
-    "int8": 2,
-    "uint8": 3,
-    "int16": 4,
-    "uint16": 5,
-    "int32": 6,
-    "uint32": 7,
-    "int64": 8,
-    "uint64": 9,
-    "float32": 10,
-    "float64": 11,
-    "char": 3,  # rosidl turns it into uint8 before it counts
-    "bool": 15,
-    "byte": 16,
-    "string": 17,
-    "bounded_string": 21,
-}
-"""`type_description_interfaces/msg/FieldType`."""
-ARRAY_OFFSET, BOUNDED_OFFSET, UNBOUNDED_OFFSET, NESTED = 48, 96, 144, 1
 EVENT_INFO: Final = "service_msgs/msg/ServiceEventInfo"
 HEADER: Final = 4
 """Bytes before a serialized message that tell how it is serialized."""
 LONGEST_TEXT: Final = 2**20
 """Longest text in a message without sequences that is taken [B]."""
 NO_FIELD: Final = "structure_needs_at_least_one_member"
+SEQUENCE: Final = 4
+"""Kind of a field that is a sequence in rosbags' definitions."""
 
 
 class MessageTypes(MessageStore):
@@ -58,13 +40,14 @@ class MessageTypes(MessageStore):
             raise ConfigError(f"ROS 2 without ROS needs rosbags: {advice}") from error
         self.distro = distro
         super().__init__(get_typestore(Stores(f"ros2_{distro.name}")))
-        self._services = set()
-        for name, parts in _service_definitions().items():
-            self._services.add(name)
+        self._services = _service_definitions()
+        for name, parts in self._services.items():
             for part, text in parts.items():
                 part_name = f"{name}_{part.title()}"
                 (fields,) = get_types_from_msg(text, part_name).values()
                 self._store.register({part_name: fields})
+        self._hashes = copy(self._store)
+        self._hashes.fielddefs = _hashed(self._store.fielddefs, self._services)
         self._largest: dict[str, float] = {}
         self._encoders: dict[str, Callable[[Any], bytes]] = {}
 
@@ -130,7 +113,7 @@ class MessageTypes(MessageStore):
         return cdr[: HEADER + end]
 
     def _hash(self, name: str) -> str:
-        return type_hash(name, self._store.fielddefs) if self.distro.type_hashes else ""
+        return str(self._hashes.hash_rihs01(name)) if self.distro.type_hashes else ""
 
 
 def largest(name: str, fields: Mapping[str, Any]) -> float:
@@ -148,69 +131,29 @@ def largest(name: str, fields: Mapping[str, Any]) -> float:
     return sum((size(*desc) for _, desc in fields[name][1]), LARGEST_NUMBER)
 
 
-def type_hash(name: str, fields: Mapping[str, Any]) -> str:
-    """Return the hash of a type of messages, or of services, as REP 2016 defines it.
-
-    Fields of each type are as rosbags has them.
-    """
-    described: dict[str, dict[str, object]] = {}
-
-    def describe(type_name: str, own: list[tuple[str, Any]]) -> None:
-        described[type_name] = {}
-        described[type_name] |= {
-            "type_name": type_name,
-            "fields": [
-                {"name": field, "type": field_type(*desc)}
-                for field, desc in own or [(NO_FIELD, (BASE, ("uint8", 0)))]
-            ],
-        }
-
-    def field_type(kind: int, what: Any) -> dict[str, object]:
-        offset = capacity = limit = 0
-        nested = ""
-        if kind not in {BASE, NAME}:
-            (inner, base), capacity = what
-            unbounded = UNBOUNDED_OFFSET if capacity == 0 else BOUNDED_OFFSET
-            offset = ARRAY_OFFSET if kind == ARRAY else unbounded
-            kind, what = inner, base
-        if kind == NAME:
-            nested, number = what, NESTED
-            if nested not in described:
-                describe(nested, fields[nested][1])
-        else:
-            base, limit = what
-            number = TYPE_IDS["bounded_string" if base == "string" and limit else base]
-        return {
-            "type_id": offset + number,
-            "capacity": capacity,
-            "string_capacity": limit,
-            "nested_type_name": nested,
-        }
-
-    if "/srv/" in name and name not in fields:
-        request, response, event = (f"{name}_{part}" for part in ("Request", "Response", "Event"))
-        info = EVENT_INFO if EVENT_INFO in fields else ""
-        fields = {
-            **fields,
-            event: (
-                [],
-                [
-                    ("info", (NAME, info)),
-                    ("request", (4, ((NAME, request), 1))),
-                    ("response", (4, ((NAME, response), 1))),
-                ],
-            ),
-        }
-        parts = [("request_message", request), ("response_message", response)]
-        own = [(field, (NAME, part)) for field, part in [*parts, ("event_message", event)]]
-    else:
-        own = fields[name][1]
-    describe(name, own)
-    content = {
-        "type_description": described.pop(name),
-        "referenced_type_descriptions": [part for _, part in sorted(described.items())],
+def _hashed(fields: Mapping[str, Any], services: Iterable[str]) -> dict[str, Any]:
+    """Return the fields that hashes are of, as REP 2016 defines them, also those of services."""
+    hashed = {
+        name: (constants, [(field, _counted(desc)) for field, desc in own])
+        for name, (constants, own) in fields.items()
     }
-    return f"RIHS01_{sha256(json.dumps(content).encode()).hexdigest()}"
+    for name in services:
+        request, response, event = (
+            (NAME, f"{name}_{part}") for part in ("Request", "Response", "Event")
+        )
+        own = [("request_message", request), ("response_message", response)]
+        hashed[name] = ([], [*own, ("event_message", event)])
+        optional = [("request", (SEQUENCE, (request, 1))), ("response", (SEQUENCE, (response, 1)))]
+        hashed[event[1]] = ([], [("info", (NAME, EVENT_INFO)), *optional])
+    return hashed
+
+
+def _counted(desc: Any) -> Any:
+    """Return the kind of a field as rosidl counts it, which turns `char` into `uint8` before."""
+    kind, what = desc
+    if kind == BASE:
+        return (kind, ("uint8", 0)) if what[0] == "char" else desc
+    return desc if kind == NAME else (kind, (_counted(what[0]), what[1]))
 
 
 @cache
