@@ -96,35 +96,12 @@ TRANSITIONS: Final = (
 )
 
 
-def _nothing() -> bool:
-    return True
+Callbacks = Mapping[LifecycleState, Callable[[], bool]]
+"""The work of states from 10 on, if any: it tells whether it succeeds; an exception is an error.
 
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Callbacks:
-    """The work of the transitions: each returns whether it succeeded; an exception is an error.
-
-    `cleanup` undoes the work of `configure`. After an exception `error` cleans up, so that the node
-    is as new; else it is finalized.
-    """
-
-    configure: Callable[[], bool] = _nothing
-    activate: Callable[[], bool] = _nothing
-    deactivate: Callable[[], bool] = _nothing
-    cleanup: Callable[[], bool] = _nothing
-    shutdown: Callable[[], bool] = _nothing
-    error: Callable[[], bool] = _nothing
-
-    def in_state(self, state: LifecycleState) -> Callable[[], bool]:
-        """Return the callback that works during a state."""
-        return {
-            LifecycleState.CONFIGURING: self.configure,
-            LifecycleState.ACTIVATING: self.activate,
-            LifecycleState.DEACTIVATING: self.deactivate,
-            LifecycleState.CLEANINGUP: self.cleanup,
-            SHUTTINGDOWN: self.shutdown,
-            ERRORPROCESSING: self.error,
-        }[state]
+Work of CLEANINGUP undoes that of CONFIGURING. After an exception that of ERRORPROCESSING cleans up,
+so that the node is as new; else it is finalized.
+"""
 
 
 class Lifecycle:
@@ -183,7 +160,7 @@ class Lifecycle:
     def _work(self) -> TransitionOutcome:
         """Call the callback of the present state, and leave the state; return the outcome."""
         try:
-            succeeded = self._callbacks.in_state(self.state)()
+            succeeded = self._callbacks.get(self.state, lambda: True)()
         except Exception:  # it must not leave the node between two states
             log.exception("the node fails while it is %s", self.state.label)
             outcome = TransitionOutcome.ERROR

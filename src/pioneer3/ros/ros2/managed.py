@@ -7,32 +7,21 @@ import asyncio
 from collections.abc import Callable, Coroutine
 from concurrent.futures import CancelledError
 from contextlib import AbstractAsyncContextManager
-from enum import Enum
 from functools import partial
 from typing import Any
 
 from pioneer3.errors import PioneerError
-from pioneer3.ros.ros2.lifecycle import Callbacks, Lifecycle
+from pioneer3.ros.ros2.lifecycle import Callbacks, Lifecycle, LifecycleState
 from pioneer3.runtime.robot import Robot
 from pioneer3.tasks import running
 
 Run = Callable[[Robot, Callable[[], None]], Coroutine[Any, Any, None]]
 
 
-class Work(Enum):
-    """The work of a transition."""
-
-    CONFIGURE = "configure"
-    ACTIVATE = "activate"
-    DEACTIVATE = "deactivate"
-    CLEANUP = "cleanup"
-    SHUTDOWN = "shutdown"
-
-
 class _Request:
-    """A request for the work of a transition; a thread waits for its end."""
+    """A request for the work of a state; a thread waits for its end."""
 
-    def __init__(self, work: Work) -> None:
+    def __init__(self, work: LifecycleState) -> None:
         self.work = work
         self.result: asyncio.Future[bool] = asyncio.get_running_loop().create_future()
 
@@ -62,8 +51,10 @@ class ManagedRobot:
 
     @property
     def callbacks(self) -> Callbacks:
-        """The work of each transition, for threads other than the loop's."""
-        return Callbacks(**{work.value: partial(self._ask, work) for work in Work})
+        """The work of each state but that after errors, for threads other than the loop's."""
+        last = LifecycleState.DEACTIVATING
+        states = [each for each in LifecycleState if LifecycleState.CONFIGURING <= each <= last]
+        return {work: partial(self._ask, work) for work in states}
 
     async def serve(self, lifecycle: Lifecycle, *, autostart: bool) -> None:
         """Make the transitions that are asked for, until cancelled; with `autostart` the first two.
@@ -72,11 +63,11 @@ class ManagedRobot:
             PioneerError: the robot cannot be reached at the automatic start, or is lost for good.
         """
         self._must_start = autostart
-        first = (Work.CONFIGURE, Work.ACTIVATE) if autostart else ()
+        first = ("configure", "activate") if autostart else ()
 
         async def begin() -> None:
-            for work in first:
-                if not await asyncio.to_thread(lifecycle.trigger, work.value):
+            for label in first:
+                if not await asyncio.to_thread(lifecycle.trigger, label):
                     return
 
         async with running(begin()):
@@ -87,8 +78,8 @@ class ManagedRobot:
             self._tell("finalized: does nothing any more; Ctrl-C ends it")
             await asyncio.Event().wait()
 
-    def _ask(self, work: Work) -> bool:
-        """Have the loop do the work of a transition; return whether it succeeded."""
+    def _ask(self, work: LifecycleState) -> bool:
+        """Have the loop do the work of a state; return whether it succeeded."""
         waiting = self._wait_for(work)
         try:
             return asyncio.run_coroutine_threadsafe(waiting, self._loop).result()
@@ -98,14 +89,14 @@ class ManagedRobot:
             waiting.close()
             return False
 
-    async def _wait_for(self, work: Work) -> bool:
+    async def _wait_for(self, work: LifecycleState) -> bool:
         request = _Request(work)
         self._requests.put_nowait(request)
         return await request.result
 
     async def _unconfigured(self) -> _Request:
         """Connect the robot when asked to; return the request to shut down."""
-        while (request := await self._requests.get()).work is Work.CONFIGURE:
+        while (request := await self._requests.get()).work is LifecycleState.CONFIGURING:
             begun = False
             try:
                 async with self._connected() as robot:
@@ -118,7 +109,7 @@ class ManagedRobot:
                     raise
                 self._tell(f"not configured: {error}")
                 continue
-            if request.work is Work.SHUTDOWN:
+            if request.work is LifecycleState.SHUTTINGDOWN:
                 return request
             request.end()
             self._tell("unconfigured: the robot is free for other programs")
@@ -126,7 +117,7 @@ class ManagedRobot:
 
     async def _inactive(self, robot: Robot) -> _Request:
         """Publish and drive when asked to; return the request that leaves the robot."""
-        while (request := await self._requests.get()).work is Work.ACTIVATE:
+        while (request := await self._requests.get()).work is LifecycleState.ACTIVATING:
             begin = partial(self._begin, request)
             try:
                 async with running(self._run(robot, begin)):
@@ -138,7 +129,7 @@ class ManagedRobot:
                     raise
                 self._tell(f"not activated: {error}")
                 continue
-            if request.work is Work.SHUTDOWN:
+            if request.work is LifecycleState.SHUTTINGDOWN:
                 return request
             request.end()
             self._tell("inactive: the robot stands; waits for `activate` or `cleanup`")

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from pioneer3.ros.ros2.distros import distro_of, distros
-from pioneer3.ros.ros2.lifecycle import TRANSITIONS, Callbacks, Lifecycle, LifecycleState
+from pioneer3.ros.ros2.lifecycle import TRANSITIONS, Lifecycle, LifecycleState
 from pioneer3.ros.ros2.types import MessageTypes
 
 TYPES = MessageTypes(distro_of("jazzy"))
@@ -27,14 +27,14 @@ class Node:
         self.events: list[Any] = []
         self.lifecycle = Lifecycle(
             TYPES,
-            Callbacks(
-                configure=self.callback("configure", results),
-                activate=self.callback("activate", results),
-                deactivate=self.callback("deactivate", results),
-                cleanup=self.callback("cleanup", results),
-                shutdown=self.callback("shutdown", results),
-                error=self.callback("error", results),
-            ),
+            {
+                LifecycleState.CONFIGURING: self.callback("configure", results),
+                LifecycleState.ACTIVATING: self.callback("activate", results),
+                LifecycleState.DEACTIVATING: self.callback("deactivate", results),
+                LifecycleState.CLEANINGUP: self.callback("cleanup", results),
+                LifecycleState.SHUTTINGDOWN: self.callback("shutdown", results),
+                LifecycleState.ERRORPROCESSING: self.callback("error", results),
+            },
             self.events.append,
         )
 
@@ -175,7 +175,7 @@ def test_the_state_can_be_asked_for_while_a_transition_waits() -> None:
         began.set()
         return go_on.wait(30)
 
-    lifecycle = Lifecycle(TYPES, Callbacks(configure=configure), lambda event: None)
+    lifecycle = Lifecycle(TYPES, {LifecycleState.CONFIGURING: configure}, lambda event: None)
     threads = [Thread(target=lifecycle.trigger, args=(name,)) for name in ("configure", "activate")]
     threads[0].start()
     assert began.wait(30)
