@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from enum import StrEnum
+from functools import partial
 
 from pioneer3.doctor.ports import SerialPort
 from pioneer3.doctor.recognition import OtherDevice
@@ -51,6 +52,15 @@ class Finding:
         """Take the exit code from what is no failure."""
         if self.level is not Level.FAIL:
             object.__setattr__(self, "code", 0)
+
+
+def ok(check: str, found: str) -> Finding:
+    """Return the finding that all is well."""
+    return Finding(check=check, level=Level.OK, found=found)
+
+
+warning = partial(Finding, level=Level.WARN)
+failure = partial(Finding, level=Level.FAIL)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from functools import partial
 from typing import Final
 
-from pioneer3.doctor.facts import FORBIDDEN, UNREACHABLE, Finding, Level, LinkFacts
+from pioneer3.doctor.facts import FORBIDDEN, UNREACHABLE, Finding, LinkFacts, failure, ok, warning
 from pioneer3.doctor.ports import PortHolder, SerialPort, latency_file
 from pioneer3.doctor.recognition import DeviceKind, OtherDevice
 from pioneer3.errors import (
@@ -18,10 +18,8 @@ from pioneer3.links.serial import SPEEDS, how_to_get_permission
 from pioneer3.robot.supervisor import kind
 
 LONGEST_LATENCY_MS: Final = 1
-_closed = partial(Finding, check="port", level=Level.FAIL, symptom=Symptom.NO_PORT)
-_no_answer = partial(
-    Finding, check="answer", level=Level.FAIL, code=UNREACHABLE, symptom=Symptom.NO_ANSWER
-)
+_closed = partial(failure, check="port", symptom=Symptom.NO_PORT)
+_no_answer = partial(failure, check="answer", code=UNREACHABLE, symptom=Symptom.NO_ANSWER)
 
 
 def check_port(facts: LinkFacts) -> Iterator[Finding]:
@@ -30,7 +28,7 @@ def check_port(facts: LinkFacts) -> Iterator[Finding]:
         yield from _serial_port(facts.port, facts)
         return
     if facts.refused is None:
-        yield Finding(check="port", level=Level.OK, found=f"{facts.url} opens")
+        yield ok("port", f"{facts.url} opens")
         return
     yield _closed(
         found=str(facts.refused).removeprefix(f"{facts.url}: "),
@@ -80,16 +78,15 @@ def _serial_port(port: SerialPort, facts: LinkFacts) -> Iterator[Finding]:
             code=UNREACHABLE,
         )
     elif port.console:
-        yield Finding(
+        yield warning(
             check="port",
-            level=Level.WARN,
             found=f"{where} opens, but is the console of this computer",
             meaning="The kernel writes its messages to whatever is connected there.",
             advice="Take console=... for this port off the kernel's command line.",
             symptom=Symptom.NO_PORT,
         )
     else:
-        yield Finding(check="port", level=Level.OK, found=f"{where} opens")
+        yield ok("port", f"{where} opens")
 
 
 def _busy(holders: tuple[PortHolder, ...], where: str) -> Finding:
@@ -119,11 +116,10 @@ def check_adapter(facts: LinkFacts) -> Iterator[Finding]:
     if port is None or port.chip is None or facts.refused is not None:
         return
     if port.latency_ms is None or port.latency_ms <= LONGEST_LATENCY_MS:
-        yield Finding(check="adapter", level=Level.OK, found=f"{port.chip}: nothing to set")
+        yield ok("adapter", f"{port.chip}: nothing to set")
         return
-    yield Finding(
+    yield warning(
         check="adapter",
-        level=Level.WARN,
         found=f"{port.chip} holds bytes back for up to {port.latency_ms} ms (latency timer)",
         meaning="All reports of the robot arrive late and in bursts.",
         advice=f"Until it is unplugged: echo 1 | sudo tee {latency_file(port.device)}",
@@ -137,10 +133,8 @@ def check_answer(facts: LinkFacts) -> Iterator[Finding]:
         return
     if facts.info is not None:
         who = facts.info
-        yield Finding(
-            check="answer",
-            level=Level.OK,
-            found=f"{kind(who)} {who.identity.name}, {who.model.title} ({who.identity.model})",
+        yield ok(
+            "answer", f"{kind(who)} {who.identity.name}, {who.model.title} ({who.identity.model})"
         )
     elif facts.other_device is not None:
         yield _about(facts.other_device, facts)

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from functools import partial
 from typing import Final
 
-from pioneer3.doctor.facts import Finding, Heard, Level, LinkFacts
+from pioneer3.doctor.facts import Finding, Heard, Level, LinkFacts, failure, ok, warning
 from pioneer3.errors import Symptom
 from pioneer3.links.serial import SPEEDS
 from pioneer3.robot.supervisor import RobotInfo
@@ -22,7 +22,6 @@ NOISY = 0.001
 """Share of corrupt frames above which there is a warning."""
 VERY_NOISY = 0.05
 """Share of corrupt frames above which there is a failure."""
-_warning = partial(Finding, level=Level.WARN)
 _bad_line = partial(Finding, symptom=Symptom.LOSES_THE_LINK)
 
 
@@ -32,9 +31,9 @@ def check_speed(facts: LinkFacts) -> Iterator[Finding]:
         return
     speed = facts.info.speed
     if speed == START_SPEED:
-        yield _ok("speed", f"{speed} baud")
+        yield ok("speed", f"{speed} baud")
         return
-    yield _warning(
+    yield warning(
         check="speed",
         found=f"{speed} baud; robots start at {START_SPEED}",
         meaning="An earlier program switched the robot and left it so, or its settings say so.",
@@ -49,9 +48,9 @@ def check_session(facts: LinkFacts) -> Iterator[Finding]:
     if facts.info is None:
         return
     if not facts.streaming:
-        yield _ok("session", "the robot was waiting for a host")
+        yield ok("session", "the robot was waiting for a host")
         return
-    yield _warning(
+    yield warning(
         check="session",
         found="the robot was still serving an earlier session",
         meaning="Its last program did not close its session (crash, kill, cable pulled).",
@@ -66,11 +65,10 @@ def check_type(facts: LinkFacts) -> Iterator[Finding]:
         return
     model = facts.info.model
     if model.refusal is None:
-        yield _ok("type", f"{model.title} ({model.name})")
+        yield ok("type", f"{model.title} ({model.name})")
         return
-    yield Finding(
+    yield failure(
         check="type",
-        level=Level.FAIL,
         found=model.title,
         meaning="It is not known what its numbers mean; a metre may be 0.4 or 1.3 m. Nothing drives"
         " it, and what it reports is in units that may be wrong.",
@@ -86,7 +84,7 @@ def check_config(facts: LinkFacts) -> Iterator[Finding]:
         return
     config = facts.info.config
     if config is None:
-        yield _warning(
+        yield warning(
             check="config",
             found="the robot did not send its configuration",
             meaning=f"The usual values of {facts.info.model.title} are used for limits and alarms.",
@@ -94,7 +92,7 @@ def check_config(facts: LinkFacts) -> Iterator[Finding]:
             symptom=Symptom.LOSES_THE_LINK,
         )
     elif facts.heard is not None and not facts.heard.config_trusted:
-        yield _warning(
+        yield warning(
             check="config",
             found="the configuration comes with a wrong checksum, each time the same",
             meaning="A known fault of some P3-DX-SH controllers. It is used all the same.",
@@ -102,7 +100,7 @@ def check_config(facts: LinkFacts) -> Iterator[Finding]:
         )
     else:
         firmware = f", firmware {config.firmware_version}" if config.firmware_version else ""
-        yield _ok("config", f"serial number {config.serial_number or 'none'}{firmware}")
+        yield ok("config", f"serial number {config.serial_number or 'none'}{firmware}")
 
 
 def check_reports(facts: LinkFacts) -> Iterator[Finding]:
@@ -123,7 +121,7 @@ def check_reports(facts: LinkFacts) -> Iterator[Finding]:
             advice="Look at the cable and the battery, then try again.",
         )
     elif share >= SLOW:
-        yield _ok("reports", found)
+        yield ok("reports", found)
     else:
         yield _bad_line(
             check="reports",
@@ -143,7 +141,7 @@ def check_checksums(facts: LinkFacts) -> Iterator[Finding]:
     share = heard.bad_checksums / frames if frames else 0.0
     lost = f"{heard.bad_checksums} of {frames} frames spoilt, {heard.bytes_skipped} bytes lost"
     if share <= NOISY and not heard.bytes_skipped:
-        yield _ok("checksums", f"{frames} frames, all good")
+        yield ok("checksums", f"{frames} frames, all good")
         return
     yield _bad_line(
         check="checksums",
@@ -182,17 +180,16 @@ def check_state(facts: LinkFacts) -> Iterator[Finding]:
 def drive_finding(parting: str | None, held_up: str | None) -> Finding:
     """Do the wheels do what they are told? A drive was `held_up`, or parted from the twin's."""
     if parting is None and held_up is None:
-        return _ok("drive", "does what its simulated twin does")
+        return ok("drive", "does what its simulated twin does")
     if parting is None:
-        return _warning(
+        return warning(
             check="drive",
             found=f"could not be tried: {held_up}",
             advice="Make room, and begin again.",
             symptom=Symptom.DOES_NOT_MOVE,
         )
-    return Finding(
+    return failure(
         check="drive",
-        level=Level.FAIL,
         found=f"not as its simulated twin: {parting}",
         meaning="The wheels do not do what they are told.",
         advice="See that nothing holds the robot, then look at that wheel, its tyre and its motor.",
@@ -202,10 +199,9 @@ def drive_finding(parting: str | None, held_up: str | None) -> Finding:
 
 def _stop_button(now: Snapshot) -> Finding:
     if not now.motors.stop_button:
-        return _ok("stop button", "not pressed")
-    return Finding(
+        return ok("stop button", "not pressed")
+    return failure(
         check="stop button",
-        level=Level.FAIL,
         found="pressed",
         meaning="The motors have no power: the robot will not move, whatever it is told.",
         advice="Turn or pull the red button until it comes out.",
@@ -215,17 +211,17 @@ def _stop_button(now: Snapshot) -> Finding:
 
 def _motors(now: Snapshot) -> Iterator[Finding]:
     if now.motors.enabled:
-        yield _warning(
+        yield warning(
             check="motors",
             found="on, although they were told to be off",
             meaning="Somebody pressed the MOTORS button, or a joystick is in use.",
             symptom=Symptom.DOES_NOT_MOVE,
         )
     else:
-        yield _ok("motors", "off, as they should be now; the first command switches them on")
+        yield ok("motors", "off, as they should be now; the first command switches them on")
     if now.motors.stalled:
         sides = (("left", now.motors.left_stalled), ("right", now.motors.right_stalled))
-        yield _warning(
+        yield warning(
             check="stall",
             found=f"{' and '.join(side for side, stalled in sides if stalled)} wheels blocked",
             meaning="The robot pushes against something.",
@@ -240,23 +236,22 @@ def battery_finding(now: Snapshot, info: RobotInfo) -> Finding:
     shutdown = (info.config.shutdown_decivolts or 0) * DECIVOLT if info.config else 0.0
     found = f"{volts:.1f} V" + (f", {now.battery.charge:.0%}" if now.battery.charge else "")
     if 0 < volts <= shutdown:
-        return Finding(
+        return failure(
             check="battery",
-            level=Level.FAIL,
             found=found,
             meaning=f"At {shutdown:g} V the robot shuts down.",
             advice="Charge it, or put charged batteries in, one after the other.",
             symptom=Symptom.IT_BEEPS,
         )
     if now.battery.low:
-        return _warning(
+        return warning(
             check="battery",
             found=f"{found}: low",
             meaning="The robot's own alarm level is reached; it beeps.",
             advice="Charge it soon.",
             symptom=Symptom.IT_BEEPS,
         )
-    return _ok("battery", found)
+    return ok("battery", found)
 
 
 def _sonar(heard: Heard, info: RobotInfo) -> Iterator[Finding]:
@@ -264,10 +259,10 @@ def _sonar(heard: Heard, info: RobotInfo) -> Iterator[Finding]:
     if not expected and not got:
         return
     if got >= expected:
-        yield _ok("sonar", f"{got} transducers")
+        yield ok("sonar", f"{got} transducers")
         return
     missing = ", ".join(str(n) for n in range(expected) if n not in heard.sonars)
-    yield _warning(
+    yield warning(
         check="sonar",
         found=f"{got} of {expected} transducers, none from {missing}",
         meaning="No rear ring on this robot, a loose cable, or sonar switched off.",
@@ -278,14 +273,10 @@ def _sonar(heard: Heard, info: RobotInfo) -> Iterator[Finding]:
 
 def _faults(now: Snapshot) -> Iterator[Finding]:
     if now.faults:
-        yield _warning(
+        yield warning(
             check="faults",
             found=", ".join(now.faults),
             meaning="The controller reports these about itself.",
             advice="Switch the robot off and on; if they stay, see the robot's manual.",
             symptom=Symptom.DOES_NOT_MOVE,
         )
-
-
-def _ok(check: str, found: str) -> Finding:
-    return Finding(check=check, level=Level.OK, found=found)

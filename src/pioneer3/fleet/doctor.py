@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from pioneer3.doctor.facts import FAILED, UNREACHABLE, Finding, Level
+from pioneer3.doctor.facts import FAILED, UNREACHABLE, Finding, Level, failure, ok
 from pioneer3.errors import RemoteError
 from pioneer3.fleet.host_checks import Patient, findings
 from pioneer3.fleet.host_facts import HostFacts, clock_of, parsed, question, reaches_ports
@@ -70,9 +70,9 @@ def _diagnosis(
 ) -> Diagnosis:
     facts = found.get(robot.name)
     if facts is None:
-        failure = Finding(check="ssh", level=Level.FAIL, found=outcome.why, code=UNREACHABLE)
-        return Diagnosis(robot=robot.name, facts=None, findings=(failure,))
-    login = Finding(check="ssh", level=Level.OK, found=f"{robot.user}@{robot.address}")
+        unreached = failure(check="ssh", found=outcome.why, code=UNREACHABLE)
+        return Diagnosis(robot=robot.name, facts=None, findings=(unreached,))
+    login = ok("ssh", f"{robot.user}@{robot.address}")
     patient = Patient(robot=robot, fleet=fleet, facts=facts, all_facts=found)
     return Diagnosis(robot=robot.name, facts=facts, findings=(login, *findings(patient)))
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Final
 from urllib.parse import urlsplit
 
-from pioneer3.doctor.facts import FORBIDDEN, Finding, Level
+from pioneer3.doctor.facts import FORBIDDEN, Finding, Level, failure, ok, warning
 from pioneer3.fleet.host_facts import ROS_VARIABLES, HostFacts
 from pioneer3.fleet.key import WITHOUT_PASSWORDS
 from pioneer3.fleet.ros_graph import MASTER_PORT
@@ -48,7 +48,7 @@ def check_clock(patient: Patient) -> Iterator[Finding]:
             "computer (server ADDRESS iburst in /etc/chrony/chrony.conf).",
         )
     else:
-        yield Finding(check="clock", level=Level.OK, found=f"{found} (to {error:.2f} s)")
+        yield ok("clock", f"{found} (to {error:.2f} s)")
 
 
 def check_serial(patient: Patient) -> Iterator[Finding]:
@@ -57,17 +57,15 @@ def check_serial(patient: Patient) -> Iterator[Finding]:
     if facts.device is None:
         return
     if not facts.device:
-        yield Finding(
+        yield failure(
             check="serial port",
-            level=Level.FAIL,
             found=f"{port} does not exist",
             meaning="The cable or its adapter is not plugged in, or has another name there.",
             advice="On it run: pioneer3 find-port; then mend port in the fleet file.",
         )
     elif not facts.device_allowed:
-        yield Finding(
+        yield failure(
             check="serial port",
-            level=Level.FAIL,
             found=f"{user} may not open {port}",
             meaning="Serial ports belong to the group dialout"
             + ("; the login is older than the membership." if "dialout" in facts.groups else "."),
@@ -75,7 +73,7 @@ def check_serial(patient: Patient) -> Iterator[Finding]:
             code=FORBIDDEN,
         )
     else:
-        yield Finding(check="serial port", level=Level.OK, found=f"{user} may open {port}")
+        yield ok("serial port", f"{user} may open {port}")
 
 
 def check_names(patient: Patient) -> Iterator[Finding]:
@@ -96,24 +94,22 @@ def check_names(patient: Patient) -> Iterator[Finding]:
     ]
     if wrong or without_name:
         reverse = [f"no name for {', '.join(without_name)}"] if without_name and not wrong else []
-        yield Finding(
+        yield warning(
             check="names",
-            level=Level.WARN,
             found="; ".join([*wrong, *reverse]),
             meaning="ROS nodes call each other by name: topics are listed, but nothing arrives.",
             advice="pioneer3 fleet hosts shows the lines for /etc/hosts there.",
         )
     else:
-        yield Finding(check="names", level=Level.OK, found="knows all by name and by address")
+        yield ok("names", "knows all by name and by address")
 
 
 def check_own_name(patient: Patient) -> Iterator[Finding]:
     """Is its own name the one that others use, and does it lead to it?"""
     facts, robot = patient.facts, patient.robot
     if facts.hostname and facts.hostname != robot.host:
-        yield Finding(
+        yield warning(
             check="own name",
-            level=Level.WARN,
             found=f"it calls itself {facts.hostname}, the fleet file {robot.host}",
             meaning="ROS tells other computers its own name, which they do not know.",
             advice=f"On it run: sudo hostnamectl set-hostname {robot.host}",
@@ -130,7 +126,7 @@ def check_own_name(patient: Patient) -> Iterator[Finding]:
             advice=f"Let its /etc/hosts say: {robot.address} {robot.host}; or set ROS_IP.",
         )
     else:
-        yield Finding(check="own name", level=Level.OK, found=facts.hostname)
+        yield ok("own name", facts.hostname)
 
 
 def check_ros(patient: Patient) -> Iterator[Finding]:
@@ -140,9 +136,8 @@ def check_ros(patient: Patient) -> Iterator[Finding]:
         return
     wrong = list(_wrong_variables(patient))
     if wrong:
-        yield Finding(
+        yield warning(
             check="ROS variables",
-            level=Level.WARN,
             found="; ".join(wrong),
             meaning="Its nodes look for another master, or tell others a wrong address.",
             advice=f"In its ~/.bashrc: export ROS_IP={robot.address}, and the ROS_MASTER_URI that "
@@ -150,7 +145,7 @@ def check_ros(patient: Patient) -> Iterator[Finding]:
         )
     else:
         master = f"{ROS_VARIABLES[0]}={facts.environment.get(ROS_VARIABLES[0])}"
-        yield Finding(check="ROS variables", level=Level.OK, found=master)
+        yield ok("ROS variables", master)
 
 
 def _wrong_variables(patient: Patient) -> Iterator[str]:
@@ -181,12 +176,11 @@ def check_firewall(patient: Patient) -> Iterator[Finding]:
     if facts.open_ports is None:
         return
     if facts.open_ports:
-        yield Finding(check="firewall", level=Level.OK, found="its programs can be reached")
+        yield ok("firewall", "its programs can be reached")
     else:
         source = patient.fleet.operator.address or "YOUR-ADDRESS"
-        yield Finding(
+        yield failure(
             check="firewall",
-            level=Level.FAIL,
             found="a port that a program opens there cannot be reached from here",
             meaning="ROS nodes and robots' ports are on ports of any number."
             + (" Its firewall ufw is on." if facts.firewall else ""),
@@ -216,19 +210,17 @@ def check_versions(patient: Patient) -> Iterator[Finding]:
     differing = sorted(name for name, facts in others.items() if facts.version != mine)
     if mine and differing:
         shown = ", ".join(f"{name} has {others[name].version}" for name in differing)
-        yield Finding(
+        yield warning(
             check="version",
-            level=Level.WARN,
             found=f"pioneer3 {mine}; {shown}",
             advice="pioneer3 fleet deploy puts the same on all.",
         )
     elif mine:
-        yield Finding(check="version", level=Level.OK, found=f"pioneer3 {mine}")
+        yield ok("version", f"pioneer3 {mine}")
     same_ros = {facts.ros for facts in patient.all_facts.values() if facts.ros}
     if patient.facts.ros and len(same_ros) > 1:
-        yield Finding(
+        yield warning(
             check="ROS version",
-            level=Level.WARN,
             found=f"{', '.join(patient.facts.ros)}; others have another",
             meaning="Messages of the same name may differ between distributions.",
         )
@@ -238,14 +230,13 @@ def check_service(patient: Patient) -> Iterator[Finding]:
     """Does our service run, where it is installed?"""
     state = patient.facts.service
     if state == "failed":
-        yield Finding(
+        yield failure(
             check="service",
-            level=Level.FAIL,
             found="the service that drives the robot has failed",
             advice=f"pioneer3 fleet logs --on {patient.robot.name}",
         )
     elif patient.facts.version and state:
-        yield Finding(check="service", level=Level.OK, found=f"the service is {state}")
+        yield ok("service", f"the service is {state}")
 
 
 def check_passwords(patient: Patient) -> Iterator[Finding]:
@@ -253,15 +244,14 @@ def check_passwords(patient: Patient) -> Iterator[Finding]:
     if patient.facts.passwords is None:
         return
     if patient.facts.passwords:
-        yield Finding(
+        yield warning(
             check="passwords",
-            level=Level.WARN,
             found="passwords let people in",
             meaning="Whoever knows the shared one can drive this robot.",
             advice=f"pioneer3 fleet key for every user; then on it: {WITHOUT_PASSWORDS}",
         )
     else:
-        yield Finding(check="passwords", level=Level.OK, found="keys only")
+        yield ok("passwords", "keys only")
 
 
 CHECKS: Final[tuple[Callable[[Patient], Iterator[Finding]], ...]] = (

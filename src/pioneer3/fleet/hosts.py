@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Final
 
-from pioneer3.doctor.facts import Finding, Level
+from pioneer3.doctor.facts import Finding, failure, warning
 from pioneer3.fleet.edit import with_block
 from pioneer3.fleet.spec import Fleet
 from pioneer3.links.hosts import is_loopback
@@ -79,9 +79,8 @@ def _own_name(here: HostsSituation) -> Iterator[Finding]:
     known = {name.lower(): e for e in entries(here.fleet) for name in e.names}
     mine = known.get(here.name.lower())
     if mine is None:
-        yield Finding(
+        yield warning(
             check="this computer",
-            level=Level.WARN,
             found=f"its name is {here.name}, which is no computer of {here.fleet.path}",
             advice="name it there, as the operator or a robot; or run this on one of them",
         )
@@ -89,9 +88,8 @@ def _own_name(here: HostsSituation) -> Iterator[Finding]:
     own = here.having(here.name)
     local = [at for at, entry in own if is_loopback(entry.address)]
     if local and len(local) == len(own) and not is_loopback(mine.address):
-        yield Finding(
+        yield failure(
             check="own name",
-            level=Level.FAIL,
             found=f"line {local[0]}: {here.name} means this computer itself, and nothing else",
             meaning="ROS tells others the address behind the own name: they would call themselves.",
             advice=f"{mine.address} must be its address: pioneer3 fleet hosts --apply",
@@ -104,17 +102,15 @@ def _missing(here: HostsSituation) -> Iterator[Finding]:
         found = [one for _, one in here.lines if one.address == entry.address]
         absent = [name for name in entry.names if not here.having(name)]
         if absent:
-            yield Finding(
+            yield failure(
                 check="missing",
-                level=Level.FAIL,
                 found=f"{' and '.join(absent)} at {entry.address}",
                 meaning="A computer that cannot be found by its name gets no messages of ROS.",
                 advice="pioneer3 fleet hosts --apply",
             )
         elif found and found[0].names[0].lower() not in map(str.lower, entry.names):
-            yield Finding(
+            yield warning(
                 check="reverse",
-                level=Level.WARN,
                 found=f"{entry.address} is {found[0].names[0]} here, {entry.names[0]} in the fleet",
                 meaning="Whoever asks for the name of this address is told the other one.",
                 advice=f"remove {found[0].names[0]}, or name it as the host in {here.fleet.path}",
@@ -131,9 +127,8 @@ def _elsewhere(here: HostsSituation) -> Iterator[Finding]:
                 if one.address != entry.address and not is_loopback(one.address)
             ]
             for at, address in others:
-                yield Finding(
+                yield failure(
                     check="other address",
-                    level=Level.FAIL,
                     found=f"line {at}: {name} is {address}; in the fleet {entry.address}",
                     meaning="The first line with a name counts.",
                     advice="pioneer3 fleet hosts --apply, or mend the fleet file",
@@ -145,9 +140,8 @@ def _doubles(here: HostsSituation) -> Iterator[Finding]:
     for entry in entries(here.fleet):
         lines = [at for at, one in here.lines if one.address == entry.address]
         if len(lines) > 1:
-            yield Finding(
+            yield warning(
                 check="double",
-                level=Level.WARN,
                 found=f"{entry.address} on lines {', '.join(map(str, lines))}",
                 advice="one line with all its names is enough",
             )

@@ -11,7 +11,7 @@ from getpass import getuser
 from pathlib import Path
 from typing import Final, Self
 
-from pioneer3.doctor.facts import Finding, Level, LinkFacts
+from pioneer3.doctor.facts import Finding, Level, LinkFacts, warning
 from pioneer3.doctor.port_checks import check_port
 from pioneer3.doctor.ports import find_port
 from pioneer3.errors import ConfigError, FilePermissionError, PortNotFoundError, RemoteError
@@ -100,9 +100,8 @@ def check_ports(words: Sequence[str], *, with_root: bool, runs: bool) -> Iterato
         found = check_port(LinkFacts(url=path, port=port, refused=refused))
         yield from (each for each in found if each.level is not Level.OK)
         if path.startswith(_NAMES_THAT_CHANGE):
-            yield Finding(
+            yield warning(
                 check="name",
-                level=Level.WARN,
                 found=f"{path} may have another number after a start",
                 advice=f"Use a name that stays: {port.path}"
                 if port.path != path

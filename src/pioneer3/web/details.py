@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from pioneer3.arcos.commands import IoRequest, RequestMode
 from pioneer3.arcos.reports import Io, Report
-from pioneer3.doctor.facts import Finding, Level
+from pioneer3.doctor.facts import Finding, failure, ok, warning
 from pioneer3.doctor.watch import LineWatch
 from pioneer3.errors import CommandError, PioneerError, Symptom
 from pioneer3.robot.config_table import explained
@@ -133,7 +133,7 @@ class RobotDetails:
             if pace.paused or pace.speed != 1:
                 how = "is paused" if pace.paused else f"passes {pace.speed:g} times as fast"
                 found = f"simulated time {how}: reports keep to that, and are not judged"
-                return [Finding(check="reports", level=Level.OK, found=found)]
+                return [ok("reports", found)]
         return list(self._line.findings(now))
 
     def _fresh_lines(self, now: float) -> LinesReading | None:
@@ -190,11 +190,10 @@ def shadow_findings(shadow: "Shadow | None") -> Iterator[Finding]:
     if shadow is None:
         return
     if (parting := shadow.parting) is None:
-        yield Finding(check="twin", level=Level.OK, found="it does what its twin does")
+        yield ok("twin", "it does what its twin does")
     else:
-        yield Finding(
+        yield warning(
             check="twin",
-            level=Level.WARN,
             found=parting.text,
             meaning="A simulated twin that is told the same is elsewhere: it is drawn on the map.",
         )
@@ -207,12 +206,11 @@ def laser_findings(lasers: Iterable[LaserSource]) -> Iterator[Finding]:
             continue
         if laser.connected:
             found = f"{laser.title}: {laser.rate:.0f} scans/s"
-            yield Finding(check=laser.name, level=Level.OK, found=found)
+            yield ok(laser.name, found)
         else:
             advice = "is it switched on and plugged in? It is looked for again and again"
-            yield Finding(
+            yield failure(
                 check=laser.name,
-                level=Level.FAIL,
                 found=str(laser.presence),
                 advice=advice,
                 symptom=Symptom.NO_LASER,

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Final
 from urllib.parse import urlsplit
 
-from pioneer3.doctor.facts import Finding, Level
+from pioneer3.doctor.facts import Finding, warning
 from pioneer3.errors import ConfigError, Symptom
 from pioneer3.links.hosts import SOMEWHERE, address_towards, is_address, is_loopback, is_own
 from pioneer3.ros.addresses import LOCAL, LOOPBACK, PORT
@@ -108,9 +108,8 @@ def _check_address(address: str, master: str, network: NetworkProbe) -> Iterator
 
 
 def _finding(found: str, meaning: str, advice: str) -> Finding:
-    return Finding(
+    return warning(
         check="ROS 1",
-        level=Level.WARN,
         found=found,
         meaning=meaning,
         advice=advice,
