@@ -1,11 +1,11 @@
 """Bags while they are written, by rosbags: a file of ROS 1, a folder with MCAP of ROS 2."""
 
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
-from typing import Any, Final, Protocol
+from typing import Any, Final
 
 from pioneer3.ros.bag.types import BagTypes, Ros1BagTypes, Ros2BagTypes
 from pioneer3.ros.node.middleware import QUEUE
@@ -19,62 +19,27 @@ Write = Callable[[int, bytes], None]
 """Adds a message of a time [ns since 1970], serialized."""
 
 
-class OpenBag(Protocol):
-    """A bag that is open."""
+class OpenBag:
+    """A bag that is open; it counts its messages so far, by topic."""
 
-    @property
-    def types(self) -> BagTypes:
-        """Types of its messages."""
-
-    @property
-    def counts(self) -> Mapping[str, int]:
-        """Messages so far, by topic."""
-
-    def connect(self, topic: str, type_name: str, node: str, *, latched: bool) -> Write:
-        """Return the function that adds messages of a topic that this node publishes."""
-
-
-class Ros1Bag:
-    """A `.bag` file that is open."""
-
-    def __init__(self, writer: Any, types: Ros1BagTypes) -> None:
-        self._writer, self.types = writer, types
-        self.counts: Counter[str] = Counter()
-
-    def connect(self, topic: str, type_name: str, node: str, *, latched: bool) -> Write:
-        """Return the function that adds messages of a topic."""
-        text, checksum = self.types.described(type_name)
-        connection = self._writer.add_connection(
-            topic,
-            full_name(type_name),
-            msgdef=text,
-            md5sum=checksum,
-            callerid=node,
-            latching=int(latched),
-        )
-        return _counted(partial(self._writer.write, connection), self.counts, topic)
-
-
-class Ros2Bag:
-    """A folder of ROS 2's bags that is open."""
-
-    def __init__(self, writer: Any, types: Ros2BagTypes) -> None:
+    def __init__(self, writer: Any, types: BagTypes) -> None:
         self._writer, self.types = writer, types
         self.counts: Counter[str] = Counter()
         self._known: dict[str, Write] = {}
 
     def connect(self, topic: str, type_name: str, node: str, *, latched: bool) -> Write:
-        """Return the function that adds messages of a topic, the same to all its nodes."""
+        """Return the function that adds messages of a topic that this node publishes.
+
+        In a bag of ROS 2 it is the same for all nodes.
+        """
         if topic in self._known:
             return self._known[topic]
-        text, type_hash = self.types.described(type_name)
-        connection = self._writer.add_connection(
-            topic,
-            full_name(type_name),
-            msgdef=text,
-            rihs01=type_hash,
-            offered_qos_profiles=[_quality(latched=latched)],
-        )
+        text, known_by = self.types.described(type_name)
+        add = partial(self._writer.add_connection, topic, full_name(type_name), msgdef=text)
+        if isinstance(self.types, Ros1BagTypes):
+            connection = add(md5sum=known_by, callerid=node, latching=int(latched))
+            return _counted(partial(self._writer.write, connection), self.counts, topic)
+        connection = add(rihs01=known_by, offered_qos_profiles=[_quality(latched=latched)])
         write = _counted(partial(self._writer.write, connection), self.counts, topic)
         return self._known.setdefault(topic, write)
 
@@ -110,7 +75,7 @@ def ros1_bag(path: Path) -> Iterator[OpenBag]:
         compress, block_linked=False, store_size=False, content_checksum=True
     )
     with writer:
-        yield Ros1Bag(writer, types)
+        yield OpenBag(writer, types)
 
 
 @contextmanager
@@ -122,7 +87,7 @@ def ros2_bag(path: Path) -> Iterator[OpenBag]:
     writer = Writer(path, version=METADATA, storage_plugin=StoragePlugin.MCAP)
     writer.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)
     with writer:
-        yield Ros2Bag(writer, types)
+        yield OpenBag(writer, types)
 
 
 def _quality(*, latched: bool) -> Any:

@@ -1,7 +1,7 @@
 """Messages as bytes in bags, with the definitions that bags hold of them."""
 
 from collections.abc import Callable
-from typing import Any, Final, Protocol
+from typing import Any, Final
 
 from pioneer3.ros.ros2.cdr import encoder
 from pioneer3.ros.ros2.distros import DEFAULT, distro_of
@@ -12,19 +12,6 @@ HEADER: Final = "std_msgs/msg/Header"
 """The type that has a number in ROS 1 alone."""
 NUMBER: Final = "seq"
 """Field of that number."""
-
-
-class BagTypes(Protocol):
-    """The messages of one kind of bags."""
-
-    def make(self, name: str) -> Any:
-        """Return an empty message of a type such as `nav_msgs/Odometry`."""
-
-    def encode(self, message: Any) -> bytes:
-        """Return the serialized form; lists of numbers may stand for arrays."""
-
-    def described(self, name: str) -> tuple[str, str]:
-        """Return the text of a type, with the types in it, and its hash."""
 
 
 class _Unnumbered(Ros1Types):
@@ -70,3 +57,6 @@ class Ros2BagTypes(MessageTypes):
     def described(self, name: str) -> tuple[str, str]:
         """Return the text of a type, with the types in it, and its hash."""
         return self.text(name), self.message_type(name).hash
+
+
+BagTypes = Ros1BagTypes | Ros2BagTypes
