@@ -18,19 +18,8 @@ MODELS: Final = ("p3at", "p3at-sh", "p3dx", "p3dx-sh")
 """Those that the package has a description of; a node describes whatever robot it has."""
 TRANSDUCERS: Final = 16
 """Transducers of a Pioneer with both rows of sonars."""
-DEMOS: Final = {
-    name: name
-    for name in (
-        "robots",
-        "wander",
-        "follow",
-        "rob_key",
-        "rob_key_multi",
-        "android_teleop",
-        "p3_sonar",
-    )
-}
-"""Programs on topics, and their commands."""
+DEMOS = ("robots", "wander", "follow", "rob_key", "rob_key_multi", "android_teleop", "p3_sonar")
+"""Programs on topics, which are commands of the same names."""
 PLACEHOLDER: Final = re.compile(r"@([a-z_]+)@")
 
 

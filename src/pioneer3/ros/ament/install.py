@@ -25,7 +25,7 @@ from pioneer3.ros.node.parameter import Parameter
 from pioneer3.ros.node.parameter_reading import read_parameters
 from pioneer3.ros.ros2.distros import DEFAULT, Distro, distro_of
 
-PROGRAMS: Final = {"node": "", "bridge": "bridge", **DEMOS}
+PROGRAMS: Final = {"node": "", "bridge": "bridge", **{name: name for name in DEMOS}}
 """The programs that `ros2 run pioneer3` finds, and their commands of `pioneer3 ros2`."""
 NODES_OF_OTHERS: Final = {"rosaria": "RosAria", "p2os_driver": "p2os_driver"}
 """Packages in the place of others, for launch files, and the name of the node in each."""

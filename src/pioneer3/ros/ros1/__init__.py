@@ -6,7 +6,6 @@ module       contents
 client       programs on ROS 1 that find robots and drive them by their topics, from any computer
 start        starts the ROS 1 node: ROS, parameters, robot, in this order, and ends it in the other
 master       the ROS 1 master: registers a node of rospy again with the one that follows it
-rosout       logs of this node on `/rosout`, without waiting for the master
 environment  checks the variables that tell programs of ROS 1 where the master and this computer
 package      a ROS 1 package that `rosrun` and `roslaunch` find, without catkin and without a build
 middleware   the middleware of ROS 1

@@ -26,8 +26,7 @@ from pioneer3.ros.client.robot import TopicRobot
 from pioneer3.ros.node.parameters import MODEL, SIMULATED
 from pioneer3.ros.ros1.environment import checked_master, environment_warnings
 from pioneer3.ros.ros1.middleware import RospyTopics, find_rospy
-from pioneer3.ros.ros1.rosout import log_in_background
-from pioneer3.ros.ros1.start import stay_on_this_computer
+from pioneer3.ros.ros1.start import begin_node
 from pioneer3.tasks import in_own_thread, running
 
 ALIVE: Final = 0.5
@@ -148,7 +147,6 @@ async def _program(name: str, arguments: Sequence[str]) -> AsyncIterator[asyncio
     if odd:
         raise ConfigError(f"{odd[0]!r} is none of ROS's arguments, such as __name:=mine")
     wrong = await asyncio.to_thread(environment_warnings)
-    stay_on_this_computer(rosgraph.get_master_uri())
     loop, ended, left = asyncio.get_running_loop(), asyncio.Event(), threading.Event()
 
     def end() -> None:
@@ -156,9 +154,7 @@ async def _program(name: str, arguments: Sequence[str]) -> AsyncIterator[asyncio
             loop.call_soon_threadsafe(ended.set)
             left.wait(FIRST)  # the robot is to be stopped while topics still work
 
-    argv = ["pioneer3", *arguments]
-    await asyncio.to_thread(rospy.init_node, name, argv=argv, disable_signals=True)
-    log_in_background()
+    await begin_node(name, arguments, rosgraph.get_master_uri())
     for sentence in wrong:
         rospy.logwarn(sentence)
     rospy.on_shutdown(end)

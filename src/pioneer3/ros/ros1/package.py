@@ -19,7 +19,7 @@ from pioneer3.ros.installation import (
 
 OWN: Final[Mapping[str, tuple[str, ...]]] = {
     "RosAria": ("ros1",),
-    **{name: ("ros1", command) for name, command in DEMOS.items()},
+    **{name: ("ros1", name) for name in DEMOS},
 }
 """The programs that `rosrun pioneer3` finds, and their commands of `pioneer3`."""
 PROGRAMS: Final[Mapping[str, Mapping[str, tuple[str, ...]]]] = {

@@ -2,14 +2,18 @@
 
 import asyncio
 import gc
+import logging
 import os
 from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
 from contextlib import asynccontextmanager, suppress
+from logging.handlers import QueueHandler, QueueListener
+from queue import Full, Queue
 from threading import Thread
 from typing import Final
 from urllib.parse import urlsplit
 
 from pioneer3.errors import ConfigError
+from pioneer3.names import printable
 from pioneer3.robot.lasers.driver import LaserDriver
 from pioneer3.robot.lasers.spec import LaserSpec
 from pioneer3.robot.supervisor import RobotInfo, is_simulator
@@ -27,9 +31,10 @@ from pioneer3.ros.node.start import StartOptions, checked_parameters, connected_
 from pioneer3.ros.ros1.environment import checked_master, environment_warnings
 from pioneer3.ros.ros1.master import MasterWatch
 from pioneer3.ros.ros1.middleware import RospyMiddleware, find_move_base, find_rospy
-from pioneer3.ros.ros1.rosout import log_in_background
 
 LAB_NAME: Final = "_lab_name:="
+LONGEST_QUEUE: Final = 100
+"""Records that wait while the master is silent; further ones are on the terminal only."""
 
 
 @asynccontextmanager
@@ -54,12 +59,8 @@ async def on_ros(
     master = checked_master(rosgraph.get_master_uri())
     for sentence in await asyncio.to_thread(environment_warnings):
         tell(f"WARN {sentence}")
-    stay_on_this_computer(master)
     await wait_for_master(master, tell)
-    await asyncio.to_thread(
-        rospy.init_node, name, argv=["pioneer3", *arguments], disable_signals=True
-    )
-    log_in_background()
+    await begin_node(name, arguments, master)
     watch = MasterWatch(rospy.get_name(), rospy.logwarn)
     try:
         yield watch
@@ -110,11 +111,59 @@ def node_name(arguments: Sequence[str]) -> str:
     return lab_node(given[-1]) if given else NODE
 
 
+async def begin_node(name: str, arguments: Sequence[str], master: str) -> None:
+    """Be a node of rospy from now on."""
+    import rospy
+
+    stay_on_this_computer(master)
+    argv = ["pioneer3", *arguments]
+    await asyncio.to_thread(rospy.init_node, name, argv=argv, disable_signals=True)
+    log_in_background()
+
+
 def stay_on_this_computer(master: str) -> None:
     """Listen on loopback only, unless the environment says otherwise or the master is elsewhere."""
     chosen = os.environ.keys() & {"ROS_IP", "ROS_HOSTNAME"}
     if not chosen and urlsplit(master).hostname in LOOPBACK:
         os.environ["ROS_IP"] = LOCAL
+
+
+class BoundedQueueHandler(QueueHandler):
+    """Puts records into a queue; drops those that find it full."""
+
+    def enqueue(self, record: logging.LogRecord) -> None:
+        """Put a record into the queue if there is room."""
+        try:
+            self.queue.put_nowait(record)
+        except Full:
+            return
+
+
+def _on_one_line(record: logging.LogRecord) -> bool:
+    """Let a terminal obey nothing in a record."""
+    record.msg, record.args = printable(record.getMessage()), None
+    return True
+
+
+def log_in_background() -> None:
+    """Let a thread of its own publish the records of rospy; `rospy.init_node` comes first.
+
+    rospy asks the master for a parameter whenever something is logged, without a timeout: in a
+    network that is cut, the thread that logs a warning hangs. That must not be the one that stops
+    the robot. Records are on the terminal at once, as before.
+    """
+    from rospy.impl.rosout import RosOutHandler
+
+    log = logging.getLogger("rosout")
+    log.addFilter(_on_one_line)
+    publishers = [each for each in log.handlers if isinstance(each, RosOutHandler)]
+    if not publishers:
+        return
+    waiting: Queue[logging.LogRecord] = Queue(LONGEST_QUEUE)
+    for each in publishers:
+        log.removeHandler(each)
+    log.addHandler(BoundedQueueHandler(waiting))
+    QueueListener(waiting, *publishers).start()  # a daemon: it may hang when the program ends
 
 
 def _introduce(info: RobotInfo) -> None:
