@@ -21,13 +21,14 @@ from benchmarks.bench_fleet import simulator
 from benchmarks.table import Row
 from pioneer3.arcos import commands
 from pioneer3.arcos.packet import encode
-from pioneer3.fleet.drive import FleetDrive, Manner
+from pioneer3.fleet.drive import FleetDrive
 from pioneer3.fleet.screen import FleetApp
 from pioneer3.fleet.spec import FleetRobot
 from pioneer3.links import Link, opener
 from pioneer3.navigation.connect import connect_async
 from pioneer3.runtime.driven import Driven
 from pioneer3.tasks import running
+from pioneer3.teleop.keyboard import Manner
 
 ROBOTS = 100
 STOPS = 10

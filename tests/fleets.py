@@ -4,12 +4,13 @@ from collections.abc import AsyncIterator, Callable
 from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass, field
 
-from pioneer3.fleet.drive import FleetDrive, Manner
+from pioneer3.fleet.drive import FleetDrive
 from pioneer3.fleet.members import Member, MemberReport
 from pioneer3.fleet.spec import FleetRobot
 from pioneer3.navigation.connect import connect_async
 from pioneer3.runtime.driven import Driven
 from pioneer3.tasks import running
+from pioneer3.teleop.keyboard import Manner
 from tests.support import SimulatedRobot, until
 
 UP, LEFT, ESCAPE, QUIT = "\x1b[A", "\x1b[D", "\x1b", "\x04"

@@ -11,7 +11,7 @@ from pioneer3 import connect_async
 from pioneer3.arcos.commands import Stop
 from pioneer3.behaviors.actions import Hold
 from pioneer3.errors import ConfigError, PortPermissionError
-from pioneer3.fleet.drive import FleetDrive, Manner
+from pioneer3.fleet.drive import FleetDrive
 from pioneer3.fleet.members import PAUSES, Reached
 from pioneer3.fleet.spec import FleetRobot
 from pioneer3.geometry import Twist2
@@ -20,6 +20,7 @@ from pioneer3.links.memory import null_modem
 from pioneer3.runtime.arbiter import PROGRAM
 from pioneer3.runtime.driven import Driven
 from pioneer3.tasks import running
+from pioneer3.teleop.keyboard import Manner
 from tests.faults import Noise
 from tests.fleets import ESCAPE, QUIT, UP, driven, simulated
 from tests.support import until

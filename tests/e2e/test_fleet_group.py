@@ -10,12 +10,13 @@ from typing import Any
 import pytest
 
 from pioneer3.behaviors.modes.group import FollowLeader, Form, GroupMode, Spread
-from pioneer3.fleet.drive import FleetDrive, Manner
+from pioneer3.fleet.drive import FleetDrive
 from pioneer3.fleet.group import GroupKey as Doing
 from pioneer3.fleet.spec import FleetRobot
 from pioneer3.geometry import Pose2
 from pioneer3.runtime.driven import Driven
 from pioneer3.tasks import running
+from pioneer3.teleop.keyboard import Manner
 from tests.fleets import UP, robot
 from tests.robots_together import Together, together
 from tests.support import until

@@ -9,11 +9,12 @@ import pytest
 from textual.pilot import Pilot
 
 from pioneer3.errors import PortNotFoundError
-from pioneer3.fleet.drive import FleetDrive, Manner
+from pioneer3.fleet.drive import FleetDrive
 from pioneer3.fleet.screen import FleetApp
 from pioneer3.fleet.spec import FleetRobot
 from pioneer3.runtime.driven import Driven
 from pioneer3.tasks import running
+from pioneer3.teleop.keyboard import Manner
 from tests.fleets import Simulated, robot, simulated
 
 pytestmark = pytest.mark.realtime

@@ -15,12 +15,13 @@ from pathlib import Path
 from typing import Any
 
 from pioneer3.cli.fleet_ros import connecting
-from pioneer3.fleet.drive import FleetDrive, Manner
+from pioneer3.fleet.drive import FleetDrive
 from pioneer3.fleet.inventory import read_fleet, to_toml
 from pioneer3.fleet.members import Member
 from pioneer3.fleet.network import FleetNetwork
 from pioneer3.fleet.spec import Fleet, FleetRobot, usual_node
 from pioneer3.tasks import running as in_background
+from pioneer3.teleop.keyboard import Manner
 from tests.e2e.at_terminal import IN_TERMINAL
 from tests.e2e.processes import environment, running, until
 from tests.ros2.conftest import Robot as SimulatedRobot

@@ -89,17 +89,17 @@ async def _drive(
     latch: bool,
     patience: float,
 ) -> None:
-    from pioneer3.teleop.keyboard import Keyboard
+    from pioneer3.teleop.keyboard import Manner
     from pioneer3.teleop.keyboard_drive import KeyboardDriver
     from pioneer3.teleop.terminal import keys, raw_terminal
 
+    speeds = {"speed": speed or SPEED, "turn_rate": turn_rate or TURN_RATE}
+    manner = Manner(**speeds, latch=latch, patience=patience)
     with raw_terminal() as terminal:
         async with link.connect(max_speed=max_speed) as robot:
             limits = robot.info.limits
             tell_cuts(limits, speed, turn_rate)
-            keyboard = Keyboard.within(
-                limits, speed or SPEED, turn_rate or TURN_RATE, latch=latch, patience=patience
-            )
+            keyboard = manner.keyboard(limits)
             announce(robot, "waits for keys")
             write_line(KEYS)
             await KeyboardDriver(robot, keyboard, rewrite).run(keys(terminal))

@@ -60,8 +60,9 @@ async def drive(
         lined_up: The robots stand side by side, so far apart, from left to right by their
             numbers, all looking ahead: then they know where the others are.
     """
-    from pioneer3.fleet.drive import FleetDrive, Manner
+    from pioneer3.fleet.drive import FleetDrive
     from pioneer3.fleet.screen import run_screen
+    from pioneer3.teleop.keyboard import Manner
 
     given = fleet_of(fleet)
     robots = given.select(names or ("all",))

@@ -16,9 +16,9 @@ from pioneer3.cli.process import run_until_told_to_leave
 from pioneer3.errors import ConfigError
 
 if TYPE_CHECKING:
-    from pioneer3.fleet.drive import Manner
     from pioneer3.fleet.group import GroupKey
     from pioneer3.fleet.spec import Fleet, FleetRobot
+    from pioneer3.teleop.keyboard import Manner
 
 WIDTH = 79
 KEYS = (
@@ -94,8 +94,8 @@ def _run(
     lined_up: float | None,
     speeds: tuple[float, float, float | None],
 ) -> int:
-    from pioneer3.fleet.drive import Manner
     from pioneer3.fleet.group import GroupKey
+    from pioneer3.teleop.keyboard import Manner
 
     robots = fleet.select(names)
     known = [robot.name for robot in robots]

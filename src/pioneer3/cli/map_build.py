@@ -256,7 +256,7 @@ async def _drive(keeper: _Keeper, begin: _Begin, connect: "Connect", speed: floa
 
     from pioneer3.navigation.connect import prepare_navigation
     from pioneer3.tasks import running
-    from pioneer3.teleop.keyboard import Keyboard
+    from pioneer3.teleop.keyboard import Manner
     from pioneer3.teleop.keyboard_drive import KeyboardDriver
     from pioneer3.teleop.terminal import keys, raw_terminal
 
@@ -266,7 +266,7 @@ async def _drive(keeper: _Keeper, begin: _Begin, connect: "Connect", speed: floa
             _require_laser(robot)
             limits = robot.info.limits
             tell_cuts(limits, speed, None)
-            keyboard = Keyboard.within(limits, speed, TURN_RATE)
+            keyboard = Manner(speed=speed, turn_rate=TURN_RATE).keyboard(limits)
             announce(robot, "makes a map while you drive")
             write_line(KEYS)
 

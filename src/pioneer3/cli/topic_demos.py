@@ -15,7 +15,6 @@ from pioneer3.cli.motion import keyword, mode_options, with_signature
 from pioneer3.cli.options import Flag, Json, Patience, Seconds, Speed, TurnRate
 from pioneer3.cli.process import write_json, write_line
 from pioneer3.cli.topic_driving import (
-    KeyOptions,
     drive_by_keys,
     drive_by_mode,
     drive_by_phone,
@@ -114,7 +113,9 @@ def rob_key(
         latch: One press keeps moving until another key; else a key acts for 0.6 s.
         patience: What a press keeps moving stops after so long without a key; 10 at most.
     """
-    keys = KeyOptions(speed=speed, turn_rate=turn_rate, latch=latch, patience=patience)
+    from pioneer3.teleop.keyboard import Manner
+
+    keys = Manner(speed=speed, turn_rate=turn_rate, latch=latch, patience=patience)
     return _run(
         graph, "rob_key", which, lambda driven, _: drive_by_keys(driven, keys), "waits for keys"
     )
@@ -146,7 +147,9 @@ def rob_key_multi(
         latch: One press keeps moving until another key; else a key acts for 0.6 s.
         patience: What a press keeps moving stops after so long without a key; 10 at most.
     """
-    keys = KeyOptions(speed=speed, turn_rate=turn_rate, latch=latch, patience=patience)
+    from pioneer3.teleop.keyboard import Manner
+
+    keys = Manner(speed=speed, turn_rate=turn_rate, latch=latch, patience=patience)
     return graph.run(
         "rob_key_multi",
         robot,

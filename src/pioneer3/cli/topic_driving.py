@@ -1,6 +1,5 @@
 """Drives a robot on topics by keys or by a mode; the same in ROS 1 and ROS 2."""
 
-from dataclasses import dataclass
 from math import inf
 from typing import TYPE_CHECKING
 
@@ -11,31 +10,12 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from pioneer3.behaviors.modes import Mode
-    from pioneer3.limits import Limits
     from pioneer3.ros.client.robot import TopicRobot
     from pioneer3.ros.node.middleware import Topics
-    from pioneer3.teleop.keyboard import Keyboard
+    from pioneer3.teleop.keyboard import Manner
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class KeyOptions:
-    """The options of a keyboard: speeds [m/s, rad/s], and how long a press acts."""
-
-    speed: float
-    turn_rate: float
-    latch: bool
-    patience: float
-
-    def keyboard(self, limits: "Limits") -> "Keyboard":
-        """Return the keyboard for a robot with these limits."""
-        from pioneer3.teleop.keyboard import Keyboard
-
-        return Keyboard.within(
-            limits, self.speed, self.turn_rate, latch=self.latch, patience=self.patience
-        )
-
-
-async def drive_by_keys(driven: "TopicRobot", options: KeyOptions) -> None:
+async def drive_by_keys(driven: "TopicRobot", manner: "Manner") -> None:
     """Drive by the keyboard until it says so."""
     from pioneer3.cli.drive import KEYS
     from pioneer3.teleop.keyboard_drive import KeyboardDriver
@@ -44,11 +24,11 @@ async def drive_by_keys(driven: "TopicRobot", options: KeyOptions) -> None:
     with raw_terminal() as terminal:
         write_line(KEYS)
         limits = driven.info.limits
-        tell_cuts(limits, options.speed, options.turn_rate)
-        await KeyboardDriver(driven, options.keyboard(limits), rewrite).run(keys(terminal))
+        tell_cuts(limits, manner.speed, manner.turn_rate)
+        await KeyboardDriver(driven, manner.keyboard(limits), rewrite).run(keys(terminal))
 
 
-async def drive_several_by_keys(driven: "Sequence[TopicRobot]", options: KeyOptions) -> None:
+async def drive_several_by_keys(driven: "Sequence[TopicRobot]", manner: "Manner") -> None:
     """Drive robots by one keyboard, one at a time or together, until it says so."""
     from pioneer3.teleop.keyboard_drive import KeyboardDriver
     from pioneer3.teleop.several import KEYS, KeyRouter, numbers
@@ -58,7 +38,7 @@ async def drive_several_by_keys(driven: "Sequence[TopicRobot]", options: KeyOpti
     board = KeyRouter(numbers(names), rewrite)
     for name, each in zip(names, driven, strict=True):
         announce(each, f"is number {board.selection.label(name)}")
-        keyboard = options.keyboard(each.info.limits)
+        keyboard = manner.keyboard(each.info.limits)
         board.add(name, KeyboardDriver(each, keyboard, board.shows(name)))
     with raw_terminal() as terminal:
         write_line(KEYS)
@@ -70,11 +50,13 @@ async def drive_by_phone(
 ) -> None:
     """Drive by the flicks of a phone that publishes on `imu`."""
     from pioneer3.ros.client.phone import flicks
-    from pioneer3.teleop.keyboard import Keyboard
+    from pioneer3.teleop.keyboard import Manner
     from pioneer3.teleop.keyboard_drive import KeyboardDriver
 
-    keyboard = Keyboard.within(driven.info.limits, speed, turn_rate, latch=True)
-    await KeyboardDriver(driven, keyboard, rewrite).run(flicks(imu, topics))
+    manner = Manner(speed=speed, turn_rate=turn_rate, latch=True)
+    await KeyboardDriver(driven, manner.keyboard(driven.info.limits), rewrite).run(
+        flicks(imu, topics)
+    )
 
 
 async def drive_by_mode(

@@ -3,7 +3,6 @@
 import asyncio
 from collections.abc import AsyncIterator, Sequence
 from contextlib import asynccontextmanager
-from dataclasses import dataclass
 
 from pioneer3.errors import ConfigError
 from pioneer3.fleet.group import GroupKey, RobotGroup
@@ -11,23 +10,9 @@ from pioneer3.fleet.members import Connect, Member, Members
 from pioneer3.fleet.places import StartPlaces
 from pioneer3.fleet.spec import FleetRobot
 from pioneer3.runtime.driven import Driven
-from pioneer3.teleop.keyboard import PATIENCE, Keyboard
+from pioneer3.teleop.keyboard import Manner
 from pioneer3.teleop.keyboard_drive import KeyboardDriver
 from pioneer3.teleop.several import KeyRouter, numbers
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Manner:
-    """How keys drive [m/s, rad/s], below `max_speed` or `None` for the robot's own bound.
-
-    With `latch` one press keeps moving until another key, or for the `patience` without any [s].
-    """
-
-    speed: float = 0.1
-    turn_rate: float = 0.1
-    max_speed: float | None = None
-    latch: bool = False
-    patience: float = PATIENCE
 
 
 class FleetDrive:
@@ -82,15 +67,7 @@ class FleetDrive:
     async def _join(self, robot: FleetRobot, driven: Driven) -> AsyncIterator[None]:
         """Let a robot that is connected have the keys for the length of the block."""
         driven.arbiter.remembers = False
-        manner = self._manner
-        keyboard = Keyboard.within(
-            driven.info.limits.lowered_to(manner.max_speed, None),
-            manner.speed,
-            manner.turn_rate,
-            latch=manner.latch,
-            patience=manner.patience,
-        )
-        driver = KeyboardDriver(driven, keyboard)
+        driver = KeyboardDriver(driven, self._manner.keyboard(driven.info.limits))
         name = robot.name
         async with driver.driving(), self._places.of(name, driven) as place:
             with self.group.joined(name, driven, place), self.board.joined(name, driver):

@@ -76,34 +76,6 @@ class Keyboard:
     def __post_init__(self) -> None:
         patient(self.patience)
 
-    @classmethod
-    def within(
-        cls,
-        limits: Limits,
-        speed: float,
-        turn_rate: float,
-        *,
-        latch: bool = False,
-        patience: float = PATIENCE,
-    ) -> "Keyboard":
-        """Return one that asks for no more than a robot can do.
-
-        Raises:
-            CommandError: a speed is not a positive number.
-            ConfigError: as :func:`patient`.
-        """
-        wanted = checked(speed, turn_rate)
-        if wanted.v <= 0 or wanted.w <= 0:
-            raise CommandError("speed and turn rate must be positive")
-        return cls(
-            speed=min(wanted.v, limits.max_speed),
-            turn_rate=min(wanted.w, limits.max_turn_rate),
-            latch=latch,
-            patience=patience,
-            max_speed=limits.max_speed,
-            max_turn_rate=limits.max_turn_rate,
-        )
-
     def press(self, key: Key, now: float) -> None:
         """Take a key at `now` [s, monotonic]; keys that are not about motion only renew it."""
         until = now + (self.patience if self.latch else HOLD)
@@ -156,3 +128,36 @@ def key_of_rotation(x: float, y: float, z: float) -> Key | None:
     if abs(z) > FLICK_RATE:
         return Key.LEFT if z > 0 else Key.RIGHT
     return Key.STOP if abs(y) > FLICK_RATE else None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Manner:
+    """How keys drive [m/s, rad/s], below `max_speed` or `None` for the robot's own bound.
+
+    With `latch` one press keeps moving until another key, or for the `patience` without any [s].
+    """
+
+    speed: float = 0.1
+    turn_rate: float = 0.1
+    max_speed: float | None = None
+    latch: bool = False
+    patience: float = PATIENCE
+
+    def keyboard(self, limits: Limits) -> Keyboard:
+        """Return a keyboard that asks for no more than a robot can do.
+
+        Raises:
+            CommandError: a speed is not a positive number.
+            ConfigError: as :func:`patient`.
+        """
+        wanted, most = checked(self.speed, self.turn_rate), limits.lowered_to(self.max_speed, None)
+        if wanted.v <= 0 or wanted.w <= 0:
+            raise CommandError("speed and turn rate must be positive")
+        return Keyboard(
+            speed=min(wanted.v, most.max_speed),
+            turn_rate=min(wanted.w, most.max_turn_rate),
+            latch=self.latch,
+            patience=self.patience,
+            max_speed=most.max_speed,
+            max_turn_rate=most.max_turn_rate,
+        )

@@ -22,7 +22,7 @@ from pioneer3.runtime.arbiter import PROGRAM
 from pioneer3.runtime.robot import Robot
 from pioneer3.state import Identity, Motors, Snapshot
 from pioneer3.tasks import running
-from pioneer3.teleop.keyboard import Key, Keyboard
+from pioneer3.teleop.keyboard import Key, Manner
 from pioneer3.teleop.keyboard_drive import KeyboardDriver
 from tests.support import SimulatedRobot, until, wall_at
 from tests.unit.ros.support import P3AT, Blank, seen, update
@@ -222,7 +222,7 @@ async def test_keys_drive_it_and_its_driver_keeps_the_rules() -> None:
                 yield await pressed.get()
 
         lines: list[str] = []
-        keyboard = Keyboard.within(the.far.info.limits, 0.5, 0.5, latch=True)
+        keyboard = Manner(speed=0.5, turn_rate=0.5, latch=True).keyboard(the.far.info.limits)
         driving = asyncio.ensure_future(KeyboardDriver(the.far, keyboard, lines.append).run(keys()))
         pressed.put_nowait(Key.FORWARD)
         await asyncio.sleep(4)
