@@ -3,13 +3,7 @@
 from typing import TYPE_CHECKING
 
 from pioneer3.cli.options import LINK, WHICH, Baud, Flag, Json, LinkOptions, RobotOptions, Seconds
-from pioneer3.cli.process import (
-    busy_sign,
-    read_line,
-    until_told_to_leave,
-    write_error,
-    write_json,
-)
+from pioneer3.cli.process import busy_sign, read_line, until_told_to_leave, write_error, write_json
 
 COURSE = 1.0
 """How far `doctor --drive` drives, there and back [m]."""
@@ -90,11 +84,7 @@ async def doctor(
     """
     import asyncio
 
-    from pioneer3.doctor.diagnose import (
-        diagnose,
-        exit_code,
-        gather,
-    )
+    from pioneer3.doctor.diagnose import diagnose, exit_code, gather
     from pioneer3.ros.ros1.environment import check_environment
 
     port = which.url

@@ -531,11 +531,7 @@ class WorldOptions:
             ConfigError: A word is wrong.
         """
         from pioneer3.sim.worldfile import parse_equipment
-        from pioneer3.sim.worldfile.arguments import (
-            WorldOverrides,
-            parse_robot,
-            parse_start,
-        )
+        from pioneer3.sim.worldfile.arguments import WorldOverrides, parse_robot, parse_start
 
         return WorldOverrides(
             robots=tuple(parse_robot(each) if isinstance(each, str) else each for each in robots),

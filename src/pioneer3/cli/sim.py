@@ -14,15 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Group, Parameter
 
-from pioneer3.cli.options import (
-    WORLD,
-    Flag,
-    RobotNumber,
-    Robots,
-    TcpPort,
-    WorldOptions,
-    repeated,
-)
+from pioneer3.cli.options import WORLD, Flag, RobotNumber, Robots, TcpPort, WorldOptions, repeated
 from pioneer3.cli.process import (
     LogFormatter,
     run_until_told_to_leave,

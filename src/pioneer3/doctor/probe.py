@@ -12,12 +12,7 @@ from pioneer3.doctor.lasers import laser_at
 from pioneer3.doctor.ports import SerialPort
 from pioneer3.doctor.probe_session import QUICK, ProbeSession
 from pioneer3.doctor.recognition import DeviceKind, OtherDevice
-from pioneer3.errors import (
-    LinkError,
-    PortBusyError,
-    PortNotFoundError,
-    PortPermissionError,
-)
+from pioneer3.errors import LinkError, PortBusyError, PortNotFoundError, PortPermissionError
 from pioneer3.links import open_link
 from pioneer3.robot.supervisor import RobotInfo, is_simulator
 

@@ -7,11 +7,7 @@ from itertools import pairwise
 from pioneer3.arcos.reports import Report, Sip
 from pioneer3.doctor.facts import Finding, Heard, LinkFacts
 from pioneer3.doctor.ports import SerialPort
-from pioneer3.doctor.robot_checks import (
-    battery_finding,
-    check_checksums,
-    check_reports,
-)
+from pioneer3.doctor.robot_checks import battery_finding, check_checksums, check_reports
 from pioneer3.robot.supervisor import Supervisor
 from pioneer3.state import LinkQuality
 

@@ -7,14 +7,7 @@ from math import inf
 from typing import Any, Final
 
 from pioneer3.names import printable
-from pioneer3.ros.ros2.backend import (
-    Endpoint,
-    EndpointKind,
-    Graph,
-    NodeName,
-    Qos,
-    from_dds,
-)
+from pioneer3.ros.ros2.backend import Endpoint, EndpointKind, Graph, NodeName, Qos, from_dds
 from pioneer3.ros.ros2.types import MessageTypes
 
 TOPIC: Final = "ros_discovery_info"

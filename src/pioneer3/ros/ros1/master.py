@@ -102,10 +102,7 @@ class MasterWatch:
         return True
 
     def _register(self) -> None:
-        from rospy.impl.registration import (
-            get_service_manager,
-            get_topic_manager,
-        )
+        from rospy.impl.registration import get_service_manager, get_topic_manager
 
         topics: Any = get_topic_manager()
         self._master.setParam(self._name, self._parameters)

@@ -19,10 +19,7 @@ from pioneer3.robot.lasers.spec import LaserSpec
 from pioneer3.robot.supervisor import RobotInfo, is_simulator
 from pioneer3.ros.addresses import LOCAL, LOOPBACK, wait_for_master
 from pioneer3.ros.node.laser_node import FRAME, LaserNode
-from pioneer3.ros.node.laser_parameters import (
-    read_laser_parameters,
-    unused_laser_parameters,
-)
+from pioneer3.ros.node.laser_parameters import read_laser_parameters, unused_laser_parameters
 from pioneer3.ros.node.names import NODE, lab_node
 from pioneer3.ros.node.node import RobotNode
 from pioneer3.ros.node.parameter_reading import TF_PREFIX

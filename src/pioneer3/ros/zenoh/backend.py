@@ -20,13 +20,7 @@ from pioneer3.ros.ros2.backend import (
 )
 from pioneer3.ros.ros2.backend import Left as LeftCallback
 from pioneer3.ros.ros2.types import MessageTypes
-from pioneer3.ros.zenoh.endpoints import (
-    ZenohReader,
-    ZenohServer,
-    ZenohWriter,
-    attachment,
-    matching,
-)
+from pioneer3.ros.zenoh.endpoints import ZenohReader, ZenohServer, ZenohWriter, attachment, matching
 from pioneer3.ros.zenoh.graph import TokenGraph
 from pioneer3.ros.zenoh.keys import SERVICES, KeyTopic, LivelinessToken
 from pioneer3.ros.zenoh.presence import RouterWatch, connected, refusal

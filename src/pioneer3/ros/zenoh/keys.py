@@ -16,14 +16,7 @@ from struct import Struct, pack, unpack_from
 from typing import Final
 
 from pioneer3.names import printable
-from pioneer3.ros.ros2.backend import (
-    Endpoint,
-    EndpointKind,
-    NodeName,
-    Qos,
-    from_dds,
-    to_dds,
-)
+from pioneer3.ros.ros2.backend import Endpoint, EndpointKind, NodeName, Qos, from_dds, to_dds
 
 SPACE: Final = "@ros2_lv"
 NODE: Final = "NN"
