@@ -23,13 +23,7 @@ ENABLE: Final = 4
 STOPS: Final = frozenset({29, 55, 57})
 """STOP, ESTOP and QSTOP (protocol.md 3.1)."""
 DRIVE, TURN, SIDE = "drive", "turn", "side"
-VELOCITIES: Final = {
-    9: {TURN},
-    11: {DRIVE},
-    21: {TURN},
-    32: {DRIVE, TURN},
-    110: {SIDE},
-}
+VELOCITIES: Final = {9: {TURN}, 11: {DRIVE}, 21: {TURN}, 32: {DRIVE, TURN}, 110: {SIDE}}
 """ROTATE, VEL, RVEL, VEL2 and LATVEL, and what each of them sets; 0 stops that."""
 PLACES: Final = {8: {DRIVE}, 12: {TURN}, 13: {TURN}, 22: {TURN}}
 """MOVE, HEAD, DHEAD and DCHEAD: they end by themselves, and no number in them means standing."""

@@ -111,11 +111,7 @@ def _version(answer: str) -> Literal["", "1", "2"]:
 COMMANDS: dict[str, tuple[tuple[str, Callable[..., object]], ...]] = {
     "The file": (("init", init), ("discover", discover), ("list", list_)),
     "Driving": (("drive", drive), *GROUP_COMMANDS, ("stop", stop)),
-    "Names on this computer": (
-        ("hosts", hosts),
-        ("ssh-config", ssh_config),
-        ("aliases", aliases),
-    ),
+    "Names on this computer": (("hosts", hosts), ("ssh-config", ssh_config), ("aliases", aliases)),
     "Work on the robots": WORK,
 }
 """The commands in their groups, each with its name; others are added here."""

@@ -83,8 +83,7 @@ async def _run(command: str, limit: float | None, which: RobotsOptions) -> int:
 
 @until_told_to_leave
 async def push(
-    *paths: Annotated[str, Parameter(metavar="FILE")],
-    which: RobotsOptions = ROBOTS,
+    *paths: Annotated[str, Parameter(metavar="FILE")], which: RobotsOptions = ROBOTS
 ) -> int:
     """Copy files or folders to the robots' computers, to all at once.
 
@@ -276,11 +275,7 @@ async def deploy(
     robots = which.robots()
     with busy_sign(f"Installing on {len(robots)} robots ..."):
         outcomes = await deployment.deploy(
-            fleet_of(which.fleet),
-            robots,
-            login=which.login,
-            extras=with_,
-            service=not no_service,
+            fleet_of(which.fleet), robots, login=which.login, extras=with_, service=not no_service
         )
     return finish(outcomes)
 

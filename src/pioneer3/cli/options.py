@@ -245,9 +245,7 @@ class LaserOptions:
     ] = ()
 
     async def specs(
-        self,
-        taken: Sequence[str] = (),
-        otherwise: Sequence[str] = (),
+        self, taken: Sequence[str] = (), otherwise: Sequence[str] = ()
     ) -> "tuple[LaserSpec, ...]":
         """Return the lasers, after looking for those that are `auto`.
 
@@ -277,8 +275,7 @@ AUTO = "auto"
 CAMERA = Group.create_ordered("Camera")
 CAMERA_VARIABLE = "PIONEER3_CAMERA"
 CameraUrl = Annotated[
-    str | None,
-    Parameter(env_var=CAMERA_VARIABLE, metavar="URL", group=CAMERA, show_default=False),
+    str | None, Parameter(env_var=CAMERA_VARIABLE, metavar="URL", group=CAMERA, show_default=False)
 ]
 """URL of the MJPEG stream of a camera on the robot."""
 
@@ -403,10 +400,7 @@ class LinkOptions(RobotOptions):
             yield robot
 
     def node(
-        self,
-        line_map: str | None,
-        start: "Pose2 | str | None",
-        arguments: Sequence[str] = (),
+        self, line_map: str | None, start: "Pose2 | str | None", arguments: Sequence[str] = ()
     ) -> "StartOptions":
         """Return the options of a node of ROS; without a port it looks for the robot."""
         from pioneer3.ros.node.start import StartOptions
@@ -506,8 +500,7 @@ class WorldOptions:
     """
 
     start: Annotated[
-        tuple[str, ...],
-        Parameter(negative=(), allow_leading_hyphen=True, show_default=False),
+        tuple[str, ...], Parameter(negative=(), allow_leading_hyphen=True, show_default=False)
     ] = ()
     fit: Annotated[str, Parameter(show_default=False)] = ""
     seed: Annotated[int | None, Parameter(validator=Number(gte=0, lt=2**63))] = None
@@ -515,11 +508,7 @@ class WorldOptions:
     physics: Flag = False
 
     def overrides(
-        self,
-        robots: "Sequence[str | RobotSpec]" = (),
-        *,
-        factory: str = "",
-        own_ports: bool = True,
+        self, robots: "Sequence[str | RobotSpec]" = (), *, factory: str = "", own_ports: bool = True
     ) -> "WorldOverrides":
         """Return the changes to the world file.
 

@@ -37,9 +37,7 @@ def run_until_told_to_leave(
         return _run(command, loop_factory)
 
 
-def until_told_to_leave(
-    command: Callable[P, Coroutine[Any, Any, int | None]],
-) -> Callable[P, int]:
+def until_told_to_leave(command: Callable[P, Coroutine[Any, Any, int | None]]) -> Callable[P, int]:
     """Make a coroutine function a command, run as :func:`run_until_told_to_leave` does."""
 
     @wraps(command)

@@ -10,9 +10,7 @@ from pioneer3.cli.process import run_until_told_to_leave, write_line
 
 
 def replay(
-    *names: Annotated[str, Parameter(metavar="LOG")],
-    web_port: TcpPort = 8080,
-    lan: Flag = False,
+    *names: Annotated[str, Parameter(metavar="LOG")], web_port: TcpPort = 8080, lan: Flag = False
 ) -> int:
     """Show a log on the page as if it were live; nothing in it can be driven.
 

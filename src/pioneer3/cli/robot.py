@@ -60,12 +60,7 @@ def show(name: Name | None = None) -> int:
 
 
 @robot_app.command
-def init(
-    name: str | None = None,
-    *,
-    link: LinkOptions = LINK,
-    force: Flag = False,
-) -> int:
+def init(name: str | None = None, *, link: LinkOptions = LINK, force: Flag = False) -> int:
     """Make the own file of a robot, with what it says and the options tell.
 
     With NAME and --model no robot is asked; else the one at --port says both.

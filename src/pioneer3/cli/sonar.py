@@ -28,10 +28,7 @@ NUMBER = 6
 
 @until_told_to_leave
 async def sonar(
-    *,
-    link: LinkOptions = LINK,
-    seconds: Seconds | None = None,
-    json: Flag = False,
+    *, link: LinkOptions = LINK, seconds: Seconds | None = None, json: Flag = False
 ) -> int:
     """Show the sonars: the distances of the front eight, and a picture to scale.
 

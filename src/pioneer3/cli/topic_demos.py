@@ -160,11 +160,7 @@ def rob_key_multi(
 
 
 def p3_sonar(
-    graph: DemoGraph,
-    *,
-    which: Which = ANY,
-    seconds: Seconds | None = None,
-    json: Flag = False,
+    graph: DemoGraph, *, which: Which = ANY, seconds: Seconds | None = None, json: Flag = False
 ) -> int:
     """Show the sonars of a robot, distances in mm from its hull; nothing moves.
 

@@ -31,11 +31,7 @@ from pioneer3.state import Snapshot
 
 
 async def gather(
-    url: str,
-    *,
-    baud: int | None = None,
-    model: GivenModel = None,
-    seconds: float = 3.0,
+    url: str, *, baud: int | None = None, model: GivenModel = None, seconds: float = 3.0
 ) -> LinkFacts:
     """Return the facts about `url` after listening for `seconds`, at `baud` first.
 

@@ -83,9 +83,7 @@ LIVE_COLUMNS: Final[tuple[Column[Live], ...]] = (
         lambda live: _answer(live.ros),
     ),
     Column(
-        "clock",
-        "how far its clock is ahead of this computer's",
-        lambda live: _clock(live.clock),
+        "clock", "how far its clock is ahead of this computer's", lambda live: _clock(live.clock)
     ),
 )
 WARN_VOLTAGE: Final = 11.5

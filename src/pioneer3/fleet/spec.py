@@ -35,8 +35,7 @@ User = Annotated[
     ),
 ]
 Bridge = Annotated[
-    int,
-    Meta(ge=0, le=65535, extra={"expected": "a TCP port such as 8101, or 0 for no bridge"}),
+    int, Meta(ge=0, le=65535, extra={"expected": "a TCP port such as 8101, or 0 for no bridge"})
 ]
 Ros = Annotated[str, Meta(pattern=r"\A[12]?\Z", extra={"expected": '"1" or "2", or "" for none'})]
 Node = Annotated[

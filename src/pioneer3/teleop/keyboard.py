@@ -46,12 +46,7 @@ class Key(Enum):
     QUIT = auto()
 
 
-MOVES = {
-    Key.FORWARD: (1, 0),
-    Key.BACK: (-1, 0),
-    Key.LEFT: (0, 1),
-    Key.RIGHT: (0, -1),
-}
+MOVES = {Key.FORWARD: (1, 0), Key.BACK: (-1, 0), Key.LEFT: (0, 1), Key.RIGHT: (0, -1)}
 
 
 @dataclass(slots=True)

@@ -111,9 +111,7 @@ class Client:
         self.session = session
         asked = socket.query_params
         self._audience = page.audiences.find(
-            session,
-            robot=_number(asked.get("robot")),
-            small=asked.get("view") == CLASS_VIEW,
+            session, robot=_number(asked.get("robot")), small=asked.get("view") == CLASS_VIEW
         )
         kind = device(socket.headers.get("user-agent", ""), asked.get("device", ""))
         self._name = page.access.name_for(session, kind, page.clients.names)

@@ -210,10 +210,7 @@ def laser_findings(lasers: Iterable[LaserSource]) -> Iterator[Finding]:
         else:
             advice = "is it switched on and plugged in? It is looked for again and again"
             yield failure(
-                check=laser.name,
-                found=str(laser.presence),
-                advice=advice,
-                symptom=Symptom.NO_LASER,
+                check=laser.name, found=str(laser.presence), advice=advice, symptom=Symptom.NO_LASER
             )
 
 

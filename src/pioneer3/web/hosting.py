@@ -55,10 +55,7 @@ class ConnectTarget:
 
 @asynccontextmanager
 async def hosted(
-    page: Page,
-    targets: Sequence[ConnectTarget],
-    tell: Callable[[str], None],
-    record: Record = None,
+    page: Page, targets: Sequence[ConnectTarget], tell: Callable[[str], None], record: Record = None
 ) -> AsyncIterator[None]:
     """Show every robot of `targets` at `page` while the block lasts, after one attempt for each.
 

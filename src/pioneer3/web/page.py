@@ -249,10 +249,7 @@ class Page:
             publish=partial(self.audiences.publish, number, "mapping"),
         )
         calibration = RobotCalibration(
-            number,
-            robot,
-            control,
-            publish=partial(self.audiences.publish, number, "calibration"),
+            number, robot, control, publish=partial(self.audiences.publish, number, "calibration")
         )
         return RobotView(
             number,

@@ -170,9 +170,7 @@ class _Hand:
         )
 
 
-def by_itself(
-    mode: Mode,
-) -> Callable[[Context, Description], DemoMode]:
+def by_itself(mode: Mode) -> Callable[[Context, Description], DemoMode]:
     """Return the maker of a mode of the demo that runs `mode`."""
 
     def make(context: Context, about: Description) -> DemoMode:

@@ -80,11 +80,7 @@ DISTANCE = 1.0
 STEP = 0.5
 """Change by PageUp and PageDown, and the least distance [m]."""
 QUARTER = pi / 2
-GYRO_ORDER = {
-    GyroMode.ON: GyroMode.OFF,
-    GyroMode.OFF: GyroMode.ONLY,
-    GyroMode.ONLY: GyroMode.ON,
-}
+GYRO_ORDER = {GyroMode.ON: GyroMode.OFF, GyroMode.OFF: GyroMode.ONLY, GyroMode.ONLY: GyroMode.ON}
 
 
 def position(context: Context, about: Description) -> DemoMode:

@@ -70,11 +70,7 @@ class Player:
             return outlet.stamp_of(wall(moment))
 
         self._updates = Updates(
-            robot.info.model,
-            options,
-            lasers=lambda: _mounted(robot),
-            stamp=stamp,
-            make=outlet.make,
+            robot.info.model, options, lasers=lambda: _mounted(robot), stamp=stamp, make=outlet.make
         )
         self.navigation = NavigationPlayer(outlet, options, profile, stamp)
         topics = published(robot.info.model, options, profile, sorted(robot.lasers))

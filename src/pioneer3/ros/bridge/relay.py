@@ -217,10 +217,7 @@ class Inbox:
     """Hands things over from any thread to `take` in the loop; of many the newest `length` stay."""
 
     def __init__(
-        self,
-        take: Callable[..., None],
-        loop: asyncio.AbstractEventLoop,
-        length: int = WAITING,
+        self, take: Callable[..., None], loop: asyncio.AbstractEventLoop, length: int = WAITING
     ) -> None:
         self._take = take
         self._items: deque[tuple[object, ...]] = deque(maxlen=length)

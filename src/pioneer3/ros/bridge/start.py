@@ -107,14 +107,11 @@ def table_of(options: BridgeOptions) -> BridgeTable:
     further = [replace(row, to_robot=(row.ros1, row.ros2) in to_robot) for row in further]
     replaced = {(row.ros1, row.ros2) for row in further}
     rows = chosen(
-        (*(row for key, row in own_rows.items() if key not in replaced), *further),
-        options.only,
+        (*(row for key, row in own_rows.items() if key not in replaced), *further), options.only
     )
     refuse_circles(rows)
     return BridgeTable(
-        rows=rows,
-        services=() if options.only else services_of(robot),
-        converter=converter,
+        rows=rows, services=() if options.only else services_of(robot), converter=converter
     )
 
 

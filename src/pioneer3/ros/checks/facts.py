@@ -30,10 +30,7 @@ class CheckFault:
 
 def _fault(level: Level, reason: str, *, example: str = "", advice: str = "") -> CheckFault:
     return CheckFault(
-        level=level,
-        reason=printable(reason),
-        example=printable(example),
-        advice=printable(advice),
+        level=level, reason=printable(reason), example=printable(example), advice=printable(advice)
     )
 
 

@@ -133,8 +133,7 @@ def frame_faults(
     connected = tree.connected()
     if reachable and connected and used not in connected:
         yield fail(
-            f"no transform leads from {tree.bases[0]} to {used}",
-            advice="publish it on tf_static",
+            f"no transform leads from {tree.bases[0]} to {used}", advice="publish it on tf_static"
         )
     elif usual and used not in usual:
         yield warn(f"frame_id is {used}", example=f"{usual[0]} is usual")

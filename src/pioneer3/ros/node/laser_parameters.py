@@ -157,10 +157,7 @@ class LaserParameters:
         """Return `lasers`, the first one with the settings of the parameters."""
         first = (
             replace(
-                laser,
-                settings=self.settings,
-                time_offset=self.time_offset,
-                inverted=self.inverted,
+                laser, settings=self.settings, time_offset=self.time_offset, inverted=self.inverted
             )
             for laser in lasers[:1]
         )

@@ -63,16 +63,6 @@ P2OS_TOPICS: Final = (
         has_data=lambda update: bool(update.snapshot.sonar.fresh),
         note="of every transducer [m], 5 without an echo",
     ),
-    Topic(
-        p2os="dio",
-        type_name="p2os_msgs/DIO",
-        fill=_digital,
-        note="the eight digital inputs",
-    ),
-    Topic(
-        p2os="aio",
-        type_name="p2os_msgs/AIO",
-        fill=_analog,
-        note="voltage of the selected port",
-    ),
+    Topic(p2os="dio", type_name="p2os_msgs/DIO", fill=_digital, note="the eight digital inputs"),
+    Topic(p2os="aio", type_name="p2os_msgs/AIO", fill=_analog, note="voltage of the selected port"),
 )

@@ -109,11 +109,7 @@ def _check_address(address: str, master: str, network: NetworkProbe) -> Iterator
 
 def _finding(found: str, meaning: str, advice: str) -> Finding:
     return warning(
-        check="ROS 1",
-        found=found,
-        meaning=meaning,
-        advice=advice,
-        symptom=Symptom.ROS_TOPIC_SILENT,
+        check="ROS 1", found=found, meaning=meaning, advice=advice, symptom=Symptom.ROS_TOPIC_SILENT
     )
 
 

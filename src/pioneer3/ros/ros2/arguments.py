@@ -74,9 +74,7 @@ def _first(rules: Sequence[RemapRule], sets: str, node: str) -> str | None:
     return next((each.remapping.target for each in found), None)
 
 
-def _sorted(
-    words: Iterator[str],
-) -> tuple[list[RemapRule], list[tuple[str, str]], list[Path]]:
+def _sorted(words: Iterator[str]) -> tuple[list[RemapRule], list[tuple[str, str]], list[Path]]:
     """Return the remapping rules, the parameters and their files."""
     rules, values, files = list[RemapRule](), list[tuple[str, str]](), list[Path]()
     for word in words:

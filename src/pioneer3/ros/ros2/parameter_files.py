@@ -34,9 +34,7 @@ class RosLoader(yaml.SafeLoader):
 
 
 RosLoader.add_implicit_resolver(
-    INTEGER,
-    re.compile(r"[-+]?(?:0[0-7]*|[1-9][0-9]*|0[xX][0-9a-fA-F]+)$"),
-    list("-+0123456789"),
+    INTEGER, re.compile(r"[-+]?(?:0[0-7]*|[1-9][0-9]*|0[xX][0-9a-fA-F]+)$"), list("-+0123456789")
 )
 RosLoader.add_implicit_resolver(
     FLOAT,

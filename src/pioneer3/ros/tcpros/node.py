@@ -296,10 +296,7 @@ class Ros1Node:
 
 @asynccontextmanager
 async def ros1_node(
-    name: str,
-    at: Addresses,
-    tell: Callable[[str], None],
-    extra: Mapping[str, str] | None = None,
+    name: str, at: Addresses, tell: Callable[[str], None], extra: Mapping[str, str] | None = None
 ) -> AsyncIterator[Ros1Node]:
     """Be a node of ROS 1 while the block lasts; it begins when the master is there.
 

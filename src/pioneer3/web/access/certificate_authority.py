@@ -152,7 +152,5 @@ def _general(name: str) -> x509.GeneralName:
 
 def _pem(secret: ec.EllipticCurvePrivateKey) -> bytes:
     return secret.private_bytes(
-        serialization.Encoding.PEM,
-        serialization.PrivateFormat.PKCS8,
-        serialization.NoEncryption(),
+        serialization.Encoding.PEM, serialization.PrivateFormat.PKCS8, serialization.NoEncryption()
     )

@@ -126,11 +126,7 @@ class Operation:
 
 
 def operation(
-    method: Method,
-    path: str,
-    act: Callable[..., Any],
-    needs: Role | None,
-    *errors: int,
+    method: Method, path: str, act: Callable[..., Any], needs: Role | None, *errors: int
 ) -> Operation:
     """Return the operation with the types and the docstring of `act`.
 
