@@ -43,8 +43,6 @@ log_verify        `pioneer3 log verify`: today's driver over the bytes of a log
 log_why           `pioneer3 log why`
 log_plot          `pioneer3 log plot`: a run as a picture, or in the terminal
 log_stats         `pioneer3 log stats`
-log_anonymize     `pioneer3 log anonymize`: a log without names
-log_map           `pioneer3 log map`
 goto              `pioneer3 goto` and `patrol`: to places of the map by their names, or to points
 places            places of a map on the command line: a name, or numbers
 drive             `pioneer3 drive`

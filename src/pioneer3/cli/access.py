@@ -15,7 +15,6 @@ access_app = App(
 
     Example: pioneer3 access invite --role viewer
     """,
-    help_format="plaintext",
 )
 
 

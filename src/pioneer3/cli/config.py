@@ -30,7 +30,6 @@ config_app = App(
     Example: pioneer3 config show --port /dev/ttyUSB0
     Example: pioneer3 config backup --port /dev/ttyUSB0
     """,
-    help_format="plaintext",
 )
 
 

@@ -26,7 +26,6 @@ fleet_app = App(
     Example: pioneer3 fleet init
     Example: pioneer3 fleet list
     """,
-    help_format="plaintext",
     help_epilogue=UNITS,
 )
 

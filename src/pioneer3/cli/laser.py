@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from pioneer3.robot.lasers.driver import LaserDriver
     from pioneer3.state import Scan
 
-laser_app = App(name="laser", help_format="plaintext", help_epilogue=UNITS)
+laser_app = App(name="laser", help_epilogue=UNITS)
 
 Where = Annotated[
     str, Parameter(name=["--port", "--laser"], env_var="PIONEER3_LASER", metavar="PORT")

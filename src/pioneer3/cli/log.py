@@ -6,9 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import App, Parameter
 
-from pioneer3.cli.log_anonymize import anonymize
 from pioneer3.cli.log_convert import convert
-from pioneer3.cli.log_map import map_
 from pioneer3.cli.log_plot import plot
 from pioneer3.cli.log_stats import stats
 from pioneer3.cli.log_verify import verify
@@ -31,16 +29,65 @@ log_app = App(
     Example: pioneer3 log why --at 14:02:31
     Example: pioneer3 log info drive
     """,
-    help_format="plaintext",
 )
 log_app.command(convert)
 log_app.command(verify)
 log_app.command(why)
 log_app.command(plot)
 log_app.command(stats)
-log_app.command(anonymize)
-log_app.command(map_, name="map")
 Moment = Annotated[str | None, Parameter(metavar="TIME", show_default=False)]
+
+
+@log_app.command
+def anonymize(
+    name: LogName = "",
+    /,
+    *,
+    output: Annotated[Path, Parameter(name=["--output", "-o"], metavar="FILE")],
+) -> int:
+    """Write a log without names of robots, people, hosts, places and files.
+
+    Numbers stay: readings, times, the map's walls. Bytes of lasers are left out.
+
+    Example: pioneer3 log anonymize drive -o anonymous.mcap
+
+    Args:
+        name: A file, or a part of the log's name; without it, the newest.
+        output: The new file.
+    """
+    from pioneer3.analysis.anonymous import write_anonymous
+    from pioneer3.log import open as open_log
+
+    written = write_anonymous(open_log(name), output)
+    write_line(f"{output}: {written} messages; look at it before you give it away")
+    return 0
+
+
+@log_app.command(name="map")
+def map_(
+    name: LogName = "",
+    /,
+    *,
+    output: Annotated[Path | None, Parameter(name=["--output", "-o"], metavar="FILE")] = None,
+    repair_odometry: Flag = False,
+    force: Flag = False,
+) -> int:
+    """Make a map of what the laser saw in a run, as `map build --from` does.
+
+    Example: pioneer3 log map drive
+
+    Args:
+        name: A file, or a part of the log's name; without it, the newest.
+        output: The new map: .map, .yaml or .toml. Without it a .map named after the time.
+        repair_odometry: Trust the scans where odometry contradicts them.
+        force: Write over files that are there.
+    """
+    from pioneer3.cli.map_build import build
+    from pioneer3.log.folder import named_log_path
+
+    return build(
+        output=output, from_=named_log_path(name), repair_odometry=repair_odometry, force=force
+    )
 
 
 @log_app.command(name="list")

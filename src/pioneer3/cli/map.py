@@ -35,7 +35,6 @@ map_app = App(
 
     Example: pioneer3 map show office
     """,
-    help_format="plaintext",
 )
 map_app.command(build, help_epilogue=UNITS)
 

@@ -23,7 +23,6 @@ model_app = App(
     Example: pioneer3 model show p3at-sh
     Example: pioneer3 model export p3at-sh --format mjcf
     """,
-    help_format="plaintext",
 )
 Format = Literal["urdf", "sdf", "mjcf", "bridge"]
 

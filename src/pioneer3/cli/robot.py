@@ -27,7 +27,6 @@ robot_app = App(
 
     Example: pioneer3 robot init --port /dev/ttyUSB0
     """,
-    help_format="plaintext",
 )
 
 

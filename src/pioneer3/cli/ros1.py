@@ -30,7 +30,6 @@ ros1_app = App(
 
     Example: pioneer3 ros1 --port /dev/ttyUSB0 _cmd_vel_timeout:=0.5
     """,
-    help_format="plaintext",
     help_epilogue=UNITS,
 )
 ARGUMENTS = Annotated[str, Parameter(show=False, help="ROS's own, such as __name:=mine.")]

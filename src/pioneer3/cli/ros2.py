@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from pioneer3.cli.topic_demos import Work
     from pioneer3.ros.client.graph import RobotTopics
 
-ros2_app = App(name="ros2", help_format="plaintext", help_epilogue=UNITS)
+ros2_app = App(name="ros2", help_epilogue=UNITS)
 
 
 @dataclass(frozen=True, slots=True)
