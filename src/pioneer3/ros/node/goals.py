@@ -19,6 +19,7 @@ from pioneer3.ros.messages.update import NANO, nanoseconds
 from pioneer3.ros.node.goal_list import GoalList
 from pioneer3.ros.node.middleware import Middleware, Outlet
 from pioneer3.ros.node.publishing import Publishing
+from pioneer3.tasks import next_tick
 
 if TYPE_CHECKING:
     from pioneer3.nav.places import Destination
@@ -107,7 +108,7 @@ class Goals:
         try:
             while True:
                 self.topics.tell()
-                await asyncio.sleep(STATUS_EVERY)
+                await next_tick(STATUS_EVERY)
         finally:
             self._server.end(GoalStatus.ABORTED, "the node ends")
 

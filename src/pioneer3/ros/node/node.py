@@ -33,7 +33,7 @@ from pioneer3.ros.node.topics import SLOWLY, aria_laser, command_topics, publish
 from pioneer3.ros.node.updates import Updates
 from pioneer3.runtime.robot import Robot
 from pioneer3.state import Bumpers, Snapshot
-from pioneer3.tasks import hand_over, running
+from pioneer3.tasks import hand_over, next_tick, running
 
 if TYPE_CHECKING:
     from pioneer3.ros.node.navigation import NodeNavigation
@@ -242,7 +242,7 @@ class RobotNode:
                 if sentence not in told:
                     told.add(sentence)
                     self._middleware.warn(sentence)
-            await asyncio.sleep(SLOWLY)
+            await next_tick(SLOWLY)
 
     def _diagnose(self) -> tuple[DiagnosticStatus, ...]:
         """Return the state of each part of the robot now."""

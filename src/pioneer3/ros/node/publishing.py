@@ -16,6 +16,7 @@ from pioneer3.ros.node.middleware import Outlet, Publisher
 from pioneer3.ros.node.names import Profile
 from pioneer3.ros.node.topic import Topic, Update
 from pioneer3.ros.node.topics import SLOWLY
+from pioneer3.tasks import next_tick
 
 V = TypeVar("V")
 
@@ -146,7 +147,7 @@ class Publishing:
                         make=self._middleware.make,
                     )
                 )
-            await asyncio.sleep(SLOWLY)
+            await next_tick(SLOWLY)
 
     async def publish_device(
         self,
@@ -158,7 +159,7 @@ class Publishing:
         """Read the values of a device while its topic has subscribers; without that, do nothing."""
         while any(row.publishers for row in self._rows_of[source, sensor]):
             if not self.has_subscribers(source, sensor):
-                await asyncio.sleep(LOOK)
+                await next_tick(LOOK)
                 continue
 
             async def read() -> bool:
