@@ -31,6 +31,7 @@ async def test_a_backup_is_compared_and_restored_as_far_as_a_host_may() -> None:
         edited = path.with_name(path.name.replace(".toml", ".2.toml"))
         edited.write_text(
             text.replace("\naccel_mm_s2 = 300", "\naccel_mm_s2 = 250")
+            .replace("\nticks_per_mm = 128", "\nticks_per_mm = 130")
             .replace("watchdog_ms = 2000", "watchdog_ms = 900")
             .replace("rotation_kp_raw = 40", "rotation_kp_raw = 41")
         )
@@ -40,10 +41,12 @@ async def test_a_backup_is_compared_and_restored_as_far_as_a_host_may() -> None:
             "accel",
             "rotation_kp",
             "watchdog",
+            "ticks_per_mm",
         ]
         code, out, _ = await config("restore")
         assert code == 1
         assert "accel: 250 mm/s²: set, was 300\n" in out
+        assert "ticks_per_mm: 130 1/mm: set, was 128\n" in out
         assert "rotation_kp: 41: was sent, and not taken\n" in out
         assert "watchdog: 900 ms: only the maker's tool writes it; it is 2000\n" in out
         assert "switched off" in out

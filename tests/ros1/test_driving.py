@@ -119,7 +119,7 @@ async def test_a_new_master_is_registered_with(home: Path, monkeypatch: pytest.M
     with roscore(port, home):
         stack = AsyncExitStack()
         lab = await stack.enter_async_context(laboratory())
-        setting = "{config: {ints: [{name: TicksMM, value: 139}]}}"
+        setting = "{config: {ints: [{name: TicksMM, value: 128}]}}"
         await ros("rosservice", "call", "/RosAria/set_parameters", setting)
         await asyncio.sleep(LOOK * (SURVEY_EVERY + 0.5))
     async with stack:
@@ -128,7 +128,7 @@ async def test_a_new_master_is_registered_with(home: Path, monkeypatch: pytest.M
             await lab.warns("the ROS master is back")  # or the old one, which took its time
             await listed("/robot_description", "rosparam")  # comes last
             assert "/RosAria/cmd_vel" in await ros("rostopic", "list")
-            assert (await ros("rosparam", "get", "/RosAria/TicksMM")).strip() == "139"
+            assert (await ros("rosparam", "get", "/RosAria/TicksMM")).strip() == "128"
             poses = await script("press.py", "0.3", "2.0")
             assert poses[-1][0] > 0.05
             assert "/RosAria/enable_motors" in await ros("rosservice", "list")
@@ -143,9 +143,9 @@ async def test_a_node_that_is_killed_by_name_ends(lab: Lab) -> None:
 
 
 async def test_on_leaving_nothing_stays_on_the_parameter_server(lab: Lab) -> None:
-    setting = "{config: {ints: [{name: TicksMM, value: 139}]}}"
+    setting = "{config: {ints: [{name: TicksMM, value: 128}]}}"
     await ros("rosservice", "call", "/RosAria/set_parameters", setting)
-    assert (await ros("rosparam", "get", "/RosAria/TicksMM")).strip() == "139"
+    assert (await ros("rosparam", "get", "/RosAria/TicksMM")).strip() == "128"
     code, _ = await lab.node.end(signal.SIGINT)
     assert code == 130
     assert "/RosAria/" not in await ros("rosparam", "list")

@@ -45,9 +45,9 @@ async def test_dynparam_finds_shows_and_sets(
     assert "'trans_accel': 2.0" in await ros(*DYNPARAM, "get", "/RosAria")
     await until(lambda: commands.SetA(acceleration=2.0) in said_to(shared_lab))  # though it stands
     await ros(*DYNPARAM, "set", "/RosAria", "trans_accel", "0.3")
-    await ros(*DYNPARAM, "set", "/RosAria", "TicksMM", "139")
-    assert commands.TicksMM(ticks_per_mm=139) in said_to(shared_lab)
-    assert "'TicksMM': 139" in await ros(*DYNPARAM, "get", "/RosAria")
+    await ros(*DYNPARAM, "set", "/RosAria", "TicksMM", "128")
+    assert commands.TicksMM(ticks_per_mm=128) in said_to(shared_lab)
+    assert "'TicksMM': 128" in await ros(*DYNPARAM, "get", "/RosAria")
 
 
 async def test_a_bag_has_what_was_published(shared_lab: Lab, tmp_path: Path) -> None:

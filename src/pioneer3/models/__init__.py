@@ -13,7 +13,7 @@ catalog      finds the model of a robot: shipped ones by name, others from a fil
 own          finds and reads the own file of a robot, by its name or serial number
 aria         reads and writes ARIA's `.p` robot parameter files (facts.md 6.1)
 parameters   keys and values of an ARIA parameter file, converted to SI
-odometry     errors of a robot's odometry, and the twists that they belong to
+odometry     errors of a robot's odometry, and the numbers of its controller beside them
 model        one robot type as frozen numbers, and the range of each number
 ===========  ================================================================================
 """
@@ -28,7 +28,7 @@ from pioneer3.models.catalog import (
     model_names,
 )
 from pioneer3.models.model import Drive, IrMount, LaserMount, RobotModel, SonarMount
-from pioneer3.models.odometry import OdometryCorrection
+from pioneer3.models.odometry import EncoderNumbers, OdometryCorrection
 from pioneer3.models.physics import BodyPhysics, physics_of, total_mass
 from pioneer3.models.shape import BodyShape, shape_of
 
@@ -36,6 +36,7 @@ __all__ = [
     "BodyPhysics",
     "BodyShape",
     "Drive",
+    "EncoderNumbers",
     "Fallback",
     "GivenModel",
     "IrMount",

@@ -15,7 +15,7 @@ from msgspec import Meta
 
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import wrap
-from pioneer3.models.odometry import UNCORRECTED, OdometryCorrection
+from pioneer3.models.odometry import UNCORRECTED, EncoderNumbers, OdometryCorrection
 from pioneer3.tables import FieldForm, degrees_of, in_degrees
 from pioneer3.units import DEGREE, HEADING_UNIT, MM
 
@@ -212,6 +212,7 @@ class RobotModel:
         request_encoders: Whether to ask for ENCODER packets on connecting.
         switch_speed: Line speed to change to after connecting [baud]; 0 never.
         odometry: Measured errors of this robot's odometry, which the driver corrects.
+        encoders: Numbers that the controller had then, and is given again; `None` to leave them.
 
     Raises:
         ConfigError: A number is out of its range.
@@ -259,6 +260,7 @@ class RobotModel:
     request_encoders: bool = False
     switch_speed: Annotated[int, FieldForm("switch_speed", SwitchSpeed)] = SWITCH_SPEED
     odometry: OdometryCorrection = UNCORRECTED
+    encoders: EncoderNumbers | None = None
 
     refusal: ClassVar[str | None] = None
     """The reason that nothing may drive it, or `None`."""
@@ -310,12 +312,14 @@ class OwnFile:
 
     Attributes:
         camera: URL of its camera; `None` without one.
+        serial_number: Of the only robot that it is of, by whatever name; empty for any.
         path: Of the file.
     """
 
     model: Annotated[RobotModel, FieldForm(type=RobotModel, spread=True)]
     lasers: tuple[OwnLaser, ...] = ()
     camera: str | None = None
+    serial_number: str = ""
     path: Annotated[Path, FieldForm()] = Path()
 
 

@@ -1,4 +1,4 @@
-"""Errors of a robot's odometry as three ratios, and the twists that they belong to."""
+"""Errors of a robot's odometry as three ratios, and the numbers of its controller beside them."""
 
 from dataclasses import dataclass
 from typing import Annotated, Final, NamedTuple
@@ -61,6 +61,36 @@ def true_of_measured(
         (right - left) / width / base_ratio,
         (right + left) / 2 / base_ratio,
     )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EncoderNumbers:
+    """Numbers by which a controller makes odometry of its encoders (protocol.md 3).
+
+    Attributes:
+        ticks_mm: Ticks for a millimetre of the way.
+        rev_count: Ticks by which the sides differ after half a turn.
+        drift_factor: Correction of the left side [1/8192 of its count].
+    """
+
+    ticks_mm: Annotated[int, Meta(ge=1, le=65535)]
+    rev_count: Annotated[int, Meta(ge=1, le=65535)]
+    drift_factor: Annotated[int, Meta(ge=-8191, le=32767)] = 0
+
+    @property
+    def half_turn(self) -> float:
+        """Difference of both sides' ways on half a turn, to compare with that of others."""
+        return self.rev_count / self.ticks_mm
+
+    def since(self, before: "EncoderNumbers", width: float) -> TwistMatrix:
+        """Return the map from twists by these numbers to those by the numbers `before`.
+
+        `width` is what the controller took for the distance of the wheels by those before [m].
+        """
+        right = self.ticks_mm / before.ticks_mm
+        left = right * (1 + before.drift_factor / 8192) / (1 + self.drift_factor / 8192)
+        ratio = before.half_turn / self.half_turn
+        return true_of_measured((left + right) / 2, ratio, right / left, width / ratio)
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 
 from pioneer3.geometry import ORIGIN, Pose2, wrap
-from pioneer3.models import RobotModel
+from pioneer3.models import EncoderNumbers, RobotModel
 from pioneer3.sim.kernels import DriveArrays, RobotArrays
 from pioneer3.sim.kernels.drives import (
     ACCELERATION,
@@ -30,6 +30,7 @@ from pioneer3.sim.kernels.drives import (
     STALLED,
     SUPPLY,
     TOP,
+    W_OF_W,
 )
 from pioneer3.sim.motion import WheelDrive
 from pioneer3.sim.sensors import in_order
@@ -49,6 +50,9 @@ USUAL_SPEED = 0.75
 """Limit of a robot as delivered (protocol.md 5.1) [m/s]; a host may raise it."""
 USUAL_TURN_RATE = 100 * DEGREE
 """Limit of a robot as delivered (protocol.md 5.1) [rad/s]; a host may raise it."""
+
+USUAL_ENCODERS = EncoderNumbers(ticks_mm=128, rev_count=16570)
+"""As the manual is quoted for a P3-DX (protocol.md 5.1)."""
 
 Bumpers = tuple[int, int]
 """Pressed segments in front and behind, as bits (protocol.md 4.7)."""
@@ -99,11 +103,13 @@ class Body:
     Attributes:
         home: Where it starts, and :meth:`reset` brings it back [m, rad].
         firing: The transducers that fire, in order; changed by `World.fire`.
+        encoders: Numbers by which odometry is made of the encoders.
     """
 
     def __init__(self, model: RobotModel, home: Pose2 = ORIGIN) -> None:
         self.model = model
         self.home = home
+        self.encoders = model.encoders or USUAL_ENCODERS
         self.firing = in_order(len(model.sonars))
         self._stop_button = False
         drives = DriveArrays.at_rest(1)
@@ -223,6 +229,14 @@ class Body:
     def enable_motors(self, *, on: bool) -> None:
         """Switch the motors; with the stop button pressed they stay off."""
         self.drive.power(on=on and not self._stop_button)
+
+    def set_encoders(self, numbers: EncoderNumbers) -> None:
+        """Make odometry of the encoders by other numbers; what the wheels do is the same."""
+        measured = np.array(numbers.since(self.encoders, self.track)).reshape(2, 2)
+        truth = self.drives.errors[: W_OF_W + 1, self.number]
+        truth[:] = (truth.reshape(2, 2) @ measured).ravel()
+        self.set_wheel(BASE, self.track * numbers.half_turn / self.encoders.half_turn)
+        self.encoders = numbers
 
     def turn_to(self, heading: float) -> None:
         """Turn the short way to `heading` of the odometry [rad]."""

@@ -23,7 +23,7 @@ from pioneer3.arcos.device import (
 from pioneer3.arcos.reports import Config
 from pioneer3.sim.accessories import Accessories
 from pioneer3.sim.accessories.gauges import LOW
-from pioneer3.sim.body import EMPTY, Body
+from pioneer3.sim.body import EMPTY, USUAL_ENCODERS, Body
 from pioneer3.sim.equipment import Equipment
 from pioneer3.sim.firmware.console import Console
 from pioneer3.sim.firmware.instruments import Instruments
@@ -84,6 +84,7 @@ class Firmware:
         and those here.
         """
         self.body = body
+        body.set_encoders(body.model.encoders or USUAL_ENCODERS)  # those of its memory
         self._world = world
         self.identity = Identity(name=name, family=body.model.family, model=body.model.name)
         self._own_name, self._renamed = own_name or body.model.name, False
@@ -215,6 +216,7 @@ class Firmware:
         that mean nothing to a simulator are 0, as from a robot without that equipment.
         """
         model, equipment = self.body.model, self.accessories.equipment
+        encoders = self.body.encoders
         linear, angular = self.body.drive.linear, self.body.drive.angular
         sonar_cycle = self._world.realism.sonar.cycle or SONAR_CYCLE
         is_own = self._renamed and self.identity.name.lower() != NAME.lower()
@@ -236,7 +238,7 @@ class Firmware:
             has_front_sonar=int(bool(model.sonars)),
             has_rear_sonar=int(len(model.sonars) > 8),
             low_battery_decivolts=_whole(LOW / DECIVOLT),
-            rev_count_ticks=0,
+            rev_count_ticks=encoders.rev_count,
             watchdog_ms=_whole(self._nominal_watchdog / MS),
             normal_motor_packets=0,
             stall_pwm=0,
@@ -261,10 +263,10 @@ class Firmware:
             sonar_cycle_ms=_whole(sonar_cycle / MS),
             autobaud=0,
             gyro_type=equipment.gyro_type,
-            drift_factor_8192nds=0,
+            drift_factor_8192nds=encoders.drift_factor,
             aux2_baud_code=0,
             aux3_baud_code=0,
-            ticks_per_mm=0,
+            ticks_per_mm=encoders.ticks_mm,
             shutdown_decivolts=_whole(EMPTY / DECIVOLT),
             firmware_version="S.0",
             gyro_cw_raw=0,

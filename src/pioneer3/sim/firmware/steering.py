@@ -1,11 +1,15 @@
 """Carries out the commands that drive (protocol.md 3.1)."""
 
+from dataclasses import replace
+
 from pioneer3.arcos import commands
 from pioneer3.arcos.commands import Command
 from pioneer3.geometry import Pose2, wrap
 from pioneer3.sim.body import Body
 from pioneer3.sim.motion import Axis
 
+NO_DRIFT = -8192
+"""A drift factor by which the left encoder would count nothing."""
 MOTION = (
     commands.Vel,
     commands.RVel,
@@ -68,6 +72,12 @@ def _set_up(body: Body, command: Command) -> bool:
             _set_ramp(drive.angular, acceleration)
         case commands.SetO(x, y, heading):
             body.reset_odometry(Pose2(x or 0.0, y or 0.0, wrap(heading or 0.0)))
+        case commands.TicksMM(ticks) if ticks:
+            body.set_encoders(replace(body.encoders, ticks_mm=ticks))
+        case commands.RevCount(ticks) if ticks:
+            body.set_encoders(replace(body.encoders, rev_count=ticks))
+        case commands.DriftFactor(correction) if correction > NO_DRIFT:
+            body.set_encoders(replace(body.encoders, drift_factor=correction))
         case _:
             return False
     return True

@@ -17,7 +17,9 @@ from pioneer3.sim.kernels.drives import (
     POWERED,
     RIGHT_STALLED,
     STALLED,
+    V_OF_V,
     VELOCITY,
+    W_OF_V,
     W_OF_W,
 )
 from pioneer3.sim.physics.scene import Scene
@@ -52,17 +54,20 @@ class MotorArrays:
         self._robots, self._drives = robots, drives
         bodies = [physics_of(body.model) for body in robots]
         track = np.array([body.turning_track for body in bodies])
-        radius = np.array([body.rolling_radius for body in bodies])
-        # the controller counts a wheel's way by the radius that it takes it for
-        v_of_v, _, w_of_v, w_of_w = drives.errors[: W_OF_W + 1]
-        more = w_of_v * track / 2
-        self._radius = radius / np.array([v_of_v - more, v_of_v + more])
-        drives.wheels[BASE] = track * w_of_w / v_of_v
+        self._track, self._true_radius = track, np.array([body.rolling_radius for body in bodies])
+        drives.wheels[BASE] = track * drives.errors[W_OF_W] / drives.errors[V_OF_V]
         self._torque = np.array([body.side_torque for body in bodies])
         self._gain = np.array([body.loop_gain for body in bodies])
         self._damping = np.array([body.loop_damping for body in bodies])
         self._inertia = np.array([_inertia(body.model) for body in robots])
         self._drag = np.minimum(DRAG, self._torque / 4)
+
+    @property
+    def _radius(self) -> Float:
+        """Radii that the controllers take the wheels for, by which they count ways, (2, N) [m]."""
+        v_of_v, more = self._drives.errors[V_OF_V], self._drives.errors[W_OF_V] * self._track / 2
+        radius: Float = self._true_radius / np.stack([v_of_v - more, v_of_v + more])
+        return radius
 
     def rest(self, scene: Scene, number: int) -> None:
         """Let the wheels of one robot, which are at their zero, push nowhere."""
