@@ -110,6 +110,8 @@ async def test_a_tape_and_sonars_tell_the_errors_and_they_are_written(
     assert found.scale == pytest.approx(1.015, abs=0.006)
     assert found.base_ratio / found.scale == pytest.approx(0.98 / 1.015, abs=0.003)
     assert found.wheel_ratio == pytest.approx(1.02, abs=0.002)
+    assert read_own(path).model.encoders == sim.body.encoders
+    assert not read_own(path).serial_number, "it is simulated"
     assert path.read_text().startswith("# mine")
     assert path.with_name("MobileSim.toml.old").read_text() == OLD_FILE
     said = capsys.readouterr().out

@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from pioneer3.arcos import commands
+from pioneer3.errors import ConfigError
 from pioneer3.geometry import wrap
 from pioneer3.models import OdometryCorrection
 from pioneer3.models.odometry import UNCORRECTED
@@ -16,10 +18,11 @@ from pioneer3.ros.messages.motion import odometry
 from pioneer3.runtime.robot import Robot
 from pioneer3.sim.realism import OdometryErrors, Realism
 from pioneer3.sim.worldfile.spec import Physics
-from tests.support import SimulatedRobot
+from tests.support import SimulatedRobot, until
 from tests.unit.ros.support import Blank, update
 
 WRONG = OdometryErrors(mode="constant", scale=1.02, base_ratio=0.975, wheel_ratio=1.015, slip=0.0)
+UNCORRECTED_ERRORS = OdometryErrors(mode="none")
 OTHER = replace(WRONG, scale=0.96, base_ratio=1.03, wheel_ratio=0.99)
 
 
@@ -120,6 +123,88 @@ async def test_the_speed_that_is_measured_is_the_true_one() -> None:
         assert measured.twist.w == pytest.approx(0.3, abs=radians(1.1))
         across = measured.twist.w * driver.info.model.true_base
         assert measured.right_speed - measured.left_speed == pytest.approx(across, abs=0.01)
+
+
+OTHERS = (commands.TicksMM(110), commands.RevCount(15000), commands.DriftFactor(-160))
+"""Numbers of encoders that another program sets: odometry is wrong by a sixth by them."""
+ENCODERS = "\n[encoders]\nticks_mm = 128\nrev_count = 16570\n"
+
+
+async def tell_as_others_do(sim: SimulatedRobot) -> None:
+    """Set other numbers of encoders, as a host does that knows no own file."""
+    async with connect_async(sim.open, model="p3dx-sh") as driver:
+        for command in OTHERS:
+            driver.send(command)
+        await asyncio.sleep(0.5)
+
+
+async def apart_after_corner(sim: SimulatedRobot, driver: Robot) -> float:
+    """Return how far from where it thinks to be a robot is after a corner [m]."""
+    assert driver.snapshot is not None
+    truth, believed = sim.body.robot_in_world, driver.snapshot.odometry.robot_in_odom
+    await driver.move(2.0)
+    await driver.turn(pi / 2)
+    await driver.move(1.0)
+    await asyncio.sleep(0.5)
+    went = truth.inverse() @ sim.body.robot_in_world
+    told = believed.inverse() @ driver.snapshot.odometry.robot_in_odom
+    return hypot(went.x - told.x, went.y - told.y)
+
+
+@pytest.mark.planar("the other dynamics are asked for by name")
+@pytest.mark.parametrize("physics", ["planar", "mujoco"])
+async def test_numbers_of_another_host_are_set_back_and_nothing_is_corrected_twice(
+    physics: Physics,
+) -> None:
+    own = calibrate(WRONG)
+    async with robot_with(WRONG, physics=physics) as sim:
+        await tell_as_others_do(sim)
+        async with connect_async(sim.open) as driver:
+            assert await apart_after_corner(sim, driver) > 0.2
+        own.write_text(own.read_text() + ENCODERS)
+        async with connect_async(sim.open) as driver:
+            config = await driver.devices.configuration()
+            told = config.ticks_per_mm, config.rev_count_ticks, config.drift_factor_8192nds
+            assert told == (128, 16570, 0)
+            assert await apart_after_corner(sim, driver) < 0.01
+
+
+async def test_a_robot_that_was_restarted_is_told_its_numbers_again() -> None:
+    others = ENCODERS.replace("128", "150")
+    own = calibrate(WRONG)
+    own.write_text(own.read_text() + others)
+    async with robot_with(UNCORRECTED_ERRORS) as sim, connect_async(sim.open) as driver:
+        assert (await driver.devices.configuration()).ticks_per_mm == 150
+        sim.power_cycle()
+        assert sim.body.encoders.ticks_mm == 128
+        await until(lambda: sim.body.encoders.ticks_mm == 150)
+
+
+@pytest.mark.parametrize("model", ["p3dx-sh", "p2dx"])
+async def test_a_controller_that_tells_no_such_numbers_is_sent_none(model: str) -> None:
+    own = calibrate(WRONG, like=model)
+    own.write_text(own.read_text() + ENCODERS)
+    sim = robot_with(WRONG, model)
+    untold = replace(sim.firmware._configuration(), ticks_per_mm=0)
+    sim.firmware._configuration = lambda: untold  # type: ignore[method-assign]
+    async with sim, connect_async(sim.open) as driver:
+        await driver.move(0.3)
+        assert not any(isinstance(each, commands.TicksMM) for each in sim.wires[0].commands)
+
+
+async def test_the_file_of_another_robot_is_refused() -> None:
+    own = calibrate(WRONG)
+    own.write_text('serial_number = "47"\n' + own.read_text())
+    sim = robot_with(WRONG)
+    async with sim, connect_async(sim.open):
+        pass  # a simulated one may stand for it
+    sim = robot_with(WRONG)
+    whole = sim.firmware._configuration()
+    sim.firmware._configuration = lambda: replace(whole, serial_number="48")  # type: ignore[method-assign]
+    async with sim:
+        with pytest.raises(ConfigError, match=r"serial number '47', not of this one, '48'"):
+            async with connect_async(sim.open):
+                pass
 
 
 async def hold(driver: Robot, speed: float, turn_rate: float, seconds: float) -> None:

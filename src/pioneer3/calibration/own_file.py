@@ -1,15 +1,17 @@
 """Writes what was measured into the robot's own file; comments and all else in it stay."""
 
+import json
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import asdict, dataclass
 from math import degrees
 from pathlib import Path
 
 from pioneer3.calibration.estimate import NAMES
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
-from pioneer3.models import OdometryCorrection, RobotModel, find_model
+from pioneer3.models import EncoderNumbers, OdometryCorrection, RobotModel, find_model
 from pioneer3.models.catalog import parse_own, read_model_text
 from pioneer3.models.own import ARIA, ODOMETRY_EXAMPLE, TOML, new_own_text, own_path
 from pioneer3.robot.supervisor import RobotInfo
@@ -22,7 +24,10 @@ ABOVE = "[above all tables]"
 """Stands for the heading that the keys at the beginning of a file do not have."""
 HEADING = re.compile(r"\s*\[")
 ODOMETRY = re.compile(r"\s*\[\s*odometry\s*\]\s*(#.*)?$")
+ENCODERS = re.compile(r"\s*\[\s*encoders\s*\]\s*(#.*)?$")
 LASER = re.compile(r"\s*\[\[\s*lasers\s*\]\]\s*(#.*)?$")
+
+Keys = Mapping[str, float | str]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -34,17 +39,27 @@ class Numbers:
         laser: Place of its first laser; `None` to leave it.
         delay: Time by which the scans of that are late [s]; `None` to leave it.
         gyro_scaler: Factor on the rates of its gyro; `None` to leave it.
+        encoders: Numbers of its controller that the correction counts on top of; `None` to leave
+            them.
+        serial_number: Of the robot; empty to leave it.
     """
 
     odometry: OdometryCorrection
     laser: Pose2 | None = None
     delay: float | None = None
     gyro_scaler: float | None = None
+    encoders: EncoderNumbers | None = None
+    serial_number: str = ""
 
     @property
-    def of_robot(self) -> dict[str, float]:
+    def of_robot(self) -> Keys:
         """The keys above all tables."""
-        return {} if self.gyro_scaler is None else {"gyro_scaler": round(self.gyro_scaler, 4)}
+        keys: dict[str, float | str] = {}
+        if self.gyro_scaler is not None:
+            keys["gyro_scaler"] = round(self.gyro_scaler, 4)
+        if self.serial_number:
+            keys["serial_number"] = self.serial_number
+        return keys
 
     @property
     def of_odometry(self) -> dict[str, float]:
@@ -65,8 +80,10 @@ class Numbers:
     @property
     def text(self) -> str:
         """The tables as they stand in a file."""
-        keys = "".join(f"{key} = {value!r}\n\n" for key, value in self.of_robot.items())
+        keys = "".join(f"{line}\n\n" for line in _lines(self.of_robot))
         tables = written({"odometry": self.of_odometry})
+        if self.encoders is not None:
+            tables += f"\n{written({'encoders': asdict(self.encoders)})}"
         lasers = f"\n{written({'lasers': [self.of_laser]})}" if self.of_laser else ""
         return keys + tables + lasers
 
@@ -107,7 +124,7 @@ def write_numbers(info: RobotInfo, numbers: Numbers) -> tuple[Path, Path | None]
     before = path.with_name(path.name + OLD) if old is not None else None
     if before is not None and old is not None:
         write_bytes(before, old.encode())
-    else:
+    with suppress(OSError):  # the file cannot be written then, and that tells why
         path.parent.mkdir(parents=True, exist_ok=True)
     write_bytes(path, new.encode())
     return path, before
@@ -126,6 +143,9 @@ def with_numbers(text: str, numbers: Numbers, path: Path, kin: RobotModel | None
         new = new.removeprefix(f"{ABOVE}\n")
         expected |= numbers.of_robot
     expected["odometry"] = {**expected.get("odometry", {}), **numbers.of_odometry}
+    if numbers.encoders is not None:
+        expected["encoders"] = asdict(numbers.encoders)
+        new = _with_keys(new, ENCODERS, expected["encoders"], "[encoders]")
     if numbers.of_laser and expected.get("lasers"):
         new = _with_keys(new, LASER, numbers.of_laser, None)
         expected["lasers"][0].update(numbers.of_laser)
@@ -139,16 +159,14 @@ def with_numbers(text: str, numbers: Numbers, path: Path, kin: RobotModel | None
     return new
 
 
-def _with_keys(
-    text: str, heading: re.Pattern[str], keys: Mapping[str, float], new: str | None
-) -> str:
+def _with_keys(text: str, heading: re.Pattern[str], keys: Keys, new: str | None) -> str:
     """Return a text with keys in its first table of a heading, or in a `new` one at its end."""
     lines = text.splitlines()
     at = next((number for number, line in enumerate(lines) if heading.match(line)), None)
     if at is None:
         if new is None:
             return text
-        return "\n".join([*lines, "", new, *(f"{k} = {v!r}" for k, v in keys.items()), ""])
+        return "\n".join([*lines, "", new, *_lines(keys), ""])
     end = next((n for n in range(at + 1, len(lines)) if HEADING.match(lines[n])), len(lines))
     left = dict(keys)
     last = at
@@ -159,6 +177,10 @@ def _with_keys(
         last = number
         if entry[2] in left:
             value = left.pop(entry[2])
-            lines[number] = f"{entry[1]}{entry[2]}{entry[3]}{value!r}{entry[5]}"
-    lines[last + 1 : last + 1] = [f"{key} = {value!r}" for key, value in left.items()]
+            lines[number] = f"{entry[1]}{entry[2]}{entry[3]}{json.dumps(value)}{entry[5]}"
+    lines[last + 1 : last + 1] = _lines(left)
     return "\n".join(lines) + "\n"
+
+
+def _lines(keys: Keys) -> list[str]:
+    return [f"{key} = {json.dumps(value)}" for key, value in keys.items()]

@@ -3,11 +3,13 @@
 import asyncio
 from collections.abc import Mapping
 
+from pioneer3.arcos.reports import Config
 from pioneer3.calibration.calibration import Calibration
 from pioneer3.calibration.course import Measurable, StepDrive, drive
 from pioneer3.calibration.own_file import Numbers
 from pioneer3.calibration.steps import By, CalibrationStep, plan, usual_side
-from pioneer3.robot.supervisor import RobotInfo
+from pioneer3.models import EncoderNumbers
+from pioneer3.robot.supervisor import RobotInfo, is_simulator
 
 
 class Procedure:
@@ -82,7 +84,7 @@ class Procedure:
 
     def numbers(self) -> Numbers | None:
         """Return the numbers for the own file; `None` while they are no better than chance."""
-        told, own = self.told.estimate(), self._info.own
+        told, own, config = self.told.estimate(), self._info.own, self._info.config
         if told is None or not told.is_known or not told.is_certain:
             return None
         late = self.told.delay() if own and own.lasers else None
@@ -92,4 +94,25 @@ class Procedure:
             laser=told.laser if own and own.lasers else None,
             delay=late[0] + own.lasers[0].delay if own and late else None,
             gyro_scaler=gyro[0] if gyro else None,
+            encoders=self._info.model.encoders or _encoders_of(config),
+            serial_number=self._serial_number,
         )
+
+    @property
+    def _serial_number(self) -> str:
+        """Its serial number, if its own file has none yet."""
+        known = self._info.own is not None and self._info.own.serial_number
+        if known or self._info.config is None or is_simulator(self._info):
+            return ""
+        return self._info.config.serial_number
+
+
+def _encoders_of(config: Config | None) -> EncoderNumbers | None:
+    """Return the numbers of the controller; `None` if it tells none."""
+    if config is None or not config.ticks_per_mm or not config.rev_count_ticks:
+        return None
+    return EncoderNumbers(
+        ticks_mm=config.ticks_per_mm,
+        rev_count=config.rev_count_ticks,
+        drift_factor=config.drift_factor_8192nds or 0,
+    )

@@ -161,7 +161,8 @@ async def restore(name: Backup = None, *, link: LinkOptions = LINK, force: Flag 
 
     It tells what the robot took, and what only its maker's tool writes. A
     controller keeps this until it is switched off at most. Programs that drive
-    set top speeds and accelerations anew when they connect.
+    set top speeds and accelerations anew when they connect. TicksMM, RevCount and
+    DriftFactor of the robot's own file count before those of the backup.
 
     Example: pioneer3 config restore --port /dev/ttyUSB0
 
@@ -169,8 +170,10 @@ async def restore(name: Backup = None, *, link: LinkOptions = LINK, force: Flag 
         name: The backup; else the last one of the robot.
         force: Take the backup of another robot.
     """
+    from dataclasses import replace
+
     from pioneer3.errors import ConfigError, MotionError
-    from pioneer3.robot.config_backup import differing, find_backup, restoring
+    from pioneer3.robot.config_backup import differing, find_backup, restoring, with_encoders
     from pioneer3.robot.config_table import rows_by_field
     from pioneer3.robot.pilot import stands
     from pioneer3.text import shown
@@ -180,6 +183,7 @@ async def restore(name: Backup = None, *, link: LinkOptions = LINK, force: Flag 
         if not (force or kept.is_of(robot.info)):
             of = f"{shown(kept.name)}, serial number {shown(kept.serial_number)}"
             raise ConfigError(f"the backup is of {of}, not of this robot; --force takes it")
+        kept = replace(kept, config=with_encoders(kept.config, robot.info.model))
         present = await robot.devices.configuration()
         wanted = dict(restoring(kept.config, present, robot.info.model))
         if robot.supervisor.taken or robot.snapshot is None or not stands(robot.snapshot):

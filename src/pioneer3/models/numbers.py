@@ -1,7 +1,7 @@
 """All numbers of a robot's body with their units and sources, to be read by people."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import astuple, fields, is_dataclass
+from dataclasses import asdict, astuple, fields, is_dataclass
 from math import degrees
 from types import MappingProxyType
 from typing import Final, NamedTuple
@@ -43,7 +43,7 @@ class Number(NamedTuple):
 def numbers_of(model: RobotModel, *, shipped: bool) -> tuple[Number, ...]:
     """Return parameters, which are ARIA's if the model is `shipped`, shape and physics.
 
-    Ratios of its odometry are there if they were measured.
+    Numbers of its odometry are there if they were measured.
     """
     parameters = _parameters(model, ARIA if shipped else FILE)
     return (*parameters, *_odometry(model), *_shape(model), *_physics(model))
@@ -61,6 +61,9 @@ def _odometry(model: RobotModel) -> Iterator[Number]:
         for field in fields(model.odometry):
             value = f"{getattr(model.odometry, field.name):.5g}"
             yield Number("Odometry", field.name, value, "", FILE)
+    if model.encoders is not None:
+        for name, number in asdict(model.encoders).items():
+            yield Number("Odometry", name, str(number), "", FILE)
 
 
 def _shape(model: RobotModel) -> Iterator[Number]:

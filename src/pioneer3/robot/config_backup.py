@@ -144,6 +144,7 @@ def defaults_of(model: RobotModel) -> dict[str, int]:
         "has_rear_sonar": int(any(sonar.x < 0 for sonar in model.sonars)),
         "front_bumpers": model.front_bumpers,
         "rear_bumpers": model.rear_bumpers,
+        **_encoders_of(model),
     }
 
 
@@ -151,6 +152,22 @@ def with_defaults(config: Config, model: RobotModel) -> Config:
     """Return CONFIG with the numbers of a model in it."""
     usual: Any = defaults_of(model)
     return replace(config, **usual)
+
+
+def with_encoders(config: Config, model: RobotModel) -> Config:
+    """Return CONFIG with the numbers of encoders that a robot's own file has."""
+    own: Any = _encoders_of(model)
+    return replace(config, **own)
+
+
+def _encoders_of(model: RobotModel) -> dict[str, int]:
+    if model.encoders is None:
+        return {}
+    return {
+        "ticks_per_mm": model.encoders.ticks_mm,
+        "rev_count_ticks": model.encoders.rev_count,
+        "drift_factor_8192nds": model.encoders.drift_factor,
+    }
 
 
 Setting = Callable[[int], Command]

@@ -22,7 +22,14 @@ from pioneer3.arcos.host_events import (
     Timing,
 )
 from pioneer3.arcos.reports import Config, Report, Sip
-from pioneer3.errors import CommandError, LinkError, NoRobotError, Refusal, TurnedAwayError
+from pioneer3.errors import (
+    CommandError,
+    ConfigError,
+    LinkError,
+    NoRobotError,
+    Refusal,
+    TurnedAwayError,
+)
 from pioneer3.limits import Accelerations, Limits
 from pioneer3.links import Link
 from pioneer3.links.base import HUNG_UP, TimedLink
@@ -42,10 +49,14 @@ from pioneer3.robot.limits import limits_for
 from pioneer3.robot.pilot import BRAKING, NOTHING_DUE, MotionRequest, Pilot
 from pioneer3.robot.report_requests import ReportRequests
 from pioneer3.state import Identity, Snapshot
+from pioneer3.text import shown
 from pioneer3.units import DEGREE, MM
 
 log = logging.getLogger(__name__)
 
+SIMULATOR_SERIAL = "SIM"
+SIMULATOR_SERIALS = {SIMULATOR_SERIAL, "SIMULATED"}
+"""The second one is that of our simulator where ARIA shall take it for a robot."""
 CLOSE_TIMEOUT = 0.5
 LATE = 0.2
 """The program was held up if the session runs this much too late [s]."""
@@ -283,7 +294,7 @@ class Session:
             log.warning("nothing drives this robot: %s", self.model.refusal)
         self._assembler.session_opened(self.model)
         limits = self._restrict(limits_for(self.model, config))
-        self._settings = settings_for(self.model, limits)
+        self._settings = settings_for(self.model, limits, config)
         matrix = self.model.odometry.matrix(self.model.wheel_base)
         self._correction = TwistCorrection(matrix, limits) if matrix else None
         self._pilot.session_opened(limits, now, refusal=self.model.refusal)
@@ -385,13 +396,22 @@ def commands_for(request: MotionRequest, settings: Sequence[Command] = ()) -> li
     return due
 
 
-def settings_for(model: RobotModel, limits: Limits) -> list[Command]:
-    """Return the commands that set `limits` as far as the firmware allows, and switch sonars on."""
+def settings_for(model: RobotModel, limits: Limits, config: Config | None = None) -> list[Command]:
+    """Return the commands that set `limits` as far as the firmware allows, and switch sonars on.
+
+    The numbers of its encoders go to a controller that tells such numbers: it forgets them when it
+    is switched off, and another host may have set others.
+    """
     settings: list[Command] = []
     if model.settable_speed:
         settings += (commands.SetV(limits.max_speed), commands.SetRV(limits.max_turn_rate))
     if model.settable_acceleration:
         settings += _acceleration_commands(limits.accelerations)
+    if (own := model.encoders) is not None and config is not None and config.ticks_per_mm:
+        settings += (commands.TicksMM(own.ticks_mm), commands.RevCount(own.rev_count))
+        settings.append(commands.DriftFactor(own.drift_factor))
+    elif own is not None:
+        log.warning("the robot tells no TicksMM: it is not sent that of its own file")
     return [*settings, commands.Sonar(on=True)]
 
 
@@ -410,11 +430,18 @@ def own_of(identity: Identity, config: Config | None, given: GivenModel = None) 
     Raises:
         ConfigError: The file is wrong.
     """
-    names = (identity.name, *([config.serial_number] if config else []))
+    serial = config.serial_number if config else ""
     named = loaded_model(given)
     kin = named.model if isinstance(named, Fallback) else named
     assert kin is None or isinstance(kin, RobotModel)
-    return find_own(names, find_model(identity.model) or kin)
+    own = find_own((identity.name, serial), find_model(identity.model) or kin)
+    any_of = {"", *SIMULATOR_SERIALS}
+    if own and own.serial_number and serial not in {own.serial_number, *any_of}:
+        raise ConfigError(
+            f"{own.path}: of the robot with the serial number {shown(own.serial_number)}, not of "
+            f"this one, {shown(serial)}: give this one a name of its own, or its file its number"
+        )
+    return own
 
 
 def model_of(identity: Identity, config: Config | None, given: GivenModel = None) -> RobotModel:

@@ -30,7 +30,7 @@ from pioneer3.robot.pilot import STOPPED, Pilot, VelocityCommand
 from pioneer3.robot.poses import Poses
 from pioneer3.robot.report_requests import ReportRequest, ReportRequests
 from pioneer3.robot.reports import Reports
-from pioneer3.robot.session import Session
+from pioneer3.robot.session import SIMULATOR_SERIALS, Session
 from pioneer3.state import Identity, Snapshot
 
 T = TypeVar("T")
@@ -377,9 +377,6 @@ def _remember_speed(session: Session) -> None:
 
 
 SIMULATOR_NAMES = {"mobilesim", "amrisim", "arsim"}
-SIMULATOR_SERIAL = "SIM"
-SIMULATOR_SERIALS = {SIMULATOR_SERIAL, "SIMULATED"}
-"""The second one is that of our simulator where ARIA shall take it for a robot."""
 
 
 def is_simulator(info: RobotInfo | None) -> bool:

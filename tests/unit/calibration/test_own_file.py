@@ -1,5 +1,6 @@
 """Measured numbers in a robot's own file: all else in it stays, and a copy of it."""
 
+from dataclasses import replace
 from math import radians
 from pathlib import Path
 
@@ -8,7 +9,7 @@ import pytest
 from pioneer3.calibration.own_file import OLD, Numbers, with_numbers
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
-from pioneer3.models import OdometryCorrection
+from pioneer3.models import EncoderNumbers, OdometryCorrection
 from pioneer3.models.catalog import parse_own
 
 NUMBERS = Numbers(
@@ -16,6 +17,8 @@ NUMBERS = Numbers(
     laser=Pose2(0.123456, -0.01, radians(2)),
     delay=0.0412,
     gyro_scaler=1.70014,
+    encoders=EncoderNumbers(ticks_mm=138, rev_count=22500, drift_factor=-12),
+    serial_number="A 47",
 )
 FILE = """\
 # rosie, of room 12
@@ -51,9 +54,16 @@ def test_numbers_are_replaced_and_comments_stay() -> None:
     assert own.lasers[0].mount.theta == pytest.approx(radians(2))
     assert own.lasers[1].mount.x == -0.2
     assert (own.model.max_speed, own.model.gyro_scaler) == (0.5, 1.7001)
+    assert own.model.encoders == NUMBERS.encoders
+    assert own.serial_number == "A 47"
     for comment in ("# rosie, of room 12", "# since 2024", "# by hand", "# five metres", "# tape"):
         assert comment in text
-    assert with_numbers(text, NUMBERS, PATH) == text
+    again = replace(NUMBERS, serial_number="")  # the file has it
+    assert with_numbers(text, again, PATH) == text
+    others = replace(again, encoders=EncoderNumbers(ticks_mm=128, rev_count=16570))
+    assert (
+        parse_own(with_numbers(text, others, PATH), "rosie.toml").model.encoders == others.encoders
+    )
 
 
 def test_a_file_without_odometry_gets_it_and_one_without_a_laser_gets_none() -> None:

@@ -9,7 +9,7 @@ import pytest
 from pioneer3.arcos import commands
 from pioneer3.arcos.reports import Config
 from pioneer3.errors import CommandError, ConfigError
-from pioneer3.models import load_model
+from pioneer3.models import EncoderNumbers, load_model
 from pioneer3.names import printable
 from pioneer3.robot.config_backup import (
     SETTINGS,
@@ -22,6 +22,8 @@ from pioneer3.robot.config_backup import (
     restoring,
     save_backup,
     user_backups,
+    with_defaults,
+    with_encoders,
 )
 from pioneer3.robot.limits import limits_for
 from pioneer3.robot.supervisor import RobotInfo
@@ -122,6 +124,18 @@ def test_only_what_differs_is_sent_and_only_what_a_host_may_set() -> None:
         "decel_mm_s2": commands.SetA(-400 * MM),
         "drift_factor_8192nds": commands.DriftFactor(-65),
     }
+
+
+def test_numbers_of_encoders_in_its_own_file_count_before_those_of_a_backup() -> None:
+    own = replace(MODEL, encoders=EncoderNumbers(ticks_mm=140, rev_count=22500))
+    present = replace(CONFIG, ticks_per_mm=150, rev_count_ticks=1, drift_factor_8192nds=7)
+    assert dict(restoring(with_encoders(CONFIG, own), present, own)) == {
+        "ticks_per_mm": commands.TicksMM(140),
+        "rev_count_ticks": commands.RevCount(22500),
+        "drift_factor_8192nds": commands.DriftFactor(0),
+    }
+    assert with_defaults(CONFIG, own).ticks_per_mm == 140, "it is told and compared as they are"
+    assert with_encoders(CONFIG, MODEL) == CONFIG
 
 
 def test_every_setting_has_a_command_of_its_own_number_and_sign() -> None:

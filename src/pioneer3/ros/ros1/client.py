@@ -19,7 +19,8 @@ from urllib.parse import urlsplit
 from pioneer3.arcos.reports import Config
 from pioneer3.errors import ConfigError, NoRobotError
 from pioneer3.models import find_model, load_model
-from pioneer3.robot.supervisor import SIMULATOR_SERIAL, RobotInfo
+from pioneer3.robot.session import SIMULATOR_SERIAL
+from pioneer3.robot.supervisor import RobotInfo
 from pioneer3.ros.client.graph import RobotTopics, robots_on
 from pioneer3.ros.client.joining import FIRST, LARGEST, info_of, joined
 from pioneer3.ros.client.robot import TopicRobot
