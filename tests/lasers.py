@@ -5,7 +5,9 @@ would read a real one.
 """
 
 import asyncio
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from math import inf
 from types import TracebackType
 from typing import Any, Self
 
@@ -22,7 +24,8 @@ from pioneer3.robot.lasers.spec import LaserSpec
 from pioneer3.sim.server.laser import SimulatedLaser
 from pioneer3.sim.server.laser_hosts import OneHost
 from pioneer3.sim.server.laser_ports import device_of
-from tests.support import SimulatedRobot
+from pioneer3.sim.server.simulation import PIECES_APART
+from tests.support import TICK, SimulatedRobot
 
 SPEEDS = (9600, 19200, 38400, 57600, 115200, 500000)
 """That a serial port of the computer can have [baud]."""
@@ -80,8 +83,11 @@ class Host:
 
     full = False
 
-    def __init__(self, laser: SimulatedLaser, *, permanent: bool) -> None:
+    def __init__(
+        self, laser: SimulatedLaser, heard: Callable[[], None], *, permanent: bool
+    ) -> None:
         self.peer, self.permanent = "memory", permanent
+        self._heard = heard
         self._laser = laser
         self._outbox: asyncio.Queue[bytes] = asyncio.Queue()
         self._link: MemoryLink | None = None
@@ -129,6 +135,7 @@ class Host:
         while data := await link.read():
             if link is self._link:
                 self._laser.hosts.received(self, data)
+                self._heard()
         if link is self._link and not self.permanent:
             self._link = None
             self._laser.hosts.disconnected(self)
@@ -175,8 +182,10 @@ class LaserUnit:
         self._serial, self._robot = serial, robot
         self._end: MemoryLink | None = None
         self._hosts: list[Host] = []
+        self._stepped_at = inf
+        self._timer = asyncio.get_running_loop().call_soon(lambda: None)
         if serial:
-            self._hosts.append(Host(self.laser, permanent=True))
+            self._hosts.append(Host(self.laser, self._exchange, permanent=True))
             self.laser.hosts.admit(self._hosts[0])
             if isinstance(self.laser.hosts, OneHost):
                 self.laser.hosts.set_terminal(lambda: self._end.speed if self._end else None)
@@ -186,6 +195,7 @@ class LaserUnit:
 
         def stepped() -> None:
             before()
+            self._stepped_at = asyncio.get_running_loop().time()
             self.laser.tick(self._robot.world.time)
 
         self._robot.stepped = stepped
@@ -226,11 +236,22 @@ class LaserUnit:
             await ours.set_speed(SPEEDS[0])
             self._hosts[0].plug_in(theirs)
             return ours
-        host = Host(self.laser, permanent=False)
+        host = Host(self.laser, self._exchange, permanent=False)
         self._hosts.append(host)
         host.plug_in(theirs)
         self.laser.hosts.admit(host)
         return ours
+
+    def _exchange(self) -> None:
+        """Pass bytes on between two steps of the world, now and when the next ones leave."""
+        loop = asyncio.get_running_loop()
+        passed = min(max(loop.time() - self._stepped_at, 0.0), TICK)
+        now = self._robot.world.time + passed
+        self.laser.exchange(now)
+        self._timer.cancel()
+        wait = max(self.laser.due - now, PIECES_APART)
+        if passed + wait < TICK:
+            self._timer = loop.call_later(wait, self._exchange)
 
     def unplug(self) -> None:
         """Pull the cable out; the port is gone."""

@@ -239,6 +239,7 @@ async def test_several_lasers_look_from_their_own_places() -> None:
             assert second.sensor_in_robot == rear.sensor_in_robot
             assert second.laser == "laser2"
             assert second.beam_time < 0  # upside down
+            await asyncio.sleep(0.1)  # the next snapshot
             situation = driver.arbiter.situation()
             assert situation is not None
             assert situation.scan is not None

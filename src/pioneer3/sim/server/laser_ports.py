@@ -88,14 +88,10 @@ class LaserPorts:
         """When bytes may leave a serial line towards its host [s, simulated]; `inf`: never."""
         return min((laser.due for laser in self.lasers if laser.on_serial_line), default=inf)
 
-    def exchange(self, now: float, between_ticks: float) -> None:
-        """Pass the bytes of hosts and lasers on.
-
-        `between_ticks` is the time of serial lines, up to a tick later than `now` [s, simulated].
-        """
+    def exchange(self, now: float) -> None:
+        """Pass the bytes of hosts and lasers on, up to a tick after the last one [s, simulated]."""
         for laser in self.lasers:
-            at = between_ticks if laser.on_serial_line else now
-            self._guarded(laser, laser.exchange, at)
+            self._guarded(laser, laser.exchange, now)
 
     def tick(self, now: float) -> None:
         """Let time pass for all lasers until `now` [s, simulated]."""

@@ -268,7 +268,7 @@ class Simulation:
     def _receive(self, between_ticks: float) -> None:
         """Give all robots and lasers the bytes of their hosts, and send their answers.
 
-        `between_ticks` is the time for serial lines [s, simulated].
+        `between_ticks` is the time of lasers, whose clocks go on [s, simulated].
         """
         now, in_cycle = self.world.time, self._ticks % TICKS_PER_CYCLE
         hold = self.pace.lock_step and in_cycle > 0
@@ -289,7 +289,7 @@ class Simulation:
             if port.is_open and not was_open:
                 port.report_tick = in_cycle
                 openings = openings and openings - 1
-        self.lasers.exchange(now, between_ticks)
+        self.lasers.exchange(between_ticks)
 
     def _openings_left(self, slot: int) -> int:
         """Return how many sessions may still open in this tick of the cycle.
