@@ -182,9 +182,9 @@ async def test_faults_of_robots_with_mass_are_named(
     model: str, seed: int, fault: Fault, cause: Cause
 ) -> None:
     pytest.importorskip("mujoco")
-    at, told = await named(model, seed, fault)
-    assert told is cause
-    assert 0 < at <= WITHIN
+    told = await named(model, seed, fault)
+    assert told[-1][1] is cause
+    assert all(0 < at <= WITHIN for at, _ in told)
 
 
 async def test_wheels_that_stall_at_a_wall_met_something() -> None:
