@@ -58,6 +58,8 @@ class Poses:
 
 def _moved(pose: Pose2, twist: Twist2, seconds: float) -> Pose2:
     """Return `pose` after `seconds` at `twist`, along the chord of the arc."""
+    if twist.is_zero:
+        return pose
     way, turn = twist.v * seconds, twist.w * seconds
     along = pose.theta + turn / 2
     return Pose2(pose.x + way * cos(along), pose.y + way * sin(along), wrap(pose.theta + turn))

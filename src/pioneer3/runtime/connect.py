@@ -26,7 +26,7 @@ from pioneer3.tasks import running
 
 if TYPE_CHECKING:
     from pioneer3.mjpeg import CameraUrl
-    from pioneer3.models.model import OwnFile
+    from pioneer3.models.model import OwnFile, RobotModel
     from pioneer3.robot.camera_driver import CameraDriver
     from pioneer3.robot.lasers.driver import LaserDriver
     from pioneer3.robot.lasers.mounting import Mounting
@@ -168,9 +168,15 @@ def _laser(
     if robot_log is not None:
         config = replace(config, open=robot_log.opener(config.open, spec.name))
 
+    at: tuple[RobotModel | None, Mounting] = None, spec.mounting_on(None)
+
     def mounting() -> "Mounting":
+        nonlocal at
         info = supervisor.info if supervisor else None
-        return spec.mounting_on(info.model if info else None)
+        model = info.model if info else None
+        if at[0] is not model:  # scans come 40 times a second
+            at = model, spec.mounting_on(model)
+        return at[1]
 
     poses = supervisor.poses if supervisor else Poses()
     driver = LaserDriver(config, poses.at, mounting)
