@@ -20,9 +20,11 @@ from pioneer3.log.mcap import McapFile
 from pioneer3.log.reader import open_log
 from pioneer3.log.topics import LogEvent, LogTopic
 from pioneer3.models import load_model
+from pioneer3.models.odometry import OdometryCorrection
 from pioneer3.models.own import find_own, own_path
 from pioneer3.navigation.connect import connect_async
 from pioneer3.robot.assemble import Assembler
+from pioneer3.robot.correction import TwistCorrection
 from pioneer3.robot.lasers.mounting import Mounting
 from pioneer3.runtime.recording import recorded
 from pioneer3.runtime.verification import verify
@@ -77,6 +79,8 @@ def test_all_readings_are_as_recorded_over_losses_and_noise(two: Path) -> None:
     assert [each.compared for each in found] == [counts["amy/snapshot"], counts["bob/snapshot"]]
     assert [each.decisions for each in found] == [counts["amy/decision"], counts["bob/decision"]]
     assert all(each.velocities > 4 for each in found)
+    assert [each.reasons for each in found] == [counts["amy/standing"], counts["bob/standing"]]
+    assert found[0].reasons > 3
     *_, last = log.snapshots("amy/snapshot")
     assert last.link.sessions == 2
     assert any(each.link.bad_checksums for each in log.snapshots("amy/snapshot"))
@@ -145,6 +149,53 @@ def test_a_velocity_that_no_decision_comes_to_within_its_time_and_limits_is_a_di
     assert found.difference is not None
     assert found.difference.field == "sent"
     assert found.difference.recorded.startswith("Vel(speed=0.")
+
+
+def test_a_reason_to_stand_while_the_readings_say_that_it_moves_is_a_difference(
+    two: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("pioneer3.runtime.verification.stands", lambda snapshot: False)
+    difference = verify(open_log(two))[0].difference
+    assert difference is not None
+    assert (difference.field, difference.now) == ("standing", "the robot moves")
+    monkeypatch.setattr("pioneer3.runtime.verification.stands", lambda snapshot: True)
+    difference = verify(open_log(two))[0].difference
+    assert difference is not None
+    assert (difference.recorded, difference.now) == ("none", "the robot stands")
+
+
+def test_velocities_of_a_robot_whose_own_odometry_is_corrected_are_compared_too(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    odometry = OdometryCorrection(scale=1.03, base_ratio=0.95, wheel_ratio=1.02)
+    model = replace(load_model("p3dx-sh"), odometry=odometry)
+
+    async def drive(path: Path) -> None:
+        async with (
+            SimulatedRobot() as sim,
+            connect_async(sim.open, model=model, record=path) as robot,
+        ):
+            for turn_rate in (0.0, 0.2, -0.35, 5.0):
+                for _ in range(10):
+                    robot.drive(0.25, turn_rate)
+                    await asyncio.sleep(0.1)
+
+    asyncio.run(drive(tmp_path / "a.mcap"))
+    (found,) = verify(open_log(tmp_path / "a.mcap"))
+    assert found.difference is None
+    assert found.velocities > 20
+    told = TwistCorrection.told
+
+    def wrong(self: TwistCorrection, twist: Twist2, now: float) -> Twist2:
+        made = told(self, twist, now)
+        return Twist2(made.v * 1.1, made.w)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(TwistCorrection, "told", wrong)
+        asyncio.run(drive(tmp_path / "b.mcap"))
+    (found,) = verify(open_log(tmp_path / "b.mcap"))
+    assert found.difference is not None
+    assert found.difference.field == "sent"
 
 
 @pytest.mark.parametrize("name", ["urg-04lx", "lms-200"])

@@ -32,7 +32,8 @@ def verify(name: LogName = "", /, *, model: Model = None, json: Flag = False) ->
         who = f"{printable(each.robot)}: " if each.robot else ""
         count = (
             f"{who}{each.compared} readings, {each.decisions} decisions"
-            f", {each.velocities} velocities and {each.scans} scans"
+            f", {each.velocities} velocities, {each.reasons} reasons to stand and"
+            f" {each.scans} scans"
         )
         if (first := each.difference) is None:
             write_line(f"{count}, all as recorded")

@@ -4,7 +4,8 @@ Each piece of bytes is read at the very time that the log tells, in virtual time
 is compared with the recorded one, by the model that was in force. Each decision is made again of
 what the actions wanted then: a log has their wishes, not their reasons to have them. Each velocity
 that was sent has to be that of the decision then, within the limits: a log has not all reasons of
-the pilot to stand, which it may at any time. Bytes of lasers become scans again, with the same
+the pilot to stand, which it may at any time. A reason to stand was told if, and only if, the
+readings say that the robot stood. Bytes of lasers become scans again, with the same
 readings: their times are told to 0.1 ms, and so poses and stamps are not the same.
 """
 
@@ -32,13 +33,17 @@ from pioneer3.log.reader import RunLog
 from pioneer3.log.topics import LogTopic
 from pioneer3.models import GivenModel, RobotModel
 from pioneer3.models.lasers import LaserProtocol
+from pioneer3.robot.correction import TwistCorrection
+from pioneer3.robot.explain import DISCONNECTED
 from pioneer3.robot.lasers.mounting import Mounting
 from pioneer3.robot.limits import limit
+from pioneer3.robot.pilot import stands
 from pioneer3.robot.supervisor import RobotInfo, Supervisor
 from pioneer3.runtime.recorded_wire import RecordedWire
-from pioneer3.runtime.recording import RENEWED, DecisionMade
+from pioneer3.runtime.recording import RENEWED, DecisionMade, StandsBecause
 from pioneer3.state import Bumpers, Scan, Snapshot
 from pioneer3.tasks import FastTimeLoop
+from pioneer3.units import DEGREE
 
 T = TypeVar("T")
 
@@ -70,8 +75,9 @@ class Verification:
         compared: Snapshots that are equal.
         scans: Scans whose readings are equal; none of older logs, nor of lasers in the robot's own
             bytes.
-        velocities: That were sent as the decisions tell; none of a robot whose own odometry is
-            corrected, which is sent others.
+        velocities: That were sent as the decisions tell; of a robot whose own odometry is
+            corrected, with what that makes of them, to a degree per second.
+        reasons: To stand or to move, as the readings tell; none of older logs.
 
     `robot` is its name in the log, empty for the only one.
     """
@@ -80,6 +86,7 @@ class Verification:
     compared: int
     decisions: int
     velocities: int
+    reasons: int
     scans: int
     difference: Difference | None
 
@@ -113,10 +120,12 @@ def _verify(log: RunLog, prefix: str, model: GivenModel) -> Verification:
     with asyncio.Runner(loop_factory=partial(FastTimeLoop, wire.begin)) as runner:
         comparison = _Comparison(log, LogTopic(prefix + SNAPSHOT, Snapshot))
         info = runner.run(_drive(wire, comparison, model))
-    decisions, velocities = _Decisions(log, prefix, wire, known), 0
+    decisions, velocities, reasons = _Decisions(log, prefix, wire, known), 0, 0
     difference = comparison.missing() or decisions.difference
-    if not difference and info and not info.model.odometry.matrix(info.model.wheel_base):
-        velocities, difference = decisions.sent(comparison.bumpers)
+    if not difference and info:
+        velocities, difference = decisions.sent(comparison.bumpers, info)
+    if not difference:
+        reasons, difference = _reasons(log, prefix, wire, comparison.stood)
     scans = [_scan(log, prefix, texts, name) for name, texts in log.info().texts.items()]
     lasers = [each for each in scans if each is not None]
     return Verification(
@@ -124,6 +133,7 @@ def _verify(log: RunLog, prefix: str, model: GivenModel) -> Verification:
         compared=comparison.compared,
         decisions=len(decisions.made),
         velocities=velocities,
+        reasons=reasons,
         scans=sum(each.compared for each in lasers),
         difference=difference or next(filter(None, (each.missing() for each in lasers)), None),
     )
@@ -166,6 +176,22 @@ def _readings(scan: Scan) -> object:
     return [scan.sequence, scan.angles, scan.ranges, scan.reflectances, scan.echoes]
 
 
+def _reasons(
+    log: RunLog, prefix: str, wire: RecordedWire, stood: Sequence[tuple[float, bool]]
+) -> tuple[int, Difference | None]:
+    """Return how many reasons fit the readings, and the first one that does not."""
+    count = 0
+    for time, told in log.of(LogTopic(f"{prefix}standing", StandsBecause)):
+        lately, reason = _lately(stood, wire.seconds(time) + LATE), told.reason
+        is_lost = reason is not None and reason.symptom is DISCONNECTED.symptom
+        if lately and not is_lost and (reason is not None) not in lately:
+            now = "the robot stands" if lately[-1] else "the robot moves"
+            recorded = NONE if reason is None else reason.text
+            return count, Difference(time=time, field="standing", recorded=recorded, now=now)
+        count += 1
+    return count, None
+
+
 class _Decisions:
     """The decisions of a log that are the same today, up to the first difference."""
 
@@ -191,7 +217,9 @@ class _Decisions:
                 return
             self.made.append((at, made.decision))
 
-    def sent(self, bumpers: Sequence[tuple[float, Bumpers]]) -> tuple[int, Difference | None]:
+    def sent(
+        self, bumpers: Sequence[tuple[float, Bumpers]], info: RobotInfo
+    ) -> tuple[int, Difference | None]:
         """Return how many velocities were sent as the decisions tell, and the first that was not.
 
         Their ends are told once a second where they only go on.
@@ -210,13 +238,24 @@ class _Decisions:
                         for pressed in _lately(bumpers, at) or [Bumpers()]
                         if at <= decision.until + RENEWED + LATE
                     ]
-                    if (speed, payload) not in map(_payloads, may_be):
+                    told = [each for twist in may_be for each in _corrected(twist, info)]
+                    if (speed, payload) not in map(_payloads, told):
                         sent = f"{from_payload(speed)}, {from_payload(payload)}"
                         return count, Difference(
                             time=message.time, field="sent", recorded=sent, now=str(may_be[-1])
                         )
                     count += 1
         return count, None
+
+
+def _corrected(twist: Twist2, info: RobotInfo) -> list[Twist2]:
+    """Return what a robot may be sent to move so: what rounding leaves out of one is in another."""
+    matrix = info.model.odometry.matrix(info.model.wheel_base)
+    if matrix is None or twist.is_zero:
+        return [twist]
+    told, top = TwistCorrection(matrix, info.limits).told(twist, 0.0), info.limits.max_turn_rate
+    turns = (told.w + more for more in (0.0, DEGREE, -DEGREE))
+    return [Twist2(told.v, max(-top, min(top, turn))) for turn in turns]
 
 
 def _payloads(twist: Twist2) -> tuple[bytes, bytes]:
@@ -260,6 +299,7 @@ class _Comparison(Generic[T]):
         self.difference: Difference | None = None
         self.differs = asyncio.Event()
         self.bumpers: list[tuple[float, Bumpers]] = []
+        self.stood: list[tuple[float, bool]] = []
         self._part, self._recorded = part, log.of(topic)
         self._next = next(self._recorded, None)
 
@@ -271,8 +311,9 @@ class _Comparison(Generic[T]):
         if isinstance(found, Snapshot) and isinstance(recorded, Snapshot):
             if found.link.sessions < recorded.link.sessions:
                 return  # likewise
-            if not self.bumpers or found.bumpers != self.bumpers[-1][1]:
-                self.bumpers.append((asyncio.get_running_loop().time(), found.bumpers))
+            now = asyncio.get_running_loop().time()
+            _note(self.bumpers, now, found.bumpers)
+            _note(self.stood, now, stands(found))
         self.difference = _difference(time, self._part(recorded), self._part(found))
         if self.difference is not None:
             self.differs.set()
@@ -286,6 +327,12 @@ class _Comparison(Generic[T]):
             return self.difference
         number = str(getattr(self._next[1], "sequence", NONE))
         return Difference(time=self._next[0], field="sequence", recorded=number, now=NONE)
+
+
+def _note(changes: list[tuple[float, T]], now: float, value: T) -> None:
+    """Note a value of `now` [s] if it is new."""
+    if not changes or value != changes[-1][1]:
+        changes.append((now, value))
 
 
 def _difference(time: int, recorded: object, found: object) -> Difference | None:
