@@ -383,6 +383,13 @@ def test_no_secret_of_a_command_line_is_written(secret: str) -> None:
         ["--password", secret],
         [f"--api-key={secret}"],
         ["_password:=x", "--token", secret],
+        ["--camera", f"rtsp://user:a/{secret}@cam/video"],
+        ["--camera", f"rtsp://user:a@{secret}@cam/video"],
+        ["--camera", f"rtsp://user:a b {secret}@cam/video"],
+        ["--camera", f"http://cam/image.cgi?loginuse=u&loginpas={secret}"],
+        ["--camera", f"rtsp://cam/user=u_password={secret}_stream=0.sdp"],
+        [f"_password:={secret}"],
+        [f"--camera=http://cam/?pw={secret}"],
     ):
         title, command = started(["/usr/bin/pioneer3", "drive", *arguments])
         assert secret not in command

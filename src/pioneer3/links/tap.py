@@ -20,7 +20,6 @@ from typing import Final, Protocol
 
 from pioneer3.errors import ConfigError, RecordingOverError
 from pioneer3.links.base import Link, Opener
-from pioneer3.log.command_line import without_secrets
 from pioneer3.log.reader import is_mcap, open_log
 from pioneer3.log.topics import ROUGH, LogTopic
 from pioneer3.log.writer import LogWriter
@@ -108,7 +107,7 @@ class TapLink:
         self.read_at = -inf
         self._link = link
         self._tap = tap
-        self._tap.remark(f"{OPEN}{without_secrets(link.url)}")
+        self._tap.remark(f"{OPEN}{link.url}")
 
     async def read(self) -> bytes:
         """Read from the link inside."""

@@ -10,12 +10,14 @@ OUR_COMMANDS: Final = {"pioneer3", "p3", "__main__.py"}
 """Names of our own command, as Python tells them."""
 WORD: Final = re.compile(r"[a-z][a-z0-9-]*")
 """A word of a command, as opposed to its options, numbers and files."""
-CREDENTIALS: Final = re.compile(r"//[^/@\s]*@")
-"""User and password in a URL."""
-SECRET: Final = re.compile(r"pass|pwd|token|secret|key|auth|credential|pin\b", re.IGNORECASE)
+CREDENTIALS: Final = re.compile(r"//.*@", re.DOTALL)
+"""User and password in a URL; a password may have any letter, so more than these may go."""
+SECRET: Final = re.compile(
+    r"pas|pwd?\b|token|secret|key|auth|credential|cookie|session|sig\b|bearer|pin\b", re.IGNORECASE
+)
 """In the name of an option or of a part of a URL whose value is nobody's business."""
-URL_VALUE: Final = re.compile(r"([?&;])([^=&;\s]*)=([^&;\s]*)")
-"""Name and value in a URL."""
+VALUE: Final = re.compile(rf"((?:{SECRET.pattern})[\w-]*:?=)[^&;\s]*", re.IGNORECASE)
+"""Such a name and its value, in a URL or as a parameter of ROS."""
 HIDDEN: Final = "***"
 """Stands for a secret."""
 
@@ -48,11 +50,6 @@ def started(arguments: Sequence[str]) -> tuple[str, str]:
     return title, shlex.join(shown)
 
 
-def without_secrets(url: str) -> str:
-    """Return a URL without the password and keys that may be in it."""
-
-    def hidden(found: re.Match[str]) -> str:
-        value = HIDDEN if SECRET.search(found[2]) else found[3]
-        return f"{found[1]}{found[2]}={value}"
-
-    return URL_VALUE.sub(hidden, CREDENTIALS.sub(f"//{HIDDEN}@", url))
+def without_secrets(text: str) -> str:
+    """Return a text or URL without the passwords and keys that may be in it."""
+    return VALUE.sub(rf"\1{HIDDEN}", CREDENTIALS.sub(f"//{HIDDEN}@", text))

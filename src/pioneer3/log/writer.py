@@ -27,7 +27,7 @@ from typing import TYPE_CHECKING, Any, Final
 from pioneer3 import __version__
 from pioneer3.clock import Clock
 from pioneer3.errors import ConfigError
-from pioneer3.log.command_line import started
+from pioneer3.log.command_line import started, without_secrets
 from pioneer3.log.folder import is_recording_off, logs_folder, room_for_logs
 from pioneer3.log.target import LogTarget, NamedFile, UserFolder
 from pioneer3.log.topics import END, EVENT, GOES_ON, PROGRAM, LogEvent, LogTopic
@@ -138,8 +138,8 @@ class LogWriter:
                 self._drop()
 
     def event(self, kind: str, text: str) -> None:
-        """Take an event of now, in words."""
-        self.put(EVENT, LogEvent(kind, text))
+        """Take an event of now, in words, which are told without secrets."""
+        self.put(EVENT, LogEvent(kind, without_secrets(text)))
 
     def describe(self, name: str, texts: Mapping[str, str]) -> None:
         """Take a description, such as that of a robot; a later one of the same name counts."""
@@ -156,7 +156,7 @@ class LogWriter:
 
     def _end(self, why: str, patience: float) -> None:
         if not self._ended:
-            self._why, self._ended = why, True
+            self._why, self._ended = without_secrets(why), True
         self._wake.set()
         self._thread.join(patience)
 

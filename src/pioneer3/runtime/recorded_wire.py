@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pioneer3.errors import ConfigError, RecordingOverError
 from pioneer3.links import Link
 from pioneer3.log.reader import RunLog
-from pioneer3.log.topics import EVENT, LogEvent
+from pioneer3.log.topics import EVENT
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +49,7 @@ class RecordedWire:
             if message.topic == read:
                 yield _Step(at, data=message.data)
                 continue
-            event = message.decode(LogEvent)
+            event = log.decoded(message, EVENT)
             if event.kind == "link" and event.text.startswith(f"{link}: open: "):
                 yield _Step(at, opens=True)
             elif event.kind == "link" and event.text == f"{link}: closed":

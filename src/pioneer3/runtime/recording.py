@@ -391,4 +391,4 @@ def _why(error: BaseException) -> str:
     """Return the reason for the end of a block, in words."""
     if isinstance(error, CancelledError | KeyboardInterrupt | GeneratorExit | SystemExit):
         return "told to leave"
-    return without_secrets(f"{type(error).__name__}: {error}")
+    return f"{type(error).__name__}: {error}"
