@@ -2,17 +2,16 @@
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
+from operator import attrgetter
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pioneer3.errors import ConfigError
-from pioneer3.geometry import Pose2, wrap
-from pioneer3.log.topics import LogEvent
-from pioneer3.navigation.goals import GoalChanged
+from pioneer3.geometry import wrap
 from pioneer3.navigation.recording import EstimateMade
-from pioneer3.runtime.recording import CommandGiven, DecisionMade, TruePoseTold
+from pioneer3.runtime.recording import DecisionMade
 from pioneer3.state import Scan, Snapshot
 
 MOST_NUMBERED: Final = 64
@@ -55,12 +54,17 @@ Y: Final = ArrayColumn("y", "m")
 HEADING: Final = ArrayColumn("heading", "rad")
 SPEED: Final = ArrayColumn("v", "m/s")
 TURN_RATE: Final = ArrayColumn("w", "rad/s")
-
-
-def _odometry(snapshot: Snapshot) -> Row:
-    odometry = snapshot.odometry
-    sides = odometry.left_speed, odometry.right_speed
-    return *_pose(odometry.robot_in_odom), odometry.twist.v, odometry.twist.w, *sides
+POSE: Final = ("x", "y", "theta")
+"""Fields of a pose."""
+TWIST: Final = ("twist.v", "twist.w")
+"""Fields of a velocity in a message."""
+LINK: Final = (
+    ArrayColumn("rate", "reports/s"),
+    ArrayColumn("bad_checksums", "frames that were dropped in this session", "i8"),
+    ArrayColumn("bytes_skipped", "bytes of no frame in this session", "i8"),
+    ArrayColumn("sessions", "connections so far", "i8"),
+)
+"""Columns of the link; they are the fields of a snapshot's link."""
 
 
 def _battery(snapshot: Snapshot) -> Row:
@@ -75,15 +79,6 @@ def _motors(snapshot: Snapshot) -> Row:
     return motors.enabled, *stalls, motors.stop_button, any((*bumpers.front, *bumpers.rear))
 
 
-def _link(snapshot: Snapshot) -> Row:
-    link = snapshot.link
-    return link.rate, link.bad_checksums, link.bytes_skipped, link.sessions
-
-
-def _command(given: CommandGiven) -> Row:
-    return given.by, given.command, given.twist.v, given.twist.w, given.seconds, given.refused
-
-
 def _decision(made: DecisionMade) -> Row:
     decision = made.decision
     by = decision.v_by or "", decision.w_by or ""
@@ -92,23 +87,8 @@ def _decision(made: DecisionMade) -> Row:
 
 def _estimate(estimate: EstimateMade) -> Row:
     pose = estimate.robot_in_map
-    return *(_pose(pose) if pose else [np.nan] * 3), estimate.sure, estimate.spread, estimate.map
-
-
-def _truth(told: TruePoseTold) -> Row:
-    return _pose(told.robot_in_world)
-
-
-def _goal(goal: GoalChanged) -> Row:
-    return goal.number, goal.by, goal.status, goal.reason
-
-
-def _event(event: LogEvent) -> Row:
-    return event.kind, event.text
-
-
-def _pose(pose: Pose2) -> Row:
-    return pose.x, pose.y, pose.theta
+    place = attrgetter(*POSE)(pose) if pose else [np.nan] * 3
+    return *place, estimate.sure, estimate.spread, estimate.map
 
 
 TABLES: Final = (
@@ -121,7 +101,10 @@ TABLES: Final = (
             ArrayColumn("left_speed", "m/s, of the left wheel over ground"),
             ArrayColumn("right_speed", "m/s"),
         ),
-        lines=_odometry,
+        lines=attrgetter(
+            *(f"odometry.robot_in_odom.{each}" for each in POSE),
+            *(f"odometry.{each}" for each in (*TWIST, "left_speed", "right_speed")),
+        ),
         stamped=True,
     ),
     ArrayTable(
@@ -164,13 +147,8 @@ TABLES: Final = (
         name="link",
         topic="snapshot",
         about="Quality of the reception",
-        columns=(
-            ArrayColumn("rate", "reports/s"),
-            ArrayColumn("bad_checksums", "frames that were dropped in this session", "i8"),
-            ArrayColumn("bytes_skipped", "bytes of no frame in this session", "i8"),
-            ArrayColumn("sessions", "connections so far", "i8"),
-        ),
-        lines=_link,
+        columns=LINK,
+        lines=attrgetter(*(f"link.{each.name}" for each in LINK)),
         stamped=True,
     ),
     ArrayTable(
@@ -196,7 +174,7 @@ TABLES: Final = (
             ArrayColumn("seconds", "s, for how long"),
             ArrayColumn("refused", "the reason, or empty", "O"),
         ),
-        lines=_command,
+        lines=attrgetter("by", "command", *TWIST, "seconds", "refused"),
     ),
     ArrayTable(
         name="estimate",
@@ -215,7 +193,7 @@ TABLES: Final = (
         topic="truth",
         about="True pose of a simulated robot",
         columns=(X, Y, HEADING),
-        lines=_truth,
+        lines=attrgetter(*(f"robot_in_world.{each}" for each in POSE)),
     ),
     ArrayTable(
         name="goal",
@@ -227,14 +205,14 @@ TABLES: Final = (
             ArrayColumn("status", "such as `accepted` or `succeeded`", "O"),
             ArrayColumn("reason", "of its end, or of a wait on the way", "O"),
         ),
-        lines=_goal,
+        lines=attrgetter("number", "by", "status", "reason"),
     ),
     ArrayTable(
         name="event",
         topic="event",
         about="What happened to links, clocks and the log",
         columns=(ArrayColumn("kind", "such as `link`", "O"), ArrayColumn("text", "in words", "O")),
-        lines=_event,
+        lines=attrgetter("kind", "text"),
     ),
 )
 """Arrays that have a line for each message."""

@@ -13,7 +13,7 @@ from pioneer3.log.folder import named_log_path
 from pioneer3.log.index import LogIndex
 from pioneer3.log.moment import Moment, time_of
 from pioneer3.log.reader import LogInfo, LogMessage, RunLog, whole_log
-from pioneer3.log.topics import LogEvent, LogTopic
+from pioneer3.log.topics import LogEvent, LogTopic, robots_in
 from pioneer3.names import printable
 from pioneer3.navigation.recording import KINDS
 from pioneer3.runtime.recording import CommandGiven, DecisionMade
@@ -198,12 +198,9 @@ class OpenLog:
             prefix, _, last = name.rpartition("/")
             if last == "robot":
                 found[prefix or texts.get("name", "") or "robot"] = f"{prefix}/" if prefix else ""
-        for topic in sorted(self._topics):
-            prefix, _, last = topic.rpartition("/")
-            if last == "snapshot":
-                prefix += "/" if prefix else ""
-                if prefix not in found.values():
-                    found[prefix.rstrip("/") or "robot"] = prefix
+        for prefix in robots_in(self._topics):
+            if prefix not in found.values():
+                found[prefix.rstrip("/") or "robot"] = prefix
         return found
 
     @property

@@ -5,7 +5,7 @@ rows). All else is JSON, in which a number that is none is the text `inf`, `-inf
 schema is that of the class.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from math import isfinite
@@ -17,6 +17,8 @@ from pioneer3.state import Scan, Snapshot
 
 T = TypeVar("T")
 
+SNAPSHOT: Final = "snapshot"
+"""Last part of the topic of snapshots; the name of one of several robots comes before it."""
 PROGRAM: Final = "program"
 """Name of the description of the program, which is the same in all files of a log."""
 END: Final = "end"
@@ -180,6 +182,13 @@ def unpack_pieces(time: int, data: bytes) -> Iterator[tuple[int, bytes]]:
 def totals(counts: Mapping[str, int], ended: int) -> dict[str, str]:
     """Return the description of the messages of a file, the last of them of a time [ns]."""
     return {"messages": msgspec.json.encode(counts).decode(), "ended_ns": str(ended)}
+
+
+def robots_in(topics: Iterable[str]) -> list[str]:
+    """Return what is before the names of each robot's topics, by those of their snapshots."""
+    return sorted(
+        topic.removesuffix(SNAPSHOT) for topic in topics if topic.rpartition("/")[2] == SNAPSHOT
+    )
 
 
 def with_texts(value: Any) -> Any:

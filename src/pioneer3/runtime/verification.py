@@ -30,7 +30,7 @@ from pioneer3.lasers.client import ScanSettings
 from pioneer3.limits import Limits
 from pioneer3.links.tap import ROBOT
 from pioneer3.log.reader import RunLog
-from pioneer3.log.topics import LogTopic
+from pioneer3.log.topics import SNAPSHOT, LogTopic, robots_in
 from pioneer3.models import GivenModel, RobotModel
 from pioneer3.models.lasers import LaserProtocol
 from pioneer3.robot.correction import TwistCorrection
@@ -49,8 +49,6 @@ T = TypeVar("T")
 
 PATIENT: Final = Timing(silence=inf)
 """The log tells when a link was lost."""
-SNAPSHOT: Final = "snapshot"
-"""Name of the topic that is compared."""
 LATE: Final = 0.05
 """A velocity may be on its way to the wire for so long [s], and limits to the log."""
 NONE: Final = "none"
@@ -100,12 +98,7 @@ def verify(log: RunLog, model: GivenModel = None) -> list[Verification]:
         ConfigError: The log is damaged, or has nothing to compare; or there is no such model.
     """
     topics = log.topics()
-    prefixes = sorted(
-        topic.removesuffix(SNAPSHOT)
-        for topic in topics
-        if topic.rpartition("/")[2] == SNAPSHOT
-        and f"wire/{topic.removesuffix(SNAPSHOT)}{ROBOT}/in" in topics
-    )
+    prefixes = [each for each in robots_in(topics) if f"wire/{each}{ROBOT}/in" in topics]
     if not prefixes:
         raise ConfigError(f"{log.path}: it has no robot's snapshots and bytes to compare")
     return [_verify(log, prefix, model) for prefix in prefixes]

@@ -13,12 +13,12 @@ from pioneer3.log.chunks import DAMAGED
 from pioneer3.log.output import new_output
 from pioneer3.log.progress import Tell, followed
 from pioneer3.log.reader import LogInfo, RunLog
-from pioneer3.log.topics import EVENT, LogTopic
+from pioneer3.log.topics import EVENT, SNAPSHOT, LogTopic
 from pioneer3.models import GivenModel
 from pioneer3.navigation.recording import kind_of
 from pioneer3.ros.bag.bags import ros1_bag, ros2_bag
 from pioneer3.ros.bag.player import Player
-from pioneer3.ros.bag.robots import SNAPSHOT, LoggedRobot, robots_of
+from pioneer3.ros.bag.robots import LoggedRobot, robots_of
 from pioneer3.ros.messages.update import NANO
 from pioneer3.ros.node.names import Profile
 from pioneer3.text import one_line, wrong

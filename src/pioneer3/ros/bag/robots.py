@@ -8,7 +8,7 @@ from typing import Final
 from pioneer3.geometry import Pose2
 from pioneer3.links.tap import ROBOT
 from pioneer3.log.reader import RunLog
-from pioneer3.log.topics import LogTopic
+from pioneer3.log.topics import LogTopic, robots_in
 from pioneer3.models import GivenModel, loaded_model
 from pioneer3.models.model import UnknownModel
 from pioneer3.names import free_name
@@ -19,8 +19,6 @@ from pioneer3.text import wrong
 
 MOST_ROBOTS: Final = 256
 """Robots of one bag at most: each has some twenty topics."""
-SNAPSHOT: Final = "snapshot"
-"""Last part of the topic of snapshots; the name of one of several robots comes before it."""
 LASER: Final = re.compile(r"laser(\d?\d?)", re.ASCII)
 """Name of a laser; the first one has no number."""
 
@@ -52,16 +50,14 @@ def robots_of(log: RunLog, given: GivenModel = None) -> list[LoggedRobot]:
     Raises:
         ConfigError: The log is damaged or has too many, or there is no such model.
     """
-    topics = sorted(log.topics())
-    if sum(topic.rpartition("/")[2] == SNAPSHOT for topic in topics) > MOST_ROBOTS:
+    topics = log.topics()
+    prefixes = robots_in(topics)
+    if len(prefixes) > MOST_ROBOTS:
         raise wrong(log.path, f" has more than {MOST_ROBOTS} robots, too many for one bag")
     texts, mounted = log.info().texts, _mounted(log, topics)
     given, robots, taken = loaded_model(given), [], set[str]()
-    for topic in topics:
-        before, _, last = topic.rpartition("/")
-        if last != SNAPSHOT:
-            continue
-        prefix = f"{before}/" if before else ""
+    for prefix in prefixes:
+        before = prefix.rstrip("/")
         name = free_name(ros_name(before), taken, "_") if before else ""
         taken.add(name)
         robots.append(

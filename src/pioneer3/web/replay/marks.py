@@ -12,13 +12,13 @@ import msgspec
 from pioneer3.links.tap import ROBOT
 from pioneer3.log.chunks import DAMAGED
 from pioneer3.log.reader import LogMessage
-from pioneer3.log.topics import LogEvent
+from pioneer3.log.topics import SNAPSHOT, LogEvent
 from pioneer3.names import printable
 from pioneer3.navigation.goals import GoalChanged
 from pioneer3.robot.supervisor import Connection
 from pioneer3.runtime.recording import EMERGENCY_STOP, RESET, CommandGiven, link_status
 from pioneer3.web.messages import MarkKind, ReplayMark
-from pioneer3.web.replay.recorded import SECOND, SNAPSHOT, RecordedRobot
+from pioneer3.web.replay.recorded import SECOND, RecordedRobot
 
 T = TypeVar("T")
 

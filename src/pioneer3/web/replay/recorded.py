@@ -12,7 +12,7 @@ from pioneer3.links.tap import ROBOT
 from pioneer3.log.chunks import DAMAGED
 from pioneer3.log.index import LogIndex
 from pioneer3.log.reader import LogMessage
-from pioneer3.log.topics import LogEvent
+from pioneer3.log.topics import SNAPSHOT, LogEvent, robots_in
 from pioneer3.navigation.recording import EstimateMade, MapUsed, WayPlanned
 from pioneer3.robot.supervisor import ConnectionStatus
 from pioneer3.runtime.recording import (
@@ -38,8 +38,6 @@ TELL_OF_LATCH: Final = tuple(
 """Commands after which it is known whether the emergency stop is latched."""
 FRESH: Final = SECOND + SECOND // 2
 """A true pose, which is told once a second at least, or a scan holds for so long [ns]."""
-SNAPSHOT: Final = "snapshot"
-"""Topic of a robot; the others likewise."""
 
 
 class RecordedRobot:
@@ -121,30 +119,9 @@ class RecordedRobot:
         """Whether the log tells of it at the time."""
         return self.began <= self.time <= self.index.ended + FRESH
 
-    @property
-    def decision(self) -> DecisionMade | None:
-        """The newest decision."""
-        return self._get("decision", DecisionMade)
-
-    @property
-    def standing(self) -> StandsBecause | None:
-        """The reason to stand as it was told; older logs have none."""
-        return self._get("standing", StandsBecause)
-
-    @property
-    def estimate(self) -> EstimateMade | None:
-        """Where it was on its map."""
-        return self._get("estimate", EstimateMade)
-
-    @property
-    def way(self) -> WayPlanned | None:
-        """The way that it took."""
-        return self._get("way", WayPlanned)
-
-    @property
-    def map(self) -> MapUsed | None:
-        """The map that it drove on."""
-        return self._get("map", MapUsed)
+    def told(self, kind: type[T]) -> T | None:
+        """Return the newest message of a class: a decision, a reason to stand, a way, a map."""
+        return self._get(next(name for name, each in self._kinds.items() if each is kind), kind)
 
     def scan(self, laser: str) -> Scan | None:
         """Return the newest scan of a laser, by its topic, while it is fresh."""
@@ -170,7 +147,7 @@ class RecordedRobot:
         if truth is not None and newest is not None and self.sequence - newest.time < FRESH:
             return truth.robot_in_world
         odom = snapshot.odometry.robot_in_odom if snapshot else ORIGIN
-        estimate = self.estimate
+        estimate = self.told(EstimateMade)
         return (estimate.odom_in_map or ORIGIN) @ odom if estimate else odom
 
     def _get(self, kind: str, of: type[T]) -> T | None:
@@ -197,17 +174,13 @@ def robots_of(index: LogIndex, numbers: Callable[[], int], label: str) -> list[R
     Raises:
         ConfigError: No robot was connected.
     """
-    prefixes = sorted(t.removesuffix(SNAPSHOT) for t in index.topics if _is_snapshot(t))
+    prefixes = robots_in(index.topics)
     if not prefixes:
         raise ConfigError(f"{index.path}: no robot was connected: there is nothing to replay")
     return [
         RecordedRobot(numbers(), prefix.removesuffix("/") or label, index, prefix)
         for prefix in prefixes
     ]
-
-
-def _is_snapshot(topic: str) -> bool:
-    return topic == SNAPSHOT or topic.endswith(f"/{SNAPSHOT}")
 
 
 def _latches(data: bytes) -> bool | None:

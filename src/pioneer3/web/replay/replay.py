@@ -13,6 +13,7 @@ from typing import Final
 from pioneer3 import __version__
 from pioneer3.errors import CommandError, ConfigError
 from pioneer3.log.index import LogIndex
+from pioneer3.navigation.recording import MapUsed
 from pioneer3.tasks import running
 from pioneer3.teleop.gamepad import SCHEME
 from pioneer3.web import messages, requests
@@ -150,7 +151,7 @@ class LogPlayer:
 
     def _draw_map(self) -> None:
         """Draw the map of the first robot that has one, if it is another than before."""
-        maps = (robot.map for robot in self.robots.values())
+        maps = (robot.told(MapUsed) for robot in self.robots.values())
         used = next((each for each in maps if each is not None), None)
         if used is not self._drawn[0]:
             self._drawn = used, messages.encode(map_message(view.drawn_map(used)))

@@ -11,11 +11,12 @@ from pioneer3.behaviors.engine import Decision
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import STILL
 from pioneer3.maps import LineMap
-from pioneer3.navigation.recording import MapUsed
+from pioneer3.navigation.recording import EstimateMade, MapUsed, WayPlanned
 from pioneer3.robot.config_table import explained
 from pioneer3.robot.explain import LATCHED, Reason
 from pioneer3.robot.pilot import stands
 from pioneer3.robot.supervisor import Connection
+from pioneer3.runtime.recording import DecisionMade, StandsBecause
 from pioneer3.web import messages
 from pioneer3.web.broadcast import RetainedChannel, Subscriber, sweep
 from pioneer3.web.details import details_of
@@ -49,13 +50,13 @@ def status(robot: RecordedRobot) -> messages.Status:
 
 def snapshot(robot: RecordedRobot) -> messages.SnapshotMessage | None:
     """Return the newest snapshot, with what was decided then."""
-    now, made = robot.snapshot, robot.decision
+    now, made = robot.snapshot, robot.told(DecisionMade)
     if now is None:
         return None
     decision = made.decision if made else None
     decides = decision is not None and decision.wanted and now.stamp < decision.until
     by = made and decision and (made.mode or decision.v_by or decision.w_by)
-    way = robot.way
+    way = robot.told(WayPlanned)
     place = way.place if way and way.points else None
     return snapshot_part(
         robot.number,
@@ -72,21 +73,21 @@ def snapshot(robot: RecordedRobot) -> messages.SnapshotMessage | None:
 
 def _why(robot: RecordedRobot) -> Reason | None:
     """Return the reason to stand; older logs tell none, but what was read and decided then."""
-    now, made = robot.snapshot, robot.decision
+    now, made = robot.snapshot, robot.told(DecisionMade)
     if now is None or not stands(now):
         return None
-    if robot.standing:
-        return robot.standing.reason
+    if (standing := robot.told(StandsBecause)) is not None:
+        return standing.reason
     decision = made.decision if made and now.stamp < made.decision.until else Decision()
     return LATCHED if robot.emergency else reason_by_readings(now, decision)
 
 
 def navigation(robot: RecordedRobot) -> messages.Navigation | None:
     """Return what it knew about its place on the map, and the rest of its way."""
-    estimate = robot.estimate
+    estimate = robot.told(EstimateMade)
     if estimate is None:
         return None
-    here, way = robot.robot_in_map, robot.way
+    here, way = robot.robot_in_map, robot.told(WayPlanned)
     points = way.points if way else ()
     if points:
         nearest = min(

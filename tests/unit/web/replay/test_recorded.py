@@ -102,7 +102,7 @@ def test_it_is_drawn_where_it_was_on_its_map(path: Path) -> None:
     assert (told.sure, told.place) == (True, "Kitchen")
     assert told.way == ((11.0, 0.0), (13.0, 0.0), (15.0, 0.0))
     assert at(robot, 12.5).target is None
-    drawn = view.drawn_map(robot.map)
+    drawn = view.drawn_map(robot.told(MapUsed))
     assert drawn is not None
     assert drawn.walls.tolist() == WALLS.tolist()
     (sweep,) = view.sweeps(robot)
@@ -113,7 +113,7 @@ def test_it_is_drawn_where_it_was_on_its_map(path: Path) -> None:
 def test_a_true_pose_counts_more_and_without_a_map_that_of_odometry(tmp_path: Path) -> None:
     (robot,) = robots(drive(tmp_path / "old.mcap"))
     assert at(robot, 5.0).robot_in_map.x == pytest.approx(SPEED * 5.0)
-    assert (robot.map, view.navigation(robot)) == (None, None)
+    assert (robot.told(MapUsed), view.navigation(robot)) == (None, None)
     log = LogFile(tmp_path / "true.mcap")
     log.add("snapshot", [(0.0, snapshot(0.0))])
     log.add("truth", [(0.0, truth(3.0))])
