@@ -18,7 +18,7 @@ from pioneer3.log.folder import create
 from pioneer3.log.index import LogIndex
 from pioneer3.log.mcap import McapFile
 from pioneer3.log.reader import open_log
-from pioneer3.log.topics import LogEvent, LogTopic
+from pioneer3.log.topics import EVENT, LogEvent, LogTopic
 from pioneer3.models import load_model
 from pioneer3.models.odometry import OdometryCorrection
 from pioneer3.models.own import find_own, own_path
@@ -30,6 +30,7 @@ from pioneer3.runtime.recording import recorded
 from pioneer3.runtime.verification import verify
 from pioneer3.state import Scan, Snapshot
 from tests.lasers import LaserUnit
+from tests.logs import snapshot
 from tests.support import SimulatedRobot, until
 
 pytestmark = pytest.mark.realtime
@@ -226,7 +227,7 @@ def test_the_bytes_of_a_laser_become_the_scans_that_were_recorded(
     monkeypatch.setattr(Mounting, "scan", longer)
     (found,) = verify(open_log(path))
     assert found.difference is not None
-    assert found.difference.field.startswith("[2][")
+    assert found.difference.field == {"lms-200": "ranges[180]", "urg-04lx": "[2][681]"}[name]
     assert float(found.difference.now) == 1.0
 
 
@@ -264,6 +265,30 @@ def test_a_log_whose_clock_is_no_number_is_refused(tmp_path: Path) -> None:
     file.add(LogTopic("snapshot", LogEvent), [(7, LogEvent("a", "b"))])
     file.finish()
     with pytest.raises(ConfigError, match="it lacks the exact times of bytes"):
+        verify(open_log(path))
+
+
+def test_a_log_whose_laser_is_opened_in_a_hundred_years_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "a.mcap"
+    file = McapFile(create(path))
+    file.add_metadata("program", {"clock": "5.0", "began_ns": str(10**18)})
+    told = {
+        "protocol": '"SCIP"',
+        "speeds": "[]",
+        "mounting": "{}",
+        "settings": "{}",
+        "time_offset": "0",
+    }
+    file.add_metadata("laser", told)
+    file.add(EVENT, [(10**18, LogEvent("link", "robot: open: tcp://a"))])
+    file.add(EVENT, [(10**18, LogEvent("link", "laser: open: tcp://b"))])
+    file.add(LogTopic("wire/robot/in", bytes), [(10**18, b"a")])
+    file.add(LogTopic("snapshot", Snapshot), [(10**18, snapshot(0.0))])
+    file.flush()
+    file.add(EVENT, [(4 * 10**18, LogEvent("link", "laser: closed"))])
+    file.add(EVENT, [(4 * 10**18, LogEvent("link", "laser: open: tcp://b"))])
+    file.finish()
+    with pytest.raises(ConfigError, match="its bytes are weeks apart"):
         verify(open_log(path))
 
 

@@ -7,6 +7,7 @@ out, as their serial numbers are in each scan; the scans themselves stay.
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
@@ -72,8 +73,6 @@ OF_ROBOT: Final = ("kind", "model", "limits")
 """Metadata about a robot that name nobody."""
 FLUSHED: Final = 10**9
 """Messages of such a time are written together [ns]."""
-EXACT: Final = 1
-"""Times of bytes are told to the nanosecond, as a driver needs them [ns]."""
 NAMING: Final = (GoalChanged, WayPlanned, MapUsed)
 """Messages that name users, places and maps."""
 NUMBERS: Final = (Scan, Snapshot, Limits, TruePoseTold)
@@ -241,7 +240,7 @@ def _texts(
             kept = {key: told[key] for key in OF_ROBOT if key in told}
             kept["name"] = names.hidden(told.get("name", ""))
             kept["configuration"] = _hidden_json(told.get("configuration", "null"))
-            if "parameters" in told:
+            with suppress(KeyError, msgspec.MsgspecError):
                 model = msgspec.json.decode(told["parameters"])
                 kept["parameters"] = msgspec.json.encode(_mapped(model, names.hidden)).decode()
             yield f"{prefixes[prefix + slash]}robot", kept
@@ -327,7 +326,7 @@ def _topic(
     """Return the topic that takes the place of another; `None` if it is left out."""
     if name in wires:
         prefix, _, way = name.removeprefix(WIRE).rpartition("robot/")
-        return LogTopic(f"{WIRE}{prefixes[prefix]}robot/{way}", bytes, tick=EXACT)
+        return LogTopic(f"{WIRE}{prefixes[prefix]}robot/{way}", bytes)
     kind = kind_of(name)
     if kind is None or kind is bytes:
         return None

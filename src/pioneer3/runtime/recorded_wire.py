@@ -3,11 +3,18 @@
 import asyncio
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Final
 
 from pioneer3.errors import ConfigError, RecordingOverError
 from pioneer3.links import Link
 from pioneer3.log.reader import RunLog
 from pioneer3.log.topics import EVENT
+from pioneer3.text import wrong
+
+LONGEST_PAUSE: Final = 14 * 86_400.0
+"""A driver that waits for its link for longer [s] tries that for ever, in no time of its own."""
+SOON: Final = 60.0
+"""No message is told so long after a later one [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,9 +50,12 @@ class RecordedWire:
             )
 
     def _of(self, log: RunLog, link: str) -> Iterator[_Step]:
-        read = f"wire/{link}/in"
+        read, before = f"wire/{link}/in", self.begin
         for message in log.messages(lambda topic: topic in {read, EVENT.name}):
             at = self.seconds(message.time)
+            if not -SOON < at - before < LONGEST_PAUSE:
+                raise wrong(log.path, " is damaged: its bytes are weeks apart")
+            before = at
             if message.topic == read:
                 yield _Step(at, data=message.data)
                 continue

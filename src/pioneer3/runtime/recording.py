@@ -294,6 +294,7 @@ class RobotLog:
                     "speeds": laser.speeds,
                     "settings": laser.config.settings,
                     "mounting": laser.mounting(),
+                    "time_offset": laser.config.time_offset,
                 }
                 texts = {name: msgspec.json.encode(part).decode() for name, part in told.items()}
                 self.log.describe(f"{self._prefix}{laser.name}", texts)

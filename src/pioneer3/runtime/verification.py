@@ -5,8 +5,8 @@ is compared with the recorded one, by the model that was in force. Each decision
 what the actions wanted then: a log has their wishes, not their reasons to have them. Each velocity
 that was sent has to be that of the decision then, within the limits: a log has not all reasons of
 the pilot to stand, which it may at any time. A reason to stand was told if, and only if, the
-readings say that the robot stood. Bytes of lasers become scans again, with the same
-readings: their times are told to 0.1 ms, and so poses and stamps are not the same.
+readings say that the robot stood. Bytes of lasers become scans again: all of them of an LMS-2xx, of
+others their readings.
 """
 
 import asyncio
@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from functools import partial
 from math import inf
 from operator import itemgetter
-from typing import Any, Final, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, Final, Generic, TypeVar
 
 import msgspec
 
@@ -38,12 +38,16 @@ from pioneer3.robot.explain import DISCONNECTED
 from pioneer3.robot.lasers.mounting import Mounting
 from pioneer3.robot.limits import limit
 from pioneer3.robot.pilot import stands
+from pioneer3.robot.poses import Poses
 from pioneer3.robot.supervisor import RobotInfo, Supervisor
 from pioneer3.runtime.recorded_wire import RecordedWire
 from pioneer3.runtime.recording import RENEWED, DecisionMade, StandsBecause
 from pioneer3.state import Bumpers, Scan, Snapshot
 from pioneer3.tasks import FastTimeLoop
 from pioneer3.units import DEGREE
+
+if TYPE_CHECKING:
+    from pioneer3.robot.lasers.driver import LaserConfig
 
 T = TypeVar("T")
 
@@ -71,8 +75,8 @@ class Verification:
 
     Attributes:
         compared: Snapshots that are equal.
-        scans: Scans whose readings are equal; none of older logs, nor of lasers in the robot's own
-            bytes.
+        scans: Scans that are equal, of most lasers their readings; none of lasers in the robot's
+            own bytes.
         velocities: That were sent as the decisions tell; of a robot whose own odometry is
             corrected, with what that makes of them, to a degree per second.
         reasons: To stand or to move, as the readings tell; none of older logs.
@@ -110,58 +114,77 @@ def _verify(log: RunLog, prefix: str, model: GivenModel) -> Verification:
     if model is None and "parameters" in known:
         with log.damage_told():
             model = msgspec.json.decode(known["parameters"], type=RobotModel)
+    lasers = [*_lasers(log, prefix)]
     with asyncio.Runner(loop_factory=partial(FastTimeLoop, wire.begin)) as runner:
         comparison = _Comparison(log, LogTopic(prefix + SNAPSHOT, Snapshot))
-        info = runner.run(_drive(wire, comparison, model))
+        info = runner.run(_drive(wire, comparison, model, lasers))
     decisions, velocities, reasons = _Decisions(log, prefix, wire, known), 0, 0
     difference = comparison.missing() or decisions.difference
     if not difference and info:
         velocities, difference = decisions.sent(comparison.bumpers, info)
     if not difference:
         reasons, difference = _reasons(log, prefix, wire, comparison.stood)
-    scans = [_scan(log, prefix, texts, name) for name, texts in log.info().texts.items()]
-    lasers = [each for each in scans if each is not None]
     return Verification(
         robot=prefix.rstrip("/"),
         compared=comparison.compared,
         decisions=len(decisions.made),
         velocities=velocities,
         reasons=reasons,
-        scans=sum(each.compared for each in lasers),
-        difference=difference or next(filter(None, (each.missing() for each in lasers)), None),
+        scans=sum(each.scans.compared for each in lasers),
+        difference=difference
+        or next(filter(None, (each.scans.missing() for each in lasers)), None),
     )
 
 
-def _scan(
-    log: RunLog, prefix: str, texts: Mapping[str, str], described: str
-) -> "_Comparison[Scan] | None":
-    """Compare the scans of a laser of a robot; `None` if the description is of none."""
-    before, slash, name = described.rpartition("/")
-    if before + slash != prefix or "protocol" not in texts:
-        return None
-    from pioneer3.robot.lasers.driver import LaserConfig, LaserDriver  # loads slowly
+@dataclass(frozen=True, slots=True)
+class _Laser:
+    """A laser of a log at a port of its own, with its place and the comparison of its scans."""
 
-    wire = RecordedWire(log, described)
-    comparison = _Comparison(log, LogTopic(f"{prefix}scan/{name}", Scan), _readings)
-    with log.damage_told():
-        mounting = msgspec.json.decode(texts["mounting"], type=Mounting)
-        wire.speeds = msgspec.json.decode(texts["speeds"], type=tuple[int, ...])
-        config = LaserConfig(
-            url=wire.url,
-            open=wire.open,
-            name=name,
-            protocol=msgspec.json.decode(texts["protocol"], type=LaserProtocol),
-            settings=msgspec.json.decode(texts["settings"], type=ScanSettings),
-        )
+    config: "LaserConfig"
+    mounting: Mounting
+    scans: "_Comparison[Scan]"
 
-    async def scan() -> None:
-        driver = LaserDriver(config, mounting=lambda: mounting)
-        driver.scan_taken = comparison.take
-        await _play(driver.run(), comparison)
+    async def scan(self, poses: Poses) -> None:
+        """Run its driver on a robot with these poses."""
+        from pioneer3.robot.lasers.driver import LaserDriver  # loads slowly
 
-    with asyncio.Runner(loop_factory=partial(FastTimeLoop, wire.begin)) as runner:
-        runner.run(scan())
-    return comparison
+        driver = LaserDriver(self.config, poses.at, lambda: self.mounting)
+        driver.scan_taken = self.scans.take
+        await _play(driver.run(), self.scans)
+
+
+def _lasers(log: RunLog, prefix: str) -> Iterator[_Laser]:
+    """Yield the lasers of a robot.
+
+    Of a laser with a clock, which is compared with the computer's when its driver wakes, only
+    readings are the same; so they are in older logs, whose times are rough.
+    """
+    from pioneer3.robot.lasers.driver import LaserConfig
+
+    for described, texts in log.info().texts.items():
+        before, slash, name = described.rpartition("/")
+        if before + slash != prefix or "protocol" not in texts:
+            continue
+        wire = RecordedWire(log, described)
+        with log.damage_told():
+            protocol = msgspec.json.decode(texts["protocol"], type=LaserProtocol)
+            exact = protocol is LaserProtocol.LMS2XX and "time_offset" in texts
+            topic = LogTopic(f"{prefix}scan/{name}", Scan)
+            scans = _Comparison(log, topic, _whole if exact else _readings)
+            wire.speeds = msgspec.json.decode(texts["speeds"], type=tuple[int, ...])
+            config = LaserConfig(
+                url=wire.url,
+                open=wire.open,
+                name=name,
+                protocol=protocol,
+                settings=msgspec.json.decode(texts["settings"], type=ScanSettings),
+                time_offset=msgspec.json.decode(texts.get("time_offset", "0"), type=float),
+            )
+            yield _Laser(config, msgspec.json.decode(texts["mounting"], type=Mounting), scans)
+
+
+def _whole(scan: Scan) -> object:
+    return scan
 
 
 def _readings(scan: Scan) -> object:
@@ -263,11 +286,15 @@ def _lately(told: Sequence[tuple[float, T]], at: float) -> list[T]:
 
 
 async def _drive(
-    wire: RecordedWire, comparison: "_Comparison[Snapshot]", model: GivenModel
+    wire: RecordedWire,
+    comparison: "_Comparison[Snapshot]",
+    model: GivenModel,
+    lasers: Sequence[_Laser],
 ) -> RobotInfo | None:
     supervisor = Supervisor(wire.open, model=model, auto_enable=False, timing=PATIENT)
     supervisor.snapshot_taken = comparison.take
-    await _play(supervisor.run(), comparison)
+    scanning = (laser.scan(supervisor.poses) for laser in lasers)
+    await asyncio.gather(_play(supervisor.run(), comparison), *scanning)
     return supervisor.info
 
 

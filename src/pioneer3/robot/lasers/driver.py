@@ -25,6 +25,7 @@ from pioneer3.lasers.client import (
     ScansLost,
 )
 from pioneer3.links import Link, Opener
+from pioneer3.links.base import TimedLink
 from pioneer3.models.lasers import LaserProtocol
 from pioneer3.robot.devices.presence import Presence
 from pioneer3.robot.lasers.mounting import Mounting, PoseAt
@@ -243,7 +244,8 @@ class LaserDriver:
             await self._obey(link, client, client.tick(self._clock()))
             data = await self._read(link, client.deadline)
             if data is not None:
-                await self._obey(link, client, client.receive(data, self._clock()))
+                now = link.read_at if isinstance(link, TimedLink) else self._clock()
+                await self._obey(link, client, client.receive(data, now))
 
     async def _read(self, link: Link, deadline: float) -> bytes | None:
         """Return the next bytes, or `None` if none come before `deadline`."""
