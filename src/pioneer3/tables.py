@@ -330,7 +330,7 @@ def _texts(value: object, place: str = "") -> Iterator[tuple[str, str]]:
         yield place, value
     elif isinstance(value, dict):
         for key, item in value.items():
-            yield from _texts(item, f"{place}.{key}" if place else key)
+            yield from _texts(item, _below(place, key))
     elif isinstance(value, list | tuple):
         for index, item in enumerate(value):
             yield from _texts(item, f"{place}[{index}]")

@@ -167,13 +167,10 @@ def _entry(parameter: Parameter, distro: Distro) -> str:
     if parameter.name == "enable_stamped_cmd_vel":
         return f"{parameter.name}: {_yaml(distro.stamped_commands)}"
     if parameter.default is None:
-        (otherwise, *_) = sorted(_in_ros2(parameter.otherwise).split("; "), key=_not_of_ros2)
+        clauses = _in_ros2(parameter.otherwise).split("; ")
+        otherwise = next((each for each in clauses if "ROS 2" in each), clauses[0])
         return f"# {parameter.name}:{f'  # {otherwise}' if otherwise else ''}"
     return f"{parameter.name}: {_yaml(parameter.default)}"
-
-
-def _not_of_ros2(clause: str) -> bool:
-    return "ROS 2" not in clause
 
 
 def _in_ros2(text: str) -> str:

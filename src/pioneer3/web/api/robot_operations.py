@@ -13,7 +13,7 @@ from pioneer3.behaviors.modes import AnyMode, Goto
 from pioneer3.errors import DeviceError, MotionError, Refusal
 from pioneer3.models import RobotModel, load_model, model_names
 from pioneer3.models.description.solids import COLORS, LinkSolid, solids_of
-from pioneer3.models.description.tree import Frames, FrameTree, Joint, tree_of
+from pioneer3.models.description.tree import Frames, FrameTree, tree_of
 from pioneer3.robot.limits import checked, wheels_as_twist
 from pioneer3.web import group, messages
 from pioneer3.web.access.middleware import ErrorResponse
@@ -257,13 +257,9 @@ def _links(
         yield types.DescribedLink(
             at=(x, y, z),
             yaw=yaw,
-            wheel=_side(wheel) if wheel else None,
+            wheel=("left" if wheel.y > 0 else "right") if wheel else None,
             solids=tuple(_solid(part) for part in parts),
         )
-
-
-def _side(wheel: Joint) -> types.Side:
-    return "left" if wheel.y > 0 else "right"
 
 
 def _solid(solid: LinkSolid) -> types.DescribedSolid:

@@ -107,7 +107,8 @@ class LogPlayer:
     async def run(self) -> None:
         """Play until cancelled."""
         try:
-            async with running(*(self._find_marks(log) for log in self._by_log)):
+            looks = (asyncio.to_thread(self._look_through, log) for log in self._by_log)
+            async with running(*looks):
                 before = self._clock()
                 while True:
                     now = self._clock()
@@ -210,9 +211,6 @@ class LogPlayer:
             jumps=self._jumps,
             looked=round(sum(self._shares.values()) / len(self._shares), 2),
         )
-
-    async def _find_marks(self, log: LogIndex) -> None:
-        await asyncio.to_thread(self._look_through, log)
 
     def _tell(self, at: int, text: str) -> None:
         """Add a mark about the replay itself, once."""
