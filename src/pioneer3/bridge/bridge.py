@@ -44,7 +44,6 @@ class Bridge:
         silence: The robot stops if its holder has sent no packet for this long [s]; 0 for never.
         most_watchers: More hosts are turned away.
         timing: Timeouts of the handshake with the robot.
-        on_change: Called in the event loop when a host comes or goes, and at each pause.
         say: Called with a sentence for people at each change; the log if not given.
 
     Attributes:
@@ -59,7 +58,6 @@ class Bridge:
         silence: float = SILENCE,
         most_watchers: int = MOST_WATCHERS,
         timing: Timing | None = None,
-        on_change: Callable[[], None] = lambda: None,
         say: Callable[[str], None] | None = None,
     ) -> None:
         self._open_link = open_link
@@ -71,7 +69,6 @@ class Bridge:
             most_watchers=most_watchers,
             timing=timing,
             say=self._tell,
-            changed=on_change,
         )
         self._clock = asyncio.get_running_loop().time
         self._wake = asyncio.Event()

@@ -60,8 +60,7 @@ class Relay:
 
     The `holder` has the robot, or will have it next. While it is `paused` the robot stands,
     whatever the holder commands; the only host that may have it is the one it is reserved for,
-    unless that is empty. `changed` is called when the holder or a watcher comes or goes, and at the
-    beginning and the end of a session.
+    unless that is empty.
     """
 
     def __init__(
@@ -72,13 +71,11 @@ class Relay:
         most_watchers: int = MOST_WATCHERS,
         timing: Timing | None = None,
         say: Callable[[str], None] = lambda text: None,
-        changed: Callable[[], None] = lambda: None,
     ) -> None:
         self.holder: BridgeClient | None = None
         self.clients: list[BridgeClient] = []
         self.reserved_for = ""
         self.robot = RobotSide(timing)
-        self.changed = changed
         self._expiry, self._silence = expiry, silence
         self._most_watchers = most_watchers
         self._say = say
@@ -155,7 +152,6 @@ class Relay:
             self._end(now)
         elif client.is_open:
             self._say(f"{client.port.name} watches no more")
-        self.changed()
 
     def unacknowledged(self, sent: int, waiting: int, now: float) -> None:
         """Note that of the bytes `sent` to the holder `waiting` are not acknowledged yet."""
@@ -188,7 +184,6 @@ class Relay:
             has = self.holder.port.name if self.holder else "nobody"
             self._say(f"{client.port.name} watches; {has} has the robot")
         client.port.send(self.robot.unfinished)
-        self.changed()
 
     def _claim(self, client: BridgeClient, now: float) -> None:
         """Give the robot to a host if it is free, or the holder gives way."""
@@ -205,7 +200,6 @@ class Relay:
     def _hold(self, client: BridgeClient) -> None:
         self.holder, self._acknowledged = client, 0
         self._say(f"{client.port.name} has the robot")
-        self.changed()
 
     def _command(self, payload: bytes, now: float) -> None:
         """Pass a packet of the holder to the robot."""
@@ -254,7 +248,6 @@ class Relay:
             self.disconnect_others(name, now, watchers=False)
         elif any(not client.port.gives_way for client in self.watchers):
             self._end(now)
-        self.changed()
 
     def disconnect_others(self, name: str, now: float, *, watchers: bool = True) -> None:
         """Disconnect the host that has the robot unless it is `name`, and `watchers` likewise."""
@@ -281,15 +274,13 @@ class Relay:
         else:
             self._say("the pause has ended")
             self._guard.holds.discard(HeldBack.PAUSED)
-        self.changed()
 
     # The robot
 
     def robot_sent(self, data: bytes, now: float) -> None:
         """Process bytes that the robot has sent."""
-        before = self.robot.state
         self.robot.receive(data, now)
-        self._follow(before)
+        self._look_for_failure()
         if self.robot.state is RobotSideState.SERVING:
             for client in [client for client in self.clients if client.is_open]:
                 client.port.send(data)
@@ -306,7 +297,6 @@ class Relay:
         """Note that the link to the robot has been closed."""
         self.robot.away()
         self._cut_off_until = inf
-        self.changed()
 
     def end(self, now: float) -> None:
         """End the session, and disconnect all hosts."""
@@ -321,16 +311,12 @@ class Relay:
                 self.leave(client, now)
         if self.robot.state is RobotSideState.SERVING:
             self._watch(now)
-        before = self.robot.state
         self.robot.tick(now)
-        self._follow(before)
+        self._look_for_failure()
 
-    def _follow(self, before: RobotSideState) -> None:
-        """Act on a change of the robot's side."""
+    def _look_for_failure(self) -> None:
         if self.robot.failure:
             self.robot_lost(self.robot.failure)
-        elif before is RobotSideState.SHAKING and self.robot.state is RobotSideState.SERVING:
-            self.changed()
 
     def _watch(self, now: float) -> None:
         """Stop the robot if its holder is silent; let one that was cut off drive again."""
@@ -373,4 +359,3 @@ class Relay:
             self.clients.remove(client)
             client.port.close()
         self._guard = Guard()
-        self.changed()

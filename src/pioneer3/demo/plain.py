@@ -60,10 +60,8 @@ class Plain:
             self._write(row.line)
 
 
-async def serve_plain(
-    program: Program, face: Plain, pressed: AsyncGenerator[str, None], every: float = EVERY
-) -> None:
-    """Serve until `pressed` ends or a key quits; looks at the robot `every` so many seconds."""
+async def serve_plain(program: Program, face: Plain, pressed: AsyncGenerator[str, None]) -> None:
+    """Serve until `pressed` ends or a key quits."""
     face.serve(program)
 
     async def listen() -> None:
@@ -75,7 +73,7 @@ async def serve_plain(
 
     async def look() -> None:
         while True:
-            await asyncio.sleep(every)
+            await asyncio.sleep(EVERY)
             face.look()
 
     tasks = [asyncio.ensure_future(listen()), asyncio.ensure_future(look())]

@@ -73,14 +73,14 @@ async def _ask_port(port: SerialPort) -> FoundLaser | None:
     return found
 
 
-async def laser_at(url: str, patience: Patience = PATIENCE) -> FoundLaser | None:
+async def laser_at(url: str) -> FoundLaser | None:
     """Return the laser at `url`, or `None` if none answers."""
     try:
         link = await open_link(url)
     except LinkError:
         return None
     try:
-        return await laser_on(link, patience)
+        return await laser_on(link)
     finally:
         await link.close()
 

@@ -149,10 +149,10 @@ def latency_file(device: str, sys: Path = SYS) -> Path:
     return sys / "bus/usb-serial/devices" / Path(device).name / "latency_timer"
 
 
-def socket_of(device: str, dev: Path = DEV) -> str:
+def socket_of(device: str) -> str:
     """Return the ID_PATH that udev knows `device` by, such as `pci-0000:00:14.0-usb-0:2:1.0`."""
     with suppress(OSError):
-        for link in sorted((dev / "serial/by-path").iterdir()):
+        for link in sorted((DEV / "serial/by-path").iterdir()):
             if os.path.realpath(link) == device:
                 return re.sub(r"-port\d+$", "", link.name)
     return ""

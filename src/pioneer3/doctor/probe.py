@@ -72,13 +72,13 @@ def skipped(port: SerialPort) -> Probed | None:
     return None
 
 
-async def probe_port(port: SerialPort, timing: Timing = QUICK) -> Probed:
+async def probe_port(port: SerialPort) -> Probed:
     """Return the result for the serial `port`."""
     known = skipped(port)
     if known is not None and known.verdict is ProbeVerdict.LASER:
         laser = await laser_at(port.path)  # by its USB number it is one; it is asked for its name
         return replace(known, detail=laser.name) if laser else known
-    return known or await probe(port.path, port, timing)
+    return known or await probe(port.path, port)
 
 
 async def probe(url: str, port: SerialPort | None = None, timing: Timing = QUICK) -> Probed:
@@ -166,14 +166,13 @@ async def wait_for_plug(
     list_ports: Callable[[], tuple[SerialPort, ...]],
     *,
     patience: float = 30.0,
-    settle: float = 1.0,
 ) -> tuple[SerialPort, ...]:
-    """Return the ports that appear within `patience` [s]; udev gets `settle` [s] to name them."""
+    """Return the ports that appear within `patience` [s]; udev gets a second to name them."""
     loop = asyncio.get_running_loop()
     end = loop.time() + patience
     while loop.time() < end:
         if came_back(before, without, list_ports()):
-            await asyncio.sleep(settle)
+            await asyncio.sleep(1.0)
             return came_back(before, without, list_ports())
         await asyncio.sleep(0.3)
     return ()

@@ -81,12 +81,11 @@ def no_rule(operator: Operator, *, take_over: bool) -> None:
 class Lease(Generic[T]):
     """A right that one holder has at a time; it ends unless it is renewed."""
 
-    def __init__(self, term: float = TERM) -> None:
-        self._term = term
+    def __init__(self) -> None:
         self._holder: T | None = None
         self._until = float("-inf")
 
-    def take(self, holder: T, now: float, term: float | None = None) -> bool:
+    def take(self, holder: T, now: float, term: float = TERM) -> bool:
         """Take or renew the lease at `now` [s, monotonic]; return whether `holder` has it.
 
         It lasts for `term` [s], or longer if it did already.
@@ -94,8 +93,7 @@ class Lease(Generic[T]):
         before = self.holder(now)
         if before is not None and before != holder:
             return False
-        until = now + (self._term if term is None else term)
-        self._until = max(self._until, until) if before == holder else until
+        self._until = max(self._until, now + term) if before == holder else now + term
         self._holder = holder
         return True
 
@@ -301,7 +299,7 @@ class Control:
         holder = self.holder
         if holder is not None and holder is not operator:
             return Refusal(f"{holder.name} has control")
-        self._lease.take(operator, self._clock(), KEPT if keep else None)
+        self._lease.take(operator, self._clock(), KEPT if keep else TERM)
         if keep or holder is None:
             self._keeper = operator if keep else None
         return None

@@ -19,7 +19,7 @@ def test_the_first_gets_control_and_the_second_is_refused() -> None:
 
 
 def test_the_lease_ends_exactly_a_term_after_its_last_renewal() -> None:
-    lease = Lease[str](term=1.0)
+    lease = Lease[str]()
     lease.take("ann", 0.0)
     assert lease.take("ann", 0.5)
     assert lease.holder(1.499) == "ann"
@@ -28,7 +28,7 @@ def test_the_lease_ends_exactly_a_term_after_its_last_renewal() -> None:
 
 
 def test_a_refused_attempt_does_not_prolong_the_lease() -> None:
-    lease = Lease[str](term=1.0)
+    lease = Lease[str]()
     lease.take("ann", 0.0)
     lease.take("bob", 0.9)
     assert lease.holder(1.0) is None

@@ -79,16 +79,16 @@ class Network:
     key: Path | None = None
     credentials: Path | None = None
 
-    def distro_here(self, environment: Mapping[str, str] = os.environ) -> Distro:
+    def distro_here(self) -> Distro:
         """Return the distribution; ConfigError if there is none of that name."""
         if self.distro is not None:
             return distro_of(self.distro)
-        installed = environment.get("ROS_DISTRO", "")
+        installed = os.environ.get("ROS_DISTRO", "")
         return distros().get(installed) or distro_of(DEFAULT)
 
-    def domain_here(self, environment: Mapping[str, str] = os.environ) -> int:
+    def domain_here(self) -> int:
         """Return the domain's number, or that of `ROS_DOMAIN_ID`; ConfigError if it is none."""
-        text = environment.get("ROS_DOMAIN_ID", "") or "0"
+        text = os.environ.get("ROS_DOMAIN_ID", "") or "0"
         try:
             number = int(text) if self.domain is None else self.domain
         except ValueError:
