@@ -49,7 +49,6 @@ PARTS: Mapping[str, Part] = {
         "a robot that drives past all that has changed",
         {
             "test_the_page_shows_what_has_changed_and_asks_before_the_map_is_replaced": "the joint",
-            "test_a_robot_that_lost_its_link_leaves_the_old_map": "files",
             "test_only_who_has_control_decides": "who may",
         },
     ),

@@ -1,10 +1,15 @@
-"""The shape of the package: no circles of imports, no deep folders, tasks that somebody awaits."""
+"""The shape and the words of the package: imports, folders, tasks, docstrings, constants.
+
+They are in one file because parsing all modules takes long.
+"""
 
 import ast
 import re
+from collections import defaultdict
 from collections.abc import Iterator
 from functools import cache
 from graphlib import CycleError, TopologicalSorter
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -22,14 +27,26 @@ UNTYPED = ("sim.worldfile", "tables", "gym")
 
 
 @cache
-def tree_of(module: str) -> ast.Module:
-    """Return the syntax tree of a module."""
-    return ast.parse(MODULES[module].read_text())
+def nodes_of(path: Path) -> tuple[ast.AST, ...]:
+    """Return all nodes of the syntax tree of a file."""
+    return (*ast.walk(ast.parse(path.read_text())),)
+
+
+def nodes(module: str) -> tuple[ast.AST, ...]:
+    """Return all nodes of the syntax tree of a module."""
+    return nodes_of(MODULES[module])
+
+
+def tree_of(path: Path) -> ast.Module:
+    """Return the syntax tree of a file."""
+    tree = nodes_of(path)[0]
+    assert isinstance(tree, ast.Module)
+    return tree
 
 
 def imports(module: str) -> Iterator[str]:
     """Yield the modules of ours that `module` imports anywhere, for type checking too."""
-    for node in ast.walk(tree_of(module)):
+    for node in nodes(module):
         if isinstance(node, ast.Import):
             yield from (name.name for name in node.names if name.name in MODULES)
         elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
@@ -79,8 +96,9 @@ def test_all_text_for_terminals_and_logs_is_made_printable() -> None:
     assert [
         f"{name}:{node.lineno}: {call}"
         for name in MODULES
-        for node in ast.walk(tree_of(name))
+        for node in nodes(name)
         if isinstance(node, ast.Call)
+        and isinstance(node.func, ast.Name | ast.Attribute)
         and (call := ast.unparse(node.func)) in OUTPUT
         and name not in OUTPUT[call]
     ] == []
@@ -91,7 +109,7 @@ def test_every_task_belongs_to_somebody() -> None:
     bare = [
         f"{name}:{node.lineno}"
         for name in MODULES
-        for node in ast.walk(tree_of(name))
+        for node in nodes(name)
         if isinstance(node, ast.Expr)
         and isinstance(node.value, ast.Call)
         and isinstance(node.value.func, ast.Attribute)
@@ -125,7 +143,7 @@ def constants(module: str) -> dict[str, str]:
     """Return the texts that a module gives names."""
     return {
         target.id: node.value.value
-        for node in tree_of(module).body
+        for node in tree_of(MODULES[module]).body
         if isinstance(node, ast.Assign | ast.AnnAssign) and isinstance(node.value, ast.Constant)
         for target in (node.targets if isinstance(node, ast.Assign) else [node.target])
         if isinstance(target, ast.Name) and isinstance(node.value.value, str)
@@ -135,7 +153,7 @@ def constants(module: str) -> dict[str, str]:
 def named_texts(module: str) -> dict[str, str]:
     """Return the texts that have names in a module, its own and those that it imports."""
     found = {**constants(module)}
-    for node in ast.walk(tree_of(module)):
+    for node in nodes(module):
         if isinstance(node, ast.ImportFrom) and node.module in MODULES:
             theirs = constants(node.module)
             found |= {each.name: theirs[each.name] for each in node.names if each.name in theirs}
@@ -157,13 +175,13 @@ def test_no_code_looks_into_our_own_sentences() -> None:
     ours = "\n".join(
         node.value
         for module in MODULES
-        for node in ast.walk(tree_of(module))
+        for node in nodes(module)
         if isinstance(node, ast.Constant) and isinstance(node.value, str)
     )
     found = []
     for module in MODULES:
         named = named_texts(module)
-        for text in (text for node in ast.walk(tree_of(module)) for text in searched_texts(node)):
+        for text in (text for node in nodes(module) for text in searched_texts(node)):
             if isinstance(text, ast.Constant) and isinstance(text.value, str):
                 words = text.value
             else:
@@ -201,7 +219,7 @@ def listed(package: str) -> list[str]:
 
 
 def door(package: str) -> str:
-    return ast.get_docstring(tree_of(package)) or ""
+    return ast.get_docstring(tree_of(MODULES[package])) or ""
 
 
 def test_a_door_lists_nothing_else() -> None:
@@ -212,3 +230,102 @@ def test_a_door_lists_nothing_else() -> None:
         for name in listed(package)
         if f"{package}.{name}" not in MODULES
     ] == []
+
+
+NO_BEGINNING = ("Of ", "Who ", "What ", "The same ", "It ")
+"""A docstring begins with its verb, or with the noun that the thing is."""
+ONE_VALUE = ("behaviors", "nav", "navigation")
+"""Packages in which the name of a constant stands for one value; within each of their folders."""
+
+
+def files() -> Iterator[tuple[Path, ast.Module]]:
+    """Yield all modules, and programs of students, with their syntax trees."""
+    for path in (SOURCE / "pioneer3").rglob("*.py"):
+        yield path.relative_to(SOURCE / "pioneer3"), tree_of(path)
+
+
+def docstrings(path: Path) -> Iterator[tuple[int, str]]:
+    """Yield line and text of the docstrings of modules, classes, functions and constants."""
+    for node in nodes_of(path):
+        body = getattr(node, "body", None)
+        if not isinstance(body, list):
+            continue
+        for place, statement in enumerate(body):
+            if (
+                isinstance(statement, ast.Expr)
+                and isinstance(statement.value, ast.Constant)
+                and isinstance(statement.value.value, str)
+                and (not place or isinstance(body[place - 1], ast.Assign | ast.AnnAssign))
+            ):
+                yield statement.lineno, statement.value.value
+
+
+def test_docstrings_begin_with_a_verb_or_the_noun_that_a_thing_is() -> None:
+    assert [
+        f"{path}:{line}: {text.splitlines()[0]}"
+        for path, _ in files()
+        for line, text in docstrings(SOURCE / "pioneer3" / path)
+        if text.startswith(NO_BEGINNING)
+    ] == []
+
+
+def assigned(tree: ast.Module) -> Iterator[tuple[ast.Assign | ast.AnnAssign, ast.expr]]:
+    """Yield the assignments of a module to constants, and their targets."""
+    for statement in tree.body:
+        if isinstance(statement, ast.Assign | ast.AnnAssign):
+            target = (
+                statement.target if isinstance(statement, ast.AnnAssign) else statement.targets[0]
+            )
+            if all(n.id.isupper() for n in ast.walk(target) if isinstance(n, ast.Name)):
+                yield statement, target
+
+
+def test_each_constant_has_a_docstring_of_its_own() -> None:
+    """One for several is no sentence about any: "A robot waits so long [s], and so far [m]."."""
+    docs = {
+        (path, line.lineno)
+        for path, tree in files()
+        for line, text in pairwise(tree.body)
+        if isinstance(text, ast.Expr) and isinstance(text.value, ast.Constant)
+    }
+    assert [
+        f"{path}:{statement.lineno}: {ast.unparse(target)}"
+        for path, tree in files()
+        for statement, target in assigned(tree)
+        if isinstance(target, ast.Tuple) and (path, statement.lineno) in docs
+    ] == []
+
+
+def test_the_name_of_a_constant_has_one_value_in_a_package() -> None:
+    values = defaultdict[tuple[Path, str], set[str]](set)
+    for path, tree in files():
+        if path.parts[0] in ONE_VALUE:
+            for statement, target in assigned(tree):
+                assert statement.value is not None
+                values[path.parent, ast.unparse(target)].add(ast.unparse(statement.value))
+    assert {name: found for name, found in values.items() if len(found) > 1} == {}
+
+
+SHARED_NAMES = {
+    "Gripper": "ARCOS's name of a command, and the robot's device",
+    "Gyro": "ARCOS's name of a command, and the robot's device",
+    "Sonar": "ARCOS's name of a command, and the ranges of a snapshot",
+    "Move": "ARCOS's name of a command, and ARIA's of an action",
+    "Stop": "ARCOS's name of a command, ARIA's of an action, and the stop that all count",
+    "Turn": "ARIA's name of an action, and the mode that people know by it",
+    "Goto": "ARIA's name of an action, and the mode that people know by it",
+    "FollowLeader": "the action, and the mode that people know by it",
+    "Bumpers": "ARIA's name of an action, and the contacts of a snapshot",
+}
+"""Names of classes that stand for two, with the reason."""
+
+
+def test_the_name_of_a_public_class_stands_for_one_class() -> None:
+    homes = defaultdict(list)
+    for path, tree in files():
+        for node in tree.body:
+            if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
+                homes[node.name].append(str(path))
+    shared = {name: where for name, where in homes.items() if len(where) > 1}
+    assert {name: shared[name] for name in shared.keys() - SHARED_NAMES.keys()} == {}
+    assert SHARED_NAMES.keys() - shared.keys() == set(), "no exception is needed for these"

@@ -10,7 +10,7 @@ from pioneer3.robot.config_backup import user_backups
 from pioneer3.sim.body import Body
 from pioneer3.sim.firmware.steering import steer
 from pioneer3.sim.server.start import simulator
-from tests.e2e.test_diagnosis_commands import pioneer3
+from tests.e2e.processes import pioneer3
 
 pytestmark = pytest.mark.realtime
 

@@ -1,6 +1,7 @@
 """The demo's screen at 80 x 24 and larger, driven by textual's Pilot, in real time."""
 
 import asyncio
+import re
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
@@ -21,6 +22,8 @@ EVERYTHING = Equipment(gripper=True, compass=True, gyro_type=1, camera="vcc4", c
 LETTERS = "tuwlbspcdofimag"
 KEYS = ("up", "down", "left", "right", "space", "pageup", "pagedown", "enter", "backspace", "tab")
 """Keys with names; the others are pressed in `test_demo_modes.py`."""
+RATE = re.compile(r"connected +[1-9]\d*/s")
+"""Reports that come: ten a second, or fewer on a busy machine."""
 
 
 @dataclass
@@ -51,7 +54,7 @@ class Screen:
     async def until(self, holds: Callable[[], object]) -> None:
         async with asyncio.timeout(30):
             while not holds():  # noqa: ASYNC110  nobody tells when
-                await asyncio.sleep(0.02)
+                await asyncio.sleep(0.1)
 
 
 @asynccontextmanager
@@ -79,7 +82,7 @@ async def screen(
 @pytest.mark.parametrize(("columns", "rows"), [(80, 24), (160, 50), (100, 30)])
 async def test_what_matters_is_on_the_screen_at_any_size(columns: int, rows: int) -> None:
     async with screen(columns, rows) as the:
-        await the.sees("10/s")
+        await the.until(lambda: RATE.search(the.text))
         assert len(the.lines) == rows
         first, last = the.lines[0], the.lines[-1]
         assert first.startswith(" SIMULATOR  MobileSim, Pioneer 3-AT  memory:host connected")
@@ -144,9 +147,9 @@ async def test_a_lost_robot_is_shown_and_its_return_too() -> None:
         await the.sim.unplug()
         await the.sees("NO READINGS")
         await the.sees("LOST")
-        await the.press(*LETTERS, "up", "w")
+        await the.press("s", "up", "w")
         the.sim.plugged = True
-        await the.sees("connected 10/s")
+        await the.until(lambda: RATE.search(the.text))
         assert the.sim.speed == 0
         await the.press("s", "w")
         await the.until(lambda: the.sim.speed > 0.1)

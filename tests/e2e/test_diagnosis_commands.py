@@ -1,8 +1,6 @@
 """`pioneer3 info`, `monitor` and `doctor` as people and programs run them."""
 
-import asyncio
 import json
-import sys
 from math import isclose
 
 import pytest
@@ -11,26 +9,12 @@ from pioneer3.arcos.device import Device
 from pioneer3.sim.firmware import controller
 from pioneer3.sim.server.start import simulator
 from pioneer3.state import Identity
+from tests.e2e.processes import pioneer3
 from tests.support import is_at
 
 pytestmark = pytest.mark.realtime
 
 FORGED = "x\x1b[2J\x9b1mready\r"
-
-
-async def pioneer3(*arguments: str) -> tuple[int, str, str]:
-    """Run the command; return its exit code, stdout and stderr."""
-    process = await asyncio.create_subprocess_exec(
-        sys.executable,
-        "-m",
-        "pioneer3",
-        *arguments,
-        stdout=asyncio.subprocess.PIPE,
-        stderr=asyncio.subprocess.PIPE,
-    )
-    out, err = await process.communicate()
-    assert process.returncode is not None
-    return process.returncode, out.decode(), err.decode()
 
 
 async def test_info_prints_json_and_nothing_else() -> None:

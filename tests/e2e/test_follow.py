@@ -11,6 +11,7 @@ from pioneer3.navigation.connect import connect_async
 from pioneer3.sim.kernels.drives import TOUCHED
 from pioneer3.sim.realism import Realism
 from pioneer3.sim.worldfile import Person
+from tests.combinations import pairwise
 from tests.e2e.follow_course import make_course
 from tests.e2e.follow_obstructions import among_chairs
 from tests.e2e.follow_walk import Outcome, Walk, gap_to, within
@@ -92,9 +93,10 @@ def test_the_same_seed_gives_the_same_walk() -> None:
     assert one.gaps == other.gaps
 
 
-@pytest.mark.parametrize("latency", [0.0, 0.1, 0.2, 0.3])
-@pytest.mark.parametrize("rule", RULES.names)
-@pytest.mark.parametrize("model", ["p3at-sh", "p3dx-sh"])
+@pytest.mark.parametrize(
+    ("model", "rule", "latency"),
+    pairwise(["p3at-sh", "p3dx-sh"], RULES.names, [0.0, 0.1, 0.2, 0.3]),
+)
 async def test_nobody_is_touched_however_slow_the_link(
     model: str, rule: Rule, latency: float
 ) -> None:

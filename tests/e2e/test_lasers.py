@@ -85,8 +85,14 @@ async def test_a_laser_scans_soon_and_at_its_own_rate(name: str, *, serial: bool
         assert driver.status.latest.connection is Connection.CLOSED
 
 
-@pytest.mark.parametrize("how", HOWS)
-@pytest.mark.parametrize(("name", "serial"), UNITS)
+@pytest.mark.parametrize(
+    ("name", "serial", "how"),
+    [
+        pytest.param(*unit, how, marks=() if first % len(HOWS) == second else pytest.mark.thorough)
+        for first, unit in enumerate(UNITS)
+        for second, how in enumerate(HOWS)
+    ],
+)
 async def test_a_laser_that_is_back_scans_again(name: str, how: str, *, serial: bool) -> None:
     async with (
         SimulatedRobot(wall_at(3.0)) as robot,

@@ -34,7 +34,7 @@ from tests.e2e.test_map_build import BEGIN as MAP_BEGIN
 from tests.e2e.test_map_build import in_the_rooms
 from tests.support import SimulatedRobot, is_at
 from tests.unit.web.browser import Browser, simulated
-from tests.unit.web.test_navigation import BEGIN, ROOMS, at_once
+from tests.unit.web.test_navigation import BEGIN, ROOMS, arrived, at_once
 
 pytest.importorskip("numba")
 pytest.importorskip("scipy")
@@ -86,7 +86,8 @@ async def test_a_drive_on_the_page_is_in_the_log_with_all_that_belongs_to_it(
     async with recorded_page(path, "") as (page, here), Browser(make_app(page)) as ann:
         await asyncio.sleep(1.0)
         ann.say("goto", x=2.5, y=0.0, name="Kitchen", speed=0.6)
-        await ann.stay(30.0)
+        await ann.stay(1.0)
+        await arrived(ann, 30.0)
         there = here.robots[0].body.robot_in_world
         assert hypot(there.x - 2.5, there.y) < 0.05
         async with Browser(make_app(page)) as bob:
@@ -136,7 +137,8 @@ async def test_of_several_robots_each_has_its_own_topics(tmp_path: Path) -> None
     async with recorded_page(path, "amy", "bob") as (page, here), Browser(make_app(page)) as ann:
         await asyncio.sleep(1.0)
         ann.say("goto", robot=2, x=-1.0, y=0.0)
-        await ann.stay(20.0)
+        await ann.stay(1.0)
+        await arrived(ann, 20.0)
         there = [robot.body.robot_in_world for robot in here.robots]
     found = decoded(path)
     for name, place in zip(("amy", "bob"), there, strict=True):

@@ -35,9 +35,10 @@ from pioneer3.robot.devices.laser import Laser
 from pioneer3.runtime.robot import Robot
 from pioneer3.sim.raycast import ranges_reference
 from pioneer3.sim.realism import Realism
+from pioneer3.sim.server.start import simulator
 from pioneer3.sim.worldfile import load_map
 from pioneer3.tasks import FastTimeLoop, running
-from tests.e2e.processes import free_port, p3
+from tests.e2e.processes import p3
 from tests.e2e.processes import running as started
 from tests.support import SimulatedRobot, is_at
 from tests.unit.nav.halls import HALL
@@ -433,11 +434,9 @@ def test_without_the_extra_nav_a_sentence_names_it() -> None:
 @pytest.mark.realtime
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 async def test_a_map_is_saved_whatever_ends_it(tmp_path: Path, number: signal.Signals) -> None:
-    port, path = free_port(), tmp_path / "lab.map"
-    async with started("sim", "--map", "office", "--port", str(port)) as simulator:
-        assert "SIMULATOR" in await simulator.line()
-        url = f"localhost:{port}"
-        asked = ("map", "build", "--explore", "-o", str(path), "--port", url)
+    path = tmp_path / "lab.map"
+    async with simulator(port=0) as simulated:
+        asked = ("map", "build", "--explore", "-o", str(path), "--port", simulated.url)
         async with started(*asked) as building:
             while "loops" not in await building.line():
                 pass

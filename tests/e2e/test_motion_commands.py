@@ -10,8 +10,7 @@ from pioneer3.geometry import Pose2
 from pioneer3.models.own import own_path
 from pioneer3.navigation.connect import connect_async
 from pioneer3.sim.server.start import simulator
-from tests.e2e.processes import KILLED, running, until
-from tests.e2e.test_diagnosis_commands import pioneer3
+from tests.e2e.processes import KILLED, pioneer3, running, until
 
 pytestmark = pytest.mark.realtime
 
@@ -29,7 +28,7 @@ async def test_a_motion_ends_where_it_was_to(command: tuple[str, ...], end: Pose
         begin = simulated.body.robot_in_world
         code, out, err = await pioneer3(*command, "--port", simulated.url)
         there = begin.inverse() @ simulated.body.robot_in_world
-        assert not simulated.body.drive.powered
+        await until(lambda: not simulated.body.drive.powered)
     assert (code, err) == (0, "")
     assert out.startswith("SIMULATOR: ")
     assert out.splitlines()[-1].startswith("done: x")
@@ -80,7 +79,7 @@ async def test_numbers_may_carry_units_and_the_port_needs_no_scheme() -> None:
 async def test_a_motion_that_takes_too_long_ends_and_says_so() -> None:
     async with simulator(port=0) as simulated:
         code, _, err = await pioneer3("turn", "720", "--seconds", "1", "-p", simulated.url)
-        assert not simulated.body.drive.powered
+        await until(lambda: not simulated.body.drive.powered)
     assert (code, err) == (1, "pioneer3: not there after 1 s: stopped\n")
 
 
@@ -116,8 +115,8 @@ async def test_a_signal_ends_a_calibration_and_leaves_the_file_whole(
     [
         (signal.SIGINT, 130),
         (signal.SIGTERM, 143),
-        (signal.SIGHUP, 129),
-        (signal.SIGQUIT, KILLED - signal.SIGQUIT),
+        pytest.param(signal.SIGHUP, 129, marks=pytest.mark.thorough),
+        pytest.param(signal.SIGQUIT, KILLED - signal.SIGQUIT, marks=pytest.mark.thorough),
     ],
 )
 async def test_a_signal_stops_a_robot_that_wanders(number: signal.Signals, code: int) -> None:

@@ -356,7 +356,7 @@ async def test_no_mode_touches_a_wall_of_the_map(twist: Twist2) -> None:
         assert await navigator.find()
         watch = sim.stepped = Watch(sim)
         robot.arbiter.start(Stack.alone(Reckless(twist), MODE))
-        await asyncio.sleep(30.0)
+        await asyncio.sleep(20.0)
         assert robot.arbiter.mode is not None
         assert watch.log.impacts == []
         assert sim.body.speeds[0] == pytest.approx(0.0, abs=SLOW) or twist.w

@@ -16,6 +16,7 @@ from pioneer3.sim.accessories import Equipment
 from pioneer3.sim.body import Body
 from pioneer3.sim.firmware import Firmware
 from pioneer3.sim.world import World
+from tests import combinations
 from tests.e2e.plain_client import SYNCS
 from tests.support import frame
 
@@ -61,9 +62,10 @@ class Bench:
 MODELS = ["p3at-sh", "p3at", "p3dx", "amigo-sh"]
 
 
-@pytest.mark.parametrize("model", MODELS)
-@pytest.mark.parametrize("heading", [0.0, 90.0, -120.0])
-@pytest.mark.parametrize("distance_mm", [300, 500, 1000, -300, -500, -1000])
+@pytest.mark.parametrize(
+    ("model", "heading", "distance_mm"),
+    combinations.pairwise(MODELS, [0.0, 90.0, -120.0], [300, 500, 1000, -300, -500, -1000]),
+)
 def test_a_move_ends_at_its_distance(model: str, heading: float, distance_mm: int) -> None:
     # 9.3: backwards it grows faster and faster there; across the x axis it measures nothing
     bench = Bench(model)

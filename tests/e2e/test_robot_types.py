@@ -9,7 +9,7 @@ import pytest
 from pioneer3 import connect_async
 from pioneer3.models import model_names
 from pioneer3.models.aria import aria_text
-from tests.support import SimulatedRobot, wall_at
+from tests.support import DISTINCT, SimulatedRobot, wall_at
 
 WALL = 3.0
 """Distance of a wall in front of the robot, before it drives [m]."""
@@ -34,7 +34,13 @@ async def drive(robot: SimulatedRobot, model: str | None) -> None:
         assert driver.snapshot.odometry.robot_in_odom.theta == pytest.approx(pi / 2, abs=0.03)
 
 
-@pytest.mark.parametrize("name", model_names())
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=() if name in DISTINCT else pytest.mark.thorough)
+        for name in model_names()
+    ],
+)
 async def test_a_metre_is_a_metre_and_sonar_hears_the_wall_where_it_is(name: str) -> None:
     await drive(SimulatedRobot(wall_at(WALL), model=name), None)
 

@@ -92,7 +92,7 @@ async def test_a_sound_robot_does_what_its_twin_does(model: str, latency: float)
     async with shadowed(simulated) as (robot, shadow):
         if latency:
             shadow.odom_in_map = lambda: None  # the truth of now is not that of the report
-        for _ in range(60):
+        for _ in range(30):
             speed, turn_rate = random.choice(SPEEDS), random.choice(TURN_RATES)
             assert await drive(robot, speed, turn_rate, random.uniform(0.5, 4.0)) == []
 
@@ -171,10 +171,9 @@ async def test_wheels_that_stall_in_the_open_are_held() -> None:
     [
         ("p3dx-sh", 3, holds, Cause.HELD),
         ("p3dx-sh", 3, drags(1.0, 0), Cause.LEFT_DRAGS),
-        ("p3dx-sh", 3, drags(1.0, 1), Cause.RIGHT_DRAGS),
-        ("p3dx-sh", 4, holds, Cause.HELD),
+        pytest.param("p3dx-sh", 3, drags(1.0, 1), Cause.RIGHT_DRAGS, marks=pytest.mark.thorough),
         ("p3dx-sh", 7, slips, Cause.SLIPS),
-        ("p3at-sh", 4, holds, Cause.HELD),
+        pytest.param("p3at-sh", 4, holds, Cause.HELD, marks=pytest.mark.thorough),
         ("p3at-sh", 1, drags(1.25, 1), Cause.RIGHT_DRAGS),
     ],
 )

@@ -11,7 +11,7 @@ import pytest
 
 from pioneer3 import Robot, connect_async
 from pioneer3.robot.devices import Acts
-from tests.e2e.processes import Command, environment, p3, running, until, words_of
+from tests.e2e.processes import Command, environment, pioneer3, running, until, words_of
 
 pytestmark = pytest.mark.realtime
 
@@ -147,7 +147,12 @@ async def test_it_needs_no_display_and_no_terminal() -> None:
 
 
 @pytest.mark.parametrize(
-    ("number", "code"), [(signal.SIGTERM, 143), (signal.SIGINT, 130), (signal.SIGHUP, 129)]
+    ("number", "code"),
+    [
+        (signal.SIGTERM, 143),
+        (signal.SIGINT, 130),
+        pytest.param(signal.SIGHUP, 129, marks=pytest.mark.thorough),
+    ],
 )
 async def test_a_signal_ends_it_while_robots_drive(number: signal.Signals, code: int) -> None:
     async with running("sim", "-p", "0", "-m", "lab", "--pty") as sim:
@@ -200,23 +205,23 @@ async def test_a_start_in_a_wall_is_pointed_out() -> None:
         ("--fault drop=2", ["drop", "from 0 to 1"]),
     ],
 )
-def test_a_mistake_is_told_in_one_line(line: str, clues: list[str]) -> None:
-    ended = p3("sim", "-p", "0", *line.split())
-    assert (ended.returncode, ended.stdout) == (2, "")
-    (told,) = ended.stderr.splitlines()
+async def test_a_mistake_is_told_in_one_line(line: str, clues: list[str]) -> None:
+    code, out, err = await pioneer3("sim", "-p", "0", *line.split())
+    assert (code, out) == (2, "")
+    (told,) = err.splitlines()
     for clue in clues:
         assert clue in told
 
 
-def test_a_crowd_without_room_is_refused(tmp_path: Path) -> None:
+async def test_a_crowd_without_room_is_refused(tmp_path: Path) -> None:
     world = tmp_path / "cell.toml"
     world.write_text(
         "[world]\n[[wall]]\npoints = [[0, 0], [2, 0], [2, 2], [0, 2]]\nclosed = true\n"
         + "[[robot]]\nstart = 'random'\n" * 5
     )
-    ended = p3("sim", "-p", "0", "-m", str(world))
-    assert ended.returncode == 2
-    assert "no room left for a p3at-sh" in ended.stderr
+    code, _, err = await pioneer3("sim", "-p", "0", "-m", str(world))
+    assert code == 2
+    assert "no room left for a p3at-sh" in err
 
 
 async def test_a_colour_tracker_for_each_robot_is_told_and_answers() -> None:

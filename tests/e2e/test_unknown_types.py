@@ -28,7 +28,7 @@ from pioneer3.tasks import running
 from pioneer3.web.app import make_app
 from pioneer3.web.page import Page
 from pioneer3.web.scene import RobotScene
-from tests.e2e.test_diagnosis_commands import pioneer3
+from tests.e2e.processes import pioneer3
 from tests.fleets import ESCAPE, UP, driven, simulated
 from tests.support import SimulatedRobot
 from tests.unit.ros.fakes import FakeMiddleware

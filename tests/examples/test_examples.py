@@ -96,5 +96,5 @@ def test_the_code_about_notebooks_runs_but_for_its_views() -> None:
 
 
 def test_the_code_about_the_python_api_runs(url: str) -> None:
-    for block in blocks_of("docs/reference/python-api.md", url):
-        run(block)
+    blocks = blocks_of("docs/reference/python-api.md", url)
+    run("\n".join(f"exec({block!r}, {{}})" for block in blocks))

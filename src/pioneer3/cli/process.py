@@ -3,6 +3,7 @@
 import logging
 import signal
 import sys
+import threading
 from collections.abc import Callable, Coroutine, Iterator
 from contextlib import closing, contextmanager
 from functools import wraps
@@ -31,7 +32,8 @@ def run_until_told_to_leave(
 ) -> int:
     """Run `command`; return its exit code, or 128 + the signal that ended it.
 
-    A hang-up that is ignored, as under nohup, stays ignored.
+    A hang-up that is ignored, as under nohup, stays ignored. Signals belong to the main thread: a
+    command in another one ends by itself.
     """
     with closing(command):  # Ctrl-C may come before it begins
         return _run(command, loop_factory)
@@ -64,7 +66,8 @@ def _run(
             received.append(number)
             loop.call_soon_threadsafe(task.cancel)
 
-        for number in LEAVE:
+        in_main_thread = threading.current_thread() is threading.main_thread()
+        for number in LEAVE if in_main_thread else ():
             if number.name != "SIGHUP" or signal.getsignal(number) is not signal.SIG_IGN:
                 before[number] = signal.signal(number, leave) or signal.SIG_DFL
         try:

@@ -76,6 +76,7 @@ async def calibrating(monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Calibrat
             yield Calibrating(sim, ann)
 
 
+@pytest.mark.thorough
 async def test_the_steps_are_driven_measured_and_written(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:

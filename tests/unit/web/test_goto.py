@@ -68,8 +68,7 @@ async def test_a_way_that_is_blocked_is_given_up_with_the_reason() -> None:
         ann.say("goto", x=-6.0, y=0.0)
         await ann.stay(10.0)
         assert newest(ann)["mode"] == "goto"  # somebody may step aside
-        await ann.stay(30.0)
-        assert newest(ann)["mode"] is None
+        await ann.stay_until(lambda: newest(ann)["mode"] is None, 30.0)
         assert newest(ann)["ended"]["why"].startswith("something is in the way: ")
         assert not newest(ann)["ended"]["done"]
         assert not the.simulation.body.speeds[0]

@@ -24,7 +24,7 @@ from pioneer3.web.page import Page
 from pioneer3.web.scene import RemoteWorld, RobotScene
 from tests.support import SimulatedRobot
 from tests.unit.web.browser import Browser, Playground, playground
-from tests.unit.web.test_navigation import at_once
+from tests.unit.web.test_navigation import arrived, at_once
 
 SIDES = [[-4, -3, 4, -3], [4, -3, 4, 3], [4, 3, -4, 3], [-4, 3, -4, -3], [1, 1, 1, 2]]
 LAB = MapObject(kind="Goal", name="Lab", pose=Pose2(2.0, 2.0))
@@ -191,7 +191,8 @@ async def test_a_real_robot_stays_found_on_the_saved_map(
             assert remote.map is not None
             assert remote.map.objects[-1].name == "Kitchen"
             ann.say("goto", x=2.0, y=-1.0, speed=0.6)
-            await ann.stay(20.0)
+            await ann.stay(1.0)
+            await arrived(ann, 20.0)
             there = sim.body.robot_in_world
             assert (there.x, there.y) == pytest.approx((2.0, -1.0), abs=0.15)
 

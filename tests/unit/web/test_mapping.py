@@ -49,7 +49,7 @@ async def test_a_map_grows_on_the_page_and_is_saved(tmp_path: Path) -> None:
         ann.say("make_map", step="explore", speed=0.6)
         await ann.stay(4.0)
         assert ann.latest("mapping")["exploring"]
-        await ann.stay(40.0)
+        await ann.stay_until(lambda: not ann.latest("mapping")["exploring"], 40.0)
         done = ann.latest("mapping")
         assert not done["exploring"]
         assert done["area"] == pytest.approx(46.0, rel=0.05)

@@ -239,7 +239,7 @@ async def test_a_real_robot_began_at_home_and_is_drawn_where_it_finds_itself(
 
 async def test_a_patrol_goes_on_until_it_is_ended() -> None:
     async with rooms() as (the, ann):
-        places = [{"x": -2.5, "y": 1.5}, {"x": -1.5, "y": -1.5, "heading": 0.0}]
+        places = [{"x": -1.7, "y": -1.0}, {"x": -2.5, "y": -1.0, "heading": 0.0}]
         ann.say("patrol", places=places, speed=0.7)
         near: list[list[bool]] = [[], []]
 

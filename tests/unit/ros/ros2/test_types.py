@@ -48,7 +48,7 @@ def test_each_definition_is_that_of_the_oldest_distribution_or_of_the_newest(dis
 
 @each_distro
 @each_type
-@settings(max_examples=6, suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(12), suppress_health_check=list(HealthCheck))
 @given(data=st.data())
 def test_messages_are_the_bytes_of_rosbags(
     distro: str, type_name: str, data: st.DataObject
@@ -139,7 +139,7 @@ def test_any_bytes_are_a_message_or_a_value_error(
 
 @each_distro
 @each_type
-@settings(max_examples=10, suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(20), suppress_health_check=list(HealthCheck))
 @given(data=st.data())
 def test_broken_messages_are_value_errors_or_messages(
     distro: str, type_name: str, data: st.DataObject

@@ -29,9 +29,9 @@ def test_a_straight_line_is_straight(model: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("model", "away", "turned"), [("p3at-sh", 0.15, 3.0), ("p3dx-sh", 0.01, 0.5)]
+    ("model", "away", "turned", "turn"),
+    [("p3at-sh", 0.15, 3.0, 1), ("p3dx-sh", 0.01, 0.5, -1)],
 )
-@pytest.mark.parametrize("turn", [1, -1])
 def test_a_square_ends_as_its_track_says(model: str, away: float, turned: float, turn: int) -> None:
     measured = square(model, "mujoco", turn)
     assert measured[0] < away
