@@ -60,6 +60,7 @@ def rosie() -> Path:
 async def recorded(path: Path, seed: int) -> AsyncIterator[tuple[SimulatedRobot, Robot]]:
     """Drive a robot with hidden errors, whose host knows nothing of them."""
     sim = SimulatedRobot(OFFICE, home=HOME or Pose2(), seed=seed, realism=NOISY, model=str(rosie()))
+    sim.latency = 0.03
     async with sim, connect_async(sim.open, record=path) as robot:
         yield sim, robot
 
@@ -88,6 +89,7 @@ async def test_a_log_with_a_map_tells_the_errors_and_its_twin_ends_where_the_rob
     ):
         assert abs(found - true) < 3 * unsure < 0.02
     assert 0.4 < twin.noise < 2.5
+    assert twin.delay == pytest.approx(2 * 0.03, abs=0.02)
     assert likeness(drive, twin).agrees
     right = replace(twin, model=drive.model, covariance=twin.covariance * 1e-6)
     assert not likeness(drive, right).agrees, "a robot without errors would end elsewhere"
@@ -101,9 +103,11 @@ async def test_a_log_with_a_map_tells_the_errors_and_its_twin_ends_where_the_rob
     with robot_like(log, Realism(), against) as like:
         assert load_model(like.robot.model).odometry == twin.model.odometry
         assert like.realism.odometry.turn_noise == pytest.approx(0.01 * twin.noise)
+        assert like.delay == twin.delay
         assert like.realism.sonar.noise == pytest.approx(NOISY.sonar.noise, rel=0.3)
         assert like.realism.laser_noise == pytest.approx(NOISY.laser_noise, rel=0.2)
     told = capsys.readouterr().out
+    assert f"{1000 * (twin.delay or 0):.0f} ms" in told
     assert f"from {twin.pieces} pieces" in told
     assert AGREES in told
 

@@ -63,6 +63,15 @@ STEP: Final = 1e-4
 """Step of the ratios that slopes are measured by."""
 FEWEST_RANGES: Final = 40
 """Fewer ranges do not tell their noise."""
+MOST_DELAY: Final = 0.5
+"""Delays are sought up to this one [s]."""
+DELAY_STEP: Final = 0.01
+"""Steps in which they are tried [s]."""
+FARTHEST: Final = 0.05
+"""Most that a side of a robot counts that came farther in one report, or less far [m]: it was held,
+or its odometry was reset."""
+CLEAR: Final = 0.7
+"""A delay is clear by which wheels are off by less than this share of the worst one's error."""
 NORMAL: Final = 1.4826
 """Standard deviation over the median of the absolute values, of normal noise."""
 COMMON: Final = 8.35
@@ -110,6 +119,7 @@ class FittedTwin:
         pieces: Number of pieces of the drive that this is from.
         sonar_noise: Standard deviation of a range as a share of it; `None` where that is not told.
         laser_noise: The same of the laser [m].
+        delay: Time from a command to the report of its effect [s]; `None` where that is not told.
     """
 
     model: RobotModel
@@ -118,6 +128,7 @@ class FittedTwin:
     pieces: int
     sonar_noise: float | None = None
     laser_noise: float | None = None
+    delay: float | None = None
 
     @property
     def unsure(self) -> tuple[float, ...]:
@@ -225,6 +236,7 @@ def twin_of(drive: RecordedDrive) -> FittedTwin:
     sonar_noise, laser_noise = _range_noise(drive.log)
     return FittedTwin(
         model=measured,
+        delay=_delay(drive),
         covariance=covariance,
         noise=noise,
         pieces=len(pieces),
@@ -247,7 +259,9 @@ def likeness(drive: RecordedDrive, twin: FittedTwin, seed: int = 0) -> Likeness:
     first, last = standing[0], standing[-1]
     assert first.truth is not None
     assert last.truth is not None
-    ways, turns = _driven(drive, first.time, last.time)
+    _, travel = _driven(drive, first.time, last.time)
+    left, right = np.diff(travel, axis=0).T
+    ways, turns = (left + right) / 2, (right - left) / drive.model.wheel_base
     rng = default_rng(seed)
     drawn = rng.multivariate_normal(astuple(twin.model.odometry), twin.covariance, RUNS)
     matrices = [_matrix(ratios, drive.model.wheel_base) for ratios in drawn]
@@ -263,19 +277,20 @@ def likeness(drive: RecordedDrive, twin: FittedTwin, seed: int = 0) -> Likeness:
     return Likeness(robot=robot, runs=runs)
 
 
-def _driven(drive: RecordedDrive, begin: float, end: float) -> Float:
-    """Return the ways and turns of wheels that are told what the robot was, shape (2, N).
+def _driven(drive: RecordedDrive, begin: float, end: float) -> tuple[Float, Float]:
+    """Return times (N,) and ways since the begin (N, 2) of wheels that are told what these were.
 
     Nothing is in the way, and the ramps are the simulator's.
     """
     twin, now = Twin(drive.model, begin), begin
-    travel = [twin.body.wheel_travel]
+    times, travel = [begin], [twin.body.wheel_travel]
 
     def wait(until: float) -> None:
         nonlocal now
         while now < until:
             now = min(now + FINE, until)
             twin.go_on(now)
+            times.append(now)
             travel.append(twin.body.wheel_travel)
 
     for at, data in _sent(drive.log):
@@ -284,8 +299,29 @@ def _driven(drive: RecordedDrive, begin: float, end: float) -> Float:
         wait(at)  # not before the begin: what came then sets limits, and switches the motors on
         twin.receive(data, at)
     wait(end)
-    left, right = np.diff(np.array(travel), axis=0).T
-    return np.array([(left + right) / 2, (right - left) / twin.body.track])
+    return np.array(times), np.array(travel)
+
+
+def _delay(drive: RecordedDrive) -> float | None:
+    """Return the time from a command to the report of its effect [s].
+
+    It is that by which the reported ways of the wheels lag behind those of a twin; `None` where
+    no time fits better than others, as of a robot that stood.
+    """
+    at = np.array([each.time for each in drive.readings])
+    times, travel = _driven(drive, at[0], at[-1])
+    steps = (
+        arc_to(before.encoder.inverse() @ after.encoder)[0]
+        for before, after in pairwise(drive.readings)
+    )
+    half = drive.model.wheel_base / 2
+    went = np.array([(step.v - step.w * half, step.v + step.w * half) for step in steps])
+    lags = np.arange(0.0, MOST_DELAY, DELAY_STEP)
+    off = []
+    for lag in lags:
+        told = np.stack([np.interp(at - lag, times, side) for side in travel.T], axis=1)
+        off.append(float(abs(went - np.diff(told, axis=0)).clip(max=FARTHEST).sum()))
+    return float(lags[np.argmin(off)]) if min(off) < CLEAR * max(off) else None
 
 
 def _range_noise(log: OpenLog) -> tuple[float | None, float | None]:

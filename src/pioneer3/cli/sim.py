@@ -258,7 +258,7 @@ def sim(
         from pioneer3.fleet.simulated import simulated
 
         robots = simulated(read_fleet(fleet), ports.bind, network=ports.bind not in LOOPBACK)
-    realism = errors.realism()
+    realism, faults = errors.realism(), errors.faults()
     with ExitStack() as stack:
         if against is not None and like is None:
             raise ConfigError(f"--against {against}: give the log that tells the twin with --like")
@@ -269,6 +269,7 @@ def sim(
 
             found = stack.enter_context(robot_like(like, realism, against))
             robots, realism = [found.robot], found.realism
+            faults.delay = faults.delay or found.delay / 2
         simulation = simulator(
             map_name=map_.name(),
             overrides=world.overrides(robots, factory=robot_factory, own_ports=ports.port is None),
@@ -278,7 +279,7 @@ def sim(
             acts=ports.acts,
             realism=realism,
             pace=time.pace(),
-            faults=errors.faults(),
+            faults=faults,
         )
         return run_until_told_to_leave(_simulate(simulation, announce=not ports.no_announce))
 

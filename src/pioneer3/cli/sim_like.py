@@ -22,16 +22,17 @@ AGREES: Final = "it ended where 19 of 20 runs of its twin end"
 """In words, if the twin is like it."""
 DIFFERS: Final = "it did not end where its twin does: it slipped, was pushed, or was held up"
 """In words, if not."""
-UNTOLD: Final = "what the table does not have, such as delays, is as usual"
+UNTOLD: Final = "what the table does not have is as usual"
 """The parts of a twin that are not the robot's."""
 
 
 @dataclass(frozen=True, slots=True)
 class Like:
-    """A robot to simulate, and its errors."""
+    """A robot to simulate, its errors, and the time from a command to its report [s]."""
 
     robot: "RobotSpec"
     realism: "Realism"
+    delay: float = 0.0
 
 
 @contextmanager
@@ -103,7 +104,7 @@ def _of_log(name: str, folder: Path, realism: "Realism", against: str | None) ->
     own = folder / "twin.toml"
     text = f'like = "{drive.model.name}"\n\n{written({"odometry": table_of(twin.model.odometry)})}'
     own.write_text(text, encoding="utf-8")
-    return Like(RobotSpec(model=str(own)), twin.realism(realism))
+    return Like(RobotSpec(model=str(own)), twin.realism(realism), twin.delay or 0.0)
 
 
 def _ratios(twin: "FittedTwin") -> "Table":
@@ -118,6 +119,8 @@ def _ratios(twin: "FittedTwin") -> "Table":
         table.add_row("sonar noise", f"{100 * twin.sonar_noise:.2f} %", "", "of the range")
     if twin.laser_noise is not None:
         table.add_row("laser noise", f"{1000 * twin.laser_noise:.1f} mm")
+    if twin.delay is not None:
+        table.add_row("delay", f"{1000 * twin.delay:.0f} ms", "", "from a command to its report")
     return table
 
 
