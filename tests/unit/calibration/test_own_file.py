@@ -6,11 +6,16 @@ from pathlib import Path
 
 import pytest
 
-from pioneer3.calibration.own_file import OLD, Numbers, with_numbers
+from pioneer3.calibration.own_file import OLD, Numbers, with_numbers, write_numbers
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
-from pioneer3.models import EncoderNumbers, OdometryCorrection
+from pioneer3.models import EncoderNumbers, OdometryCorrection, load_model
 from pioneer3.models.catalog import parse_own
+from pioneer3.models.own import own_folder
+from pioneer3.robot.limits import limits_for
+from pioneer3.robot.supervisor import RobotInfo
+from pioneer3.state import Identity
+from tests.support import disk_of
 
 NUMBERS = Numbers(
     odometry=OdometryCorrection(1.0123456, 0.98, 1.005),
@@ -84,6 +89,36 @@ def test_a_file_without_odometry_gets_it_and_one_without_a_laser_gets_none() -> 
 def test_a_file_in_a_form_of_its_own_is_left_alone(text: str) -> None:
     with pytest.raises(ConfigError, match=r"write into it yourself(.|\n)*base_ratio = 0.98"):
         with_numbers(text, NUMBERS, PATH)
+
+
+ROSIE = RobotInfo(
+    identity=Identity(name="rosie", family="Pioneer", model="p3dx-sh"),
+    model=load_model("p3dx-sh"),
+    limits=limits_for(load_model("p3dx-sh"), None),
+    config=None,
+    url="serial:/dev/ttyUSB0",
+    speed=9600,
+)
+
+
+def test_a_full_disk_leaves_the_file_whole() -> None:
+    own_folder().mkdir(parents=True)
+    path = own_folder() / "rosie.toml"
+    path.write_text(FILE)
+    with disk_of(64), pytest.raises(ConfigError, match=r"cannot be written: File too large"):
+        write_numbers(ROSIE, NUMBERS)
+    assert path.read_text() == FILE
+    assert list(own_folder().iterdir()) == [path]
+    _, before = write_numbers(ROSIE, NUMBERS)
+    assert before is not None
+    assert before.read_text() == FILE
+
+
+def test_a_folder_that_cannot_be_made_is_told() -> None:
+    own_folder().parent.parent.mkdir(parents=True, exist_ok=True)
+    own_folder().parent.write_text("no folder")
+    with pytest.raises(ConfigError, match="cannot be written: Not a directory"):
+        write_numbers(ROSIE, NUMBERS)
 
 
 def test_the_copy_is_no_own_file() -> None:
