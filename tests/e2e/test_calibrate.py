@@ -3,6 +3,7 @@
 import asyncio
 from collections.abc import AsyncIterator, Iterator
 from contextlib import AsyncExitStack, asynccontextmanager
+from dataclasses import replace
 from math import degrees, radians
 from pathlib import Path
 
@@ -21,10 +22,12 @@ from pioneer3.geometry import ORIGIN, Extent, Pose2
 from pioneer3.maps import LineMap
 from pioneer3.models import load_model
 from pioneer3.models.own import own_path, read_own
+from pioneer3.navigation.navigator import Navigator
 from pioneer3.robot.lasers.mounting import Mounting
 from pioneer3.runtime.robot import Robot
 from pioneer3.sim.equipment import Equipment
 from pioneer3.sim.realism import OdometryErrors, Realism
+from pioneer3.tasks import running
 from tests.lasers import LaserUnit
 from tests.support import SimulatedRobot, is_at, until
 from tests.unit.web.test_navigation import at_once
@@ -35,10 +38,15 @@ AROUND = Extent(-0.4, -0.4, 0.4, 0.4)
 OLD_FILE = '# mine\nlike = "p3dx-sh"\nmax_speed = 0.6\n'
 
 
+async def ready() -> None:
+    """Compile nothing: that would be in a thread."""
+
+
 @pytest.fixture(autouse=True)
 def _without_threads(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let time stand still while a step is measured."""
     monkeypatch.setattr(asyncio, "to_thread", at_once)
+    monkeypatch.setattr("pioneer3.navigation.connect.prepare_navigation", ready)
 
 
 @asynccontextmanager
@@ -117,6 +125,31 @@ async def test_a_tape_and_sonars_tell_the_errors_and_they_are_written(
     said = capsys.readouterr().out
     assert "UMBmark before: E = " in said
     assert "a square of 4 m would end off by" in said
+
+
+async def test_a_laser_and_a_map_tell_the_errors_and_nobody_is_asked(
+    person: Person, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pytest.importorskip("numba")
+    by_map = replace(WHOLE, by_tape=False, yes=True)
+    async with in_a_room() as (sim, robot):
+        person.__init__(sim)  # type: ignore[misc]
+        rng = np.random.default_rng(1)
+        robot.navigator = await Navigator.on(
+            robot, room(), start=ORIGIN, rng=rng, in_thread=at_once
+        )
+        async with running(robot.navigator.run()):
+            await until(lambda: robot.navigator and robot.navigator.estimate.sure)
+            assert await _calibrate(robot, by_map) == 0
+        assert not sim.body.speeds[0]
+    assert person.asked == []
+    path = own_path("MobileSim")
+    assert path is not None
+    own = read_own(path).model
+    assert own.encoders == sim.body.encoders
+    for name in ("scale", "base_ratio", "wheel_ratio"):
+        assert getattr(own.odometry, name) == pytest.approx(getattr(ERRORS, name), abs=0.0015)
+    assert "calibrated by laser" in capsys.readouterr().out
 
 
 async def test_a_step_can_be_skipped_undone_and_repeated(person: Person) -> None:
