@@ -4,7 +4,7 @@ Farther than a margin from everything a robot drives as it likes, as long as it 
 that. Nearer to something it may only get farther from that, also by a turn.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import astuple, dataclass, field
 from itertools import product
 from math import hypot, inf
 from typing import Self
@@ -51,10 +51,8 @@ class Walls:
         counts = np.maximum(np.ceil(lengths / PIECE).astype(np.int64), 1)
         owners = np.repeat(np.arange(len(walls)), counts)
         number = np.arange(len(owners)) - np.repeat(np.cumsum(counts) - counts, counts)
-        begin, step = (
-            walls[owners, :2],
-            (walls[:, 2:] - walls[:, :2])[owners] / counts[owners, None],
-        )
+        step = (walls[:, 2:] - walls[:, :2])[owners] / counts[owners, None]
+        begin = walls[owners, :2]
         pieces = np.hstack([begin + number[:, None] * step, begin + (number[:, None] + 1) * step])
         return cls(pieces, cKDTree((pieces[:, :2] + pieces[:, 2:]) / 2))
 
@@ -107,18 +105,8 @@ class Clearance:
         return passed
 
     def _nearest(self, asked: Twist2, before: Float, around: Float) -> Twist2:
-        model, limits, found = self.model, self.limits, np.empty((len(around), 2))
-        motion = np.array(
-            [
-                limits.acceleration,
-                limits.deceleration,
-                limits.turn_acceleration,
-                limits.turn_deceleration,
-                REACTION,
-                HOLD,
-                STEP,
-            ]
-        )
+        model, found = self.model, np.empty((len(around), 2))
+        motion = np.array([*astuple(self.limits.accelerations), REACTION, HOLD, STEP])
         sides = np.array([model.length_front, model.length_rear, model.width / 2])
         fast(rooms, CACHE)(around, sides, found)
         order = found[:, 1].argsort()
@@ -131,12 +119,10 @@ class Clearance:
             fast(room_along, CACHE)(np.array(commands), before, motion, outline, walls, kept, out)
             return out
 
-        if room((asked.v, asked.w))[0] >= -ROUNDING:
-            return asked
         shares = np.linspace(0.0, 1.0, SHARES).tolist()
         tries = sorted(product(shares, repeat=2), key=lambda each: hypot(1 - each[0], 1 - each[1]))
         commands = list(dict.fromkeys((v * asked.v, w * asked.w) for v, w in tries))
-        for command in commands[1:]:
+        for command in commands:
             if room(command)[0] >= -ROUNDING:
                 return Twist2(*command)
         outline[4] = -inf  # all come too near: each to its end

@@ -1,6 +1,7 @@
 """The cost of driving over each place of a map, for one robot."""
 
 from dataclasses import dataclass, replace
+from itertools import product
 from math import cos, inf, sin
 from typing import Self
 
@@ -206,21 +207,18 @@ def _within(corners: Float, x: Float, y: Float) -> Bool:
 
 def _extent(line_map: LineMap) -> Extent:
     """Return the box around the walls and the known parts of grids that know what is free."""
-    boxes = [line_map.bounds] if len(line_map.walls) else []
+    parts = [line_map.walls.reshape(-1, 2)]
     for grid in line_map.grids:
         rows, columns = np.nonzero(grid.states == FREE)
         if len(rows):
-            at, cell, (low, left) = grid.origin, grid.resolution, (rows.min(), columns.min())
-            high, right = rows.max() + 1, columns.max() + 1
-            corners = [
-                at @ Pose2(float(x) * cell, float(y) * cell)
-                for x in (left, right)
-                for y in (low, high)
-            ]
-            x, y = [corner.x for corner in corners], [corner.y for corner in corners]
-            boxes.append(Extent(min(x), min(y), max(x), max(y)))
-    sides = np.array(boxes or [line_map.bounds])
-    return Extent(*sides[:, :2].min(axis=0).tolist(), *sides[:, 2:].max(axis=0).tolist())
+            sides = (columns.min(), columns.max() + 1), (rows.min(), rows.max() + 1)
+            for x, y in product(*sides):
+                corner = grid.origin @ Pose2(float(x) * grid.resolution, float(y) * grid.resolution)
+                parts.append(np.array([[corner.x, corner.y]]))
+    corners = np.concatenate(parts)
+    if not len(corners):
+        return line_map.bounds
+    return Extent(*corners.min(axis=0).tolist(), *corners.max(axis=0).tolist())
 
 
 def _unknown(line_map: LineMap, raster: Raster) -> Bool:
@@ -229,9 +227,7 @@ def _unknown(line_map: LineMap, raster: Raster) -> Bool:
     A map that draws walls alone, or grids without free cells, knows nothing of that.
     """
     grids = [grid for grid in line_map.grids if (grid.states == FREE).any()]
-    if not grids:
-        return np.zeros(raster.shape, dtype=np.bool_)
-    unknown = np.ones(raster.shape, dtype=np.bool_)
+    unknown = np.full(raster.shape, bool(grids))
     for strip in raster.strips:
         x = raster.x + (np.arange(raster.width) + 0.5) * raster.cell
         y = raster.y + (np.arange(raster.height)[strip, None] + 0.5) * raster.cell

@@ -1,6 +1,6 @@
 """The velocity that takes a robot along its way, around the things that its sensors see."""
 
-from dataclasses import dataclass, field
+from dataclasses import astuple, dataclass, field
 from math import atan2, cos, hypot, inf, pi, radians, sin, sqrt
 
 import numpy as np
@@ -37,9 +37,7 @@ SLOW_SPEED = 0.15
 GOAL_MARGIN = 0.02
 """Distance within which it comes nearer to nothing at its goal either [m]."""
 ROOM = 0.15
-"""Distance beyond the margin that is worth something [m]."""
-ROOM_COST = 1.0
-"""Cost of a lack of room [m in the open per m]."""
+"""Distance beyond the margin whose lack costs as much as a way [m]."""
 HEADING_COST = 0.35
 """Cost of a heading off the way [m in the open per rad]."""
 CHANGE_COST = 0.02
@@ -170,7 +168,7 @@ class Follower:
         if not possible.any():
             self._turn = 0.0
             return WayStep(v=0.0, w=0.0, reason="something is in the way", blocked=True)
-        cost = to_go + HEADING_COST * off + ROOM_COST * (ROOM - gap)
+        cost = to_go + HEADING_COST * off + ROOM - gap
         worth = cost.copy()
         cost += CHANGE_COST * np.abs(commands[:, 1] - self._turn)
         cost[commands[:, 0] < 0] += 1.0
@@ -180,7 +178,7 @@ class Follower:
         best = int(cost.argmin())
         if may_stand:
             room = float(gaps_at(robot_in_map, self.model, obstacles).min(initial=inf)) - MARGIN
-            if worth[best] > stands + ROOM_COST * (ROOM - min(room, ROOM)) - REST_COST:
+            if worth[best] > stands + ROOM - min(room, ROOM) - REST_COST:
                 self._turn = 0.0
                 return WayStep(v=0.0, w=0.0, reason="something is beside its way", blocked=True)
         v, w = commands[best].tolist()
@@ -237,16 +235,7 @@ class Follower:
                 twist.w,
             ]
         )
-        motion = np.array(
-            [
-                limits.acceleration,
-                limits.deceleration,
-                limits.turn_acceleration,
-                limits.turn_deceleration,
-                held,
-                TIME_STEP,
-            ]
-        )
+        motion = np.array([*astuple(limits.accelerations), held, TIME_STEP])
         raster = self.cost_to_go.raster
         frame = np.array([raster.x, raster.y, raster.cell])
         model = self.model

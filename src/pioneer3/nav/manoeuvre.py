@@ -1,6 +1,6 @@
 """Manoeuvres: out of places where a robot that is longer than wide has to line up with a gap."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from math import atan2, cos, hypot, pi, radians, sin, sqrt
 
 import numpy as np
@@ -189,51 +189,38 @@ class Manoeuvre:
     Attributes:
         poses: As found, shape (K, 3).
         limits: Bounds on its motion.
-        done: Whether it is over, for good or ill.
     """
 
     poses: Float
     limits: Limits
-    done: bool = False
-    _at: int = field(default=0, init=False)
 
-    def step(self, robot_in_map: Pose2) -> tuple[float, float]:
-        """Return the next velocity [m/s, rad/s]."""
-        while self._at + 1 < len(self.poses):
-            end, way = self._run()
-            command = self._drive(robot_in_map, end, way) if way else self._turn(robot_in_map, end)
+    def step(self, robot_in_map: Pose2) -> tuple[float, float] | None:
+        """Return the next velocity [m/s, rad/s], `None` once it is over."""
+        while len(self.poses) > 1:
+            # runs are as long as they go one way: 1 or -1, 0 for turns
+            dx, dy, _ = np.diff(self.poses, axis=0).T
+            theta = self.poses[:-1, 2]
+            ways = np.sign(dx * np.cos(theta) + dy * np.sin(theta))
+            ways[np.hypot(dx, dy) < MOVE_LENGTH / 2] = 0
+            others = np.flatnonzero(ways != ways[0])
+            end = int(others[0]) if len(others) else len(ways)
+            run, way = self.poses[: end + 1], int(ways[0])
+            command = self._drive(robot_in_map, run, way) if way else self._turn(robot_in_map, run)
             if command is not None:
                 return command
-            self._at = end
-        self.done = True
-        return 0.0, 0.0
+            self.poses = self.poses[end:]
+        return None
 
-    def _run(self) -> tuple[int, int]:
-        """Return the last pose of the present run, and its direction: 1 or -1, 0 for a turn."""
-        kind = self._kind(self._at)
-        end = self._at + 1
-        while end + 1 < len(self.poses) and self._kind(end) == kind:
-            end += 1
-        return end, kind
-
-    def _kind(self, at: int) -> int:
-        x, y, theta = self.poses[at]
-        dx, dy = self.poses[at + 1, 0] - x, self.poses[at + 1, 1] - y
-        if hypot(dx, dy) < MOVE_LENGTH / 2:
-            return 0
-        return 1 if dx * cos(theta) + dy * sin(theta) > 0 else -1
-
-    def _turn(self, at: Pose2, end: int) -> tuple[float, float] | None:
-        off = wrap(float(self.poses[end, 2]) - at.theta)
+    def _turn(self, at: Pose2, run: Float) -> tuple[float, float] | None:
+        off = wrap(float(run[-1, 2]) - at.theta)
         return None if abs(off) < ALIGNED else (0.0, turn_rate(off, TURN_RATE, self.limits))
 
-    def _drive(self, at: Pose2, end: int, way: int) -> tuple[float, float] | None:
+    def _drive(self, at: Pose2, run: Float, way: int) -> tuple[float, float] | None:
         """Return the velocity along a run of arcs, or `None` at its end."""
-        x, y, theta = self.poses[end]
+        x, y, theta = run[-1]
         left = way * ((x - at.x) * cos(theta) + (y - at.y) * sin(theta))
         if left < THERE:
             return None
-        run = self.poses[self._at : end + 1]
         nearest = int(np.hypot(run[:, 0] - at.x, run[:, 1] - at.y).argmin())
         ahead = nearest + max(1, round(AHEAD / MOVE_LENGTH))
         if ahead < len(run):

@@ -67,7 +67,8 @@ class Sightings:
         narrow = costs.needed - costs.settings.margin
         self._under = narrow * sqrt(0.5)  # half of a square within the robot
         self._before: Beams | None = None
-        self._scan_before = self._latest = -inf, np.empty((0, 2))
+        self._echoed: Float = np.empty((0, 2))
+        self._latest = -inf, self._echoed
 
     def take(self, beams: Beams, robot_in_map: Pose2) -> None:
         """Note the echoes of a scan, and forget the things that it sees past.
@@ -76,22 +77,21 @@ class Sightings:
         """
         raster, now = self._raster, max(beams.stamp, 1e-9)
         beams = self._without_strays(beams, robot_in_map)
-        from_laser = np.hypot(*(beams.points - beams.origin).T)
+        rays = np.concatenate([beams.points, beams.free, beams.origin[None]]) - beams.origin
+        lengths = np.maximum(np.hypot(*rays.T), 1e-9)
+        from_laser = lengths[: len(beams.points)]
         echoes = in_map(robot_in_map, beams.points)
         self._latest = beams.stamp, echoes
-        walking = self._follow(beams, robot_in_map, echoes, from_laser)
-        origin = raster.in_cells(in_map(robot_in_map, beams.origin[None]))[0]
-        near = from_laser < SEEN_RANGE
-        ends = raster.in_cells(echoes)
-        clear = raster.in_cells(in_map(robot_in_map, _shortened(beams)))
-        short = UNSURE_END / raster.cell
-        free = np.concatenate([ends[near], clear])
-        fast(clear_beams, CACHE)(origin, free, short, self._seen, self._counts)
-        self._clear(robot_in_map.x, robot_in_map.y, self._under)
-        near[walking] = False
-        doubts = WALL_ECHO + self._doubt(beams) * from_laser[near]
+        noted = from_laser < SEEN_RANGE
+        noted[self._follow(beams, robot_in_map, echoes, from_laser)] = False
+        rays *= np.minimum(1.0, SEEN_RANGE / lengths)[:, None]
+        passed = raster.in_cells(in_map(robot_in_map, beams.origin + rays))
         marks = self._seen, self._counts
-        fast(mark_echoes, CACHE)(ends[near], self._clearance, doubts, now, *marks)
+        fast(clear_beams, CACHE)(passed[-1], passed[:-1], UNSURE_END / raster.cell, *marks)
+        self._clear(robot_in_map.x, robot_in_map.y, self._under)
+        doubts = WALL_ECHO + self._doubt(beams) * from_laser[noted]
+        ends = raster.in_cells(echoes[noted])
+        fast(mark_echoes, CACHE)(ends, self._clearance, doubts, now, *marks)
 
     def latest(self, now: float) -> Float | None:
         """Return the echoes of the last scan in the map's frame [m], (N, 2); `None` if it is old.
@@ -106,12 +106,11 @@ class Sightings:
 
         Lasers see edges, dust and the sun as points that are not there.
         """
-        echoes, (_, before) = in_map(robot_in_map, beams.points), self._scan_before
-        self._scan_before = beams.stamp, echoes
+        before, self._echoed = self._echoed, in_map(robot_in_map, beams.points)
         alone = np.flatnonzero(~has_company(beams.points))
         if not len(alone):
             return beams
-        off = np.hypot(*(echoes[alone, None] - before[None]).transpose(2, 0, 1))
+        off = np.hypot(*(self._echoed[alone, None] - before[None]).transpose(2, 0, 1))
         strays = alone[off.min(axis=1, initial=np.inf) > ECHO_DOUBT]
         return replace(beams, points=np.delete(beams.points, strays, axis=0))
 
@@ -309,7 +308,8 @@ class Sightings:
         """Forget everything, as after the robot was found to be somewhere else."""
         self._seen[:], self._counts[:] = 0.0, 0
         self.echoes.forget()
-        self._scan_before = self._latest = -inf, np.empty((0, 2))
+        self._echoed = np.empty((0, 2))
+        self._latest = -inf, self._echoed
         self.movers.forget()
 
 
@@ -326,12 +326,3 @@ def in_map(robot_in_map: Pose2, points: Float) -> Float:
     turned: Float = points @ np.array([[c, s], [-s, c]])
     turned += robot_in_map.x, robot_in_map.y
     return turned
-
-
-def _shortened(beams: Beams) -> Float:
-    """Return the ends of beams without echo, and of far ones, no farther than is noted."""
-    far = beams.points[np.hypot(*(beams.points - beams.origin).T) >= SEEN_RANGE]
-    ends = np.concatenate([beams.free, far]) - beams.origin
-    lengths = np.maximum(np.hypot(*ends.T), 1e-9)
-    shortened: Float = beams.origin + ends * np.minimum(1.0, SEEN_RANGE / lengths)[:, None]
-    return shortened

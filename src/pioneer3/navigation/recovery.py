@@ -74,11 +74,10 @@ class Recovery:
         self._met = now if waiting else self._met
         passed = now - self._met > BLOCKED_TIME and not blocked
         if self._manoeuvre is not None:
-            v, w = self._manoeuvre.step(here)
-            over = self._manoeuvre.done or (self._aside and passed)
-            if not over and still < HELD_UP_TIME:
+            command = self._manoeuvre.step(here)
+            if command and not (self._aside and passed) and still < HELD_UP_TIME:
                 why = "goes aside for somebody" if self._aside else "lines up with a narrow place"
-                return Desire(v=v, w=w, reason=why)
+                return Desire(v=command[0], w=command[1], reason=why)
             self._manoeuvre, self._anchored, still = None, now, 0.0
         self._aside &= now - self._met < BLOCKED_TIME and still < STANDING_TIME
         if self._aside:
