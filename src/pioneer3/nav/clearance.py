@@ -62,9 +62,6 @@ class Walls:
         return near
 
 
-NO_WALLS = Walls.of(np.empty((0, 4)))
-
-
 @dataclass(slots=True, kw_only=True)
 class Clearance:
     """Keeps the outline of one robot out of what is around it, whatever it is told.

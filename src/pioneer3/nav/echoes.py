@@ -32,7 +32,7 @@ AXIS = np.radians(10.0)
 ARC = np.radians([-21.0, -10.0, 0.0, 10.0, 21.0])
 """Directions off the axis of a sonar from which an echo may come [rad]."""
 BODY_RADIUS = 0.2
-"""Radius of the thing that may be behind a near echo where people are [m]."""
+"""Radius of the body around legs, and behind a near echo of a sonar where people are [m]."""
 BODY_BEAM = np.radians([-15.0, 0.0, 15.0])
 """Directions off the axis of a sonar in which it hears a body [rad]."""
 NOWHERE: Float = np.empty((0, 2))

@@ -1,12 +1,12 @@
 """The velocity that takes a robot along its way, around the things that its sensors see."""
 
 from dataclasses import astuple, dataclass, field
-from math import atan2, cos, hypot, inf, pi, radians, sin, sqrt
+from math import atan2, hypot, inf, pi, radians, sqrt
 
 import numpy as np
 
 from pioneer3.arrays import Float
-from pioneer3.geometry import Pose2, Twist2, wrap
+from pioneer3.geometry import Pose2, Twist2, arc, wrap
 from pioneer3.jit import fast
 from pioneer3.limits import Limits
 from pioneer3.models import RobotModel
@@ -18,14 +18,10 @@ from pioneer3.nav.planner import CostToGo
 
 TIME_HELD = 1.0
 """Time for which a command is judged as if it were held, then braked [s]."""
-SHORT_TIME = 0.4
-"""That time near the goal [s]: else a robot creeps up to it."""
 TIME_STEP = 0.1
 """Step of these [s]."""
 SPEEDS = 8
-"""Number of speeds ahead that are tried."""
-TURN_RATES = 17
-"""Number of turn rates that are tried with each."""
+"""Number of speeds ahead that are tried, and of turn rates to either side with each."""
 FASTEST_TURN = 1.5
 """Turn rate at most [rad/s]: slow lasers see walls beside their places in faster turns."""
 MARGIN = 0.04
@@ -42,14 +38,6 @@ HEADING_COST = 0.35
 """Cost of a heading off the way [m in the open per rad]."""
 CHANGE_COST = 0.02
 """Cost of another turn rate than before [m in the open per rad/s]."""
-SHARP_TURN = 1.0
-"""Angle off its way beyond which it turns first, or goes slowly [rad]."""
-REST_COST = 0.01
-"""Gain below which a robot beside people stands [m in the open]."""
-HEADWAY = 0.03
-"""Gain below which there is none [m in the open]."""
-HESITATION = 30
-"""Steps without headway after which it does not turn where it stands, for half as many."""
 STRAIGHT_WAY = 0.35
 """Distance from which it goes straight for the goal [m]."""
 LEFT_PLACE = 0.05
@@ -57,12 +45,8 @@ LEFT_PLACE = 0.05
 is twice that: by ranges that are 3 % wrong, places move with the heading by 0.16 m."""
 FACING = radians(25)
 """Angle off the goal beyond which it turns first [rad]."""
-STILLNESS = 0.01
-"""Speed below which all points of a robot stand [m/s]."""
 SLOWEST_SPEED = 0.02
-"""Speed below which wheels stick [m/s]."""
-NO_OBSTACLES: Float = np.empty((0, 5))
-"""Nothing around a robot."""
+"""Speed below which wheels stick, and all points of a robot stand [m/s]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -107,14 +91,12 @@ class Follower:
     _fastest_turn: float = field(default=inf, init=False)
     _at_place: bool = field(default=False, init=False)
     _left: float = field(default=LEFT_PLACE, init=False)
-    _best: float = field(default=inf, init=False)
-    _without: int = field(default=0, init=False)
 
     def step(
         self,
         robot_in_map: Pose2,
         twist: Twist2,
-        obstacles: Float = NO_OBSTACLES,
+        obstacles: Float,
         top_speed: float = inf,
         *,
         gently: bool = False,
@@ -140,76 +122,42 @@ class Follower:
         return self._drive(robot_in_map, twist, obstacles, top_speed, may_stand=gently)
 
     def _drive(
-        self,
-        robot_in_map: Pose2,
-        twist: Twist2,
-        obstacles: Float,
-        top_speed: float,
-        *,
-        may_stand: bool,
+        self, at: Pose2, twist: Twist2, obstacles: Float, top_speed: float, *, may_stand: bool
     ) -> WayStep:
         top = min(top_speed, self.limits.max_speed)
-        commands = self._commands(top)
-        x, y, _ = self.goal
-        held = min(TIME_HELD, max(SHORT_TIME, hypot(x - robot_in_map.x, y - robot_in_map.y)))
-        judged = self._judge(robot_in_map, twist, commands, obstacles, held)
-        to_go, off, gap, slow_gap = judged.T
-        # nearer to something than it should be, a robot may go on slowly, but no nearer to that
-        slow = (np.abs(commands[:, 0]) <= SLOW_SPEED) & (slow_gap >= -ROUNDING)
-        possible = np.isfinite(to_go) & ((gap >= 0.0) | slow)
-        gap = np.minimum(gap, ROOM)
-        standing = (commands == 0.0).all(axis=1)
-        # wheels of a robot that stands stick at turns that are slower
-        possible &= (commands[:, 0] != 0.0) | (np.abs(commands[:, 1]) >= SLOWEST_TURN)
-        here = judged[standing][0]
-        stands = here[0] + HEADING_COST * here[1]
-        if self._hesitates(stands) and (moves := possible & (commands[:, 0] != 0)).any():
-            possible = moves
-        if not possible.any():
-            self._turn = 0.0
-            return WayStep(v=0.0, w=0.0, reason="something is in the way", blocked=True)
-        cost = to_go + HEADING_COST * off + ROOM - gap
-        worth = cost.copy()
-        cost += CHANGE_COST * np.abs(commands[:, 1] - self._turn)
-        cost[commands[:, 0] < 0] += 1.0
-        if here[1] > SHARP_TURN:
-            cost[np.abs(commands[:, 0]) > SLOW_SPEED] += 1.0
-        cost[~possible] = inf
-        best = int(cost.argmin())
-        if may_stand:
-            room = float(gaps_at(robot_in_map, self.model, obstacles).min(initial=inf)) - MARGIN
-            if worth[best] > stands + ROOM - min(room, ROOM) - REST_COST:
-                self._turn = 0.0
-                return WayStep(v=0.0, w=0.0, reason="something is beside its way", blocked=True)
-        v, w = commands[best].tolist()
-        self._turn = w
-        stuck = bool(cost[best] >= stands + 2.0)
-        left = self.cost_to_go.at(robot_in_map.x, robot_in_map.y)
-        return WayStep(v=v, w=w, reason=f"{left:.1f} m to go", blocked=stuck)
-
-    def _hesitates(self, left: float) -> bool:
-        """Whether the robot has made no headway for a while; `left` is its way and its turn.
-
-        Where it has no room to turn, turning to and fro may look best for ever.
-        """
-        if left < self._best - HEADWAY or left > self._best + 1.0:  # the way is another one
-            self._best, self._without = left, 0
-        self._without = (self._without + 1) % (HESITATION + HESITATION // 2)
-        return self._without > HESITATION
-
-    def _commands(self, top: float) -> Float:
-        """Return the velocities to try, shape (C, 2)."""
-        rate = self._fastest_turn
-        shares = np.linspace(-1.0, 1.0, TURN_RATES)
-        turns = rate * shares * np.abs(shares)  # finer where small
         speeds = np.append(np.linspace(0.0, top, SPEEDS), -min(SLOW_SPEED, top))
+        shares = np.linspace(-1.0, 1.0, 2 * SPEEDS + 1)
+        turns = self._fastest_turn * shares * np.abs(shares)  # finer where small
         pairs = np.stack(np.meshgrid(speeds, turns, indexing="ij"), axis=-1)
         commands: Float = pairs.reshape(-1, 2)
-        return commands
+        v, w = commands.T
+        # near the goal it looks less far ahead, else it never gets all the way to it
+        held = min(TIME_HELD, max(STRAIGHT_WAY, hypot(self.goal[0] - at.x, self.goal[1] - at.y)))
+        to_go, off, gap, slow_gap = self._judge(at, twist, commands, obstacles, held).T
+        # nearer to something than it should be, a robot may go on slowly, but no nearer to that
+        possible = (gap >= 0.0) | (np.abs(v) <= SLOW_SPEED) & (slow_gap >= -ROUNDING)
+        # wheels of a robot that stands stick at turns that are slower
+        possible &= np.isfinite(to_go) & ((v != 0.0) | (np.abs(w) >= SLOWEST_TURN))
+        left = to_go + HEADING_COST * off
+        stands = float(left[(v == 0.0) & (w == 0.0)][0])
+        worth = left + ROOM - np.minimum(gap, ROOM)
+        cost = worth + CHANGE_COST * np.abs(w - self._turn) + (v < 0.0)
+        best, why = int(np.where(possible, cost, inf).argmin()), ""
+        room = float(gaps_at(at, self.model, obstacles).min(initial=ROOM + MARGIN)) - MARGIN
+        if not possible[best]:
+            why = "something is in the way"
+        elif may_stand and worth[best] > stands + ROOM - room:
+            why = "something is beside its way"
+        self._turn = 0.0 if why else float(w[best])
+        if why:
+            return WayStep(v=0.0, w=0.0, reason=why, blocked=True)
+        reason = f"{self.cost_to_go.at(at.x, at.y):.1f} m to go"
+        stuck = bool(cost[best] >= stands + 2.0)
+        return WayStep(v=float(v[best]), w=self._turn, reason=reason, blocked=stuck)
 
     def _judge(
         self,
-        robot_in_map: Pose2,
+        at: Pose2,
         twist: Twist2,
         commands: Float,
         obstacles: Float,
@@ -223,31 +171,20 @@ class Follower:
         Each is `held` for so long [s]. A robot that is no faster than `slow` [m/s] keeps `keep` [m]
         from each obstacle, or as much as it has.
         """
-        at, limits = robot_in_map, self.limits
-        kept = np.minimum(keep, gaps_at(at, self.model, obstacles))
-        middle = at.theta + twist.w * REACTION / 2
-        state = np.array(
-            [
-                at.x + twist.v * REACTION * cos(middle),
-                at.y + twist.v * REACTION * sin(middle),
-                at.theta + twist.w * REACTION,
-                twist.v,
-                twist.w,
-            ]
-        )
+        limits, model, to_go = self.limits, self.model, self.cost_to_go
+        kept = np.minimum(keep, gaps_at(at, model, obstacles))
+        begin = at @ arc(twist.v, twist.w, REACTION)
+        state = np.array([begin.x, begin.y, begin.theta, twist.v, twist.w])
         motion = np.array([*astuple(limits.accelerations), held, TIME_STEP])
-        raster = self.cost_to_go.raster
-        frame = np.array([raster.x, raster.y, raster.cell])
-        model = self.model
+        frame = np.array([to_go.raster.x, to_go.raster.y, to_go.raster.cell])
         sides = model.length_front, model.length_rear, model.width / 2
         far = MARGIN + MARGIN_PER_SPEED * limits.max_speed + ROOM
         outline = np.array([*sides, MARGIN, MARGIN_PER_SPEED, far, slow])
-        out = np.empty((len(commands), 4))
-        values = self.cost_to_go.values
-        side = np.hypot(obstacles[:, 0] - state[0], obstacles[:, 1] - state[1]) - obstacles[:, 4]
+        side = np.hypot(obstacles[:, 0] - begin.x, obstacles[:, 1] - begin.y) - obstacles[:, 4]
         side[(obstacles[:, 2:4] != 0.0).any(axis=1)] = -inf
         things = np.column_stack([obstacles, kept, side])[side.argsort()]
-        fast(arcs, CACHE)(commands, state, motion, outline, things, values, frame, out)
+        out = np.empty((len(commands), 4))
+        fast(arcs, CACHE)(commands, state, motion, outline, things, to_go.values, frame, out)
         return out
 
     def _arrive(
@@ -262,7 +199,7 @@ class Follower:
         if self._at_place:
             off = 0.0 if heading is None else wrap(heading - at.theta)
             if abs(off) <= ALIGNED:
-                still = abs(twist.v) + abs(twist.w) * self.model.corner < STILLNESS
+                still = abs(twist.v) + abs(twist.w) * self.model.corner < SLOWEST_SPEED
                 return WayStep(v=0.0, w=0.0, reason="there", arrived=still)
             turn = 0.0, turn_rate(off, self._fastest_turn, self.limits)
             if self._touches(at, twist, turn, obstacles):

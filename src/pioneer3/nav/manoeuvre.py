@@ -5,18 +5,16 @@ from math import atan2, cos, hypot, pi, radians, sin, sqrt
 
 import numpy as np
 
-from pioneer3.arrays import Float, Float32
+from pioneer3.arrays import Float
 from pioneer3.geometry import Pose2, wrap
 from pioneer3.jit import fast
 from pioneer3.limits import Limits
 from pioneer3.models import RobotModel
-from pioneer3.nav.costs import COST_CELL, CostMap
+from pioneer3.nav.costs import COST_CELL, PASSING_DISTANCE
 from pioneer3.nav.kernels import CACHE
 from pioneer3.nav.kernels.arcs import ROUNDING
 from pioneer3.nav.kernels.manoeuvres import manoeuvre
-from pioneer3.nav.moving import PERSON_RADIUS
 from pioneer3.nav.planner import CostToGo
-from pioneer3.nav.raster import Raster
 
 
 def gaps_at(at: Pose2, model: RobotModel, obstacles: Float) -> Float:
@@ -44,8 +42,6 @@ MOVE_LENGTH = 0.08
 """[m]."""
 RADIUS = 0.5
 """Radius of arcs [m]."""
-BACKWARDS_COST = 1.5
-"""Cost of a way backwards, by one ahead."""
 TURN_COST = 0.3
 """Cost of a turn [m/rad]."""
 GAP = 0.03
@@ -53,22 +49,18 @@ GAP = 0.03
 less of it already, that is kept."""
 PROGRESS = 0.3
 """Way to its goal that a manoeuvre saves [m in the open]."""
-PEOPLE_GAP = PERSON_RADIUS + 0.15
-"""Distance kept from the line on which somebody walks, where it goes aside for them [m]."""
 MOST_STATES = 16_000
 """States after which a search gives up: longer ones would hold up the robot."""
 STATES_AT_ONCE = 1500
 """States that a tick may look at: 3 ms."""
-UNFINISHED = -2
-"""Answer of a search that is to go on."""
 SPEED = 0.2
 """Speed of a manoeuvre [m/s]."""
 TURN_RATE = 0.6
 """Turn rate of a manoeuvre, and the highest one beside people [rad/s]."""
 SLOWEST_TURN = radians(3)
 """Turn rate below which wheels stick [rad/s]."""
-AHEAD = 0.15
-"""Distance ahead of a point by which arcs are steered [m]."""
+MOVES_AHEAD = 2
+"""Number of moves ahead to the point by which arcs are steered."""
 THERE = 0.02
 """Distance from a place that is near enough [m]."""
 ALIGNED = radians(1.0)
@@ -91,13 +83,13 @@ class Search:
         here: Where the robot is [m, rad].
         model: Its outline.
         obstacles: Everything nearby, as a follower takes it, shape (N, 5).
-        raster: Cells of `values`.
-        values: Cost to go [m], shape (H, W); `inf` where the robot must not be.
-        ways: Points of the ways of others, which it gets out of [m], shape (K, 2).
-        least: Cost to go that it gets below without such ways [m].
+        to_go: The cost to its goal.
+        ways: Points of the ways of others, which it gets out of [m], shape (K, 2); else it looks
+            for a drive to where its own way goes on.
 
     Attributes:
-        aside: Whether it looks for a place beside the ways of others.
+        aside: Whether it looks for the nearest place beside the ways of others; that is one pose
+            where the robot is beside them already.
         done: Whether it is over.
         poses: x, y [m] and heading [rad] in the map's frame, one after the other, shape (K, 3);
             `None` if there are none.
@@ -108,28 +100,28 @@ class Search:
         here: Pose2,
         model: RobotModel,
         obstacles: Float,
-        raster: Raster,
-        values: Float32,
-        *,
+        to_go: CostToGo,
         ways: Float | None = None,
-        least: float = 0.0,
     ) -> None:
         self.aside, self.done = ways is not None, False
         self.poses: Float | None = None
-        near = _within(SIDE * COST_CELL / 2 + model.corner, here, obstacles)
+        ways = np.empty((0, 2)) if ways is None else ways
+        reach = SIDE * COST_CELL / 2 + model.corner
+        near = _within(reach, here, obstacles)
         things = np.ascontiguousarray(near[:, [0, 1, 4]])  # else another kernel is compiled
         # a robot that is nearer to something already only comes no nearer to that
         things[:, 2] -= np.maximum(GAP - gaps_at(here, model, near) + ROUNDING, 0.0)
         outline = (model.length_front, model.length_rear, model.width / 2, GAP, model.corner + GAP)
-        places, states = SIDE * SIDE, SIDE * SIDE * HEADINGS
+        least = to_go.at(here.x, here.y) - PROGRESS
+        raster, places, states = to_go.raster, SIDE * SIDE, SIDE * SIDE * HEADINGS
         self._found, self._before = np.empty((states, 3)), np.full(states, -1, dtype=np.int32)
         self._arguments = (
             np.array([here.x, here.y, here.theta]),
             _moves(),
-            np.array([*outline, least, PEOPLE_GAP]),
+            np.array([*outline, least, PASSING_DISTANCE]),
             things,
-            np.empty((0, 3)) if ways is None else np.pad(ways, ((0, 0), (0, 1))),
-            values,
+            np.pad(_within(reach + PASSING_DISTANCE, here, ways), ((0, 0), (0, 1))),
+            to_go.values,
             np.array([raster.x, raster.y, raster.cell, COST_CELL]),
             np.array([SIDE, HEADINGS, MOST_STATES, STATES_AT_ONCE], dtype=np.int32),
             self._found,
@@ -145,36 +137,13 @@ class Search:
     def go_on(self) -> None:
         """Look at some more states."""
         last = fast(manoeuvre, CACHE)(*self._arguments)
-        self.done = last != UNFINISHED
+        self.done = last >= 0 or not self._arguments[-1][0]
         if last < 0:
             return
         path = [last]
         while (state := -2 - int(self._before[path[-1]])) != path[-1]:
             path.append(state)
         self.poses = self._found[path[::-1]]
-
-
-def search_on(
-    robot_in_map: Pose2, model: RobotModel, obstacles: Float, cost_to_go: CostToGo
-) -> Search | None:
-    """Return the search for a drive to where the way goes on; `None` where the goal is near."""
-    least = cost_to_go.at(robot_in_map.x, robot_in_map.y) - PROGRESS
-    if least <= 0.0:
-        return None
-    raster, values = cost_to_go.raster, cost_to_go.values
-    return Search(robot_in_map, model, obstacles, raster, values, least=least)
-
-
-def search_aside(
-    robot_in_map: Pose2, model: RobotModel, obstacles: Float, ways: Float, costs: CostMap
-) -> Search:
-    """Return the search for a drive to the nearest place beside the ways of others (K, 2) [m].
-
-    It finds one pose where the robot is beside them already.
-    """
-    near = _within(SIDE * COST_CELL / 2 + model.corner + PEOPLE_GAP, robot_in_map, ways)
-    open_places = np.where(costs.closed, np.inf, 0.0).astype(np.float32)
-    return Search(robot_in_map, model, obstacles, costs.raster, open_places, ways=near)
 
 
 def _within(reach: float, here: Pose2, points: Float) -> Float:
@@ -222,15 +191,14 @@ class Manoeuvre:
         if left < THERE:
             return None
         nearest = int(np.hypot(run[:, 0] - at.x, run[:, 1] - at.y).argmin())
-        ahead = nearest + max(1, round(AHEAD / MOVE_LENGTH))
-        if ahead < len(run):
-            to_x, to_y = run[ahead, :2]
+        if nearest + MOVES_AHEAD < len(run):
+            to_x, to_y = run[nearest + MOVES_AHEAD, :2]
         else:  # beyond the end, straight on
-            beyond = way * (AHEAD - min(AHEAD, left))
+            beyond = way * max(0.0, MOVES_AHEAD * MOVE_LENGTH - left)
             to_x, to_y = x + beyond * cos(theta), y + beyond * sin(theta)
         dx, dy = to_x - at.x, to_y - at.y
         bearing = wrap(atan2(dy, dx) - at.theta - (pi if way < 0 else 0.0))
-        curvature = 2 * sin(bearing) / max(hypot(dx, dy), AHEAD / 2)
+        curvature = 2 * sin(bearing) / max(hypot(dx, dy), MOVE_LENGTH)
         v = min(SPEED, max(0.03, sqrt(self.limits.deceleration * left)))
         w = max(-TURN_RATE, min(TURN_RATE, v * curvature))
         return way * v, w
@@ -240,8 +208,5 @@ def _moves() -> Float:
     bend, turn = MOVE_LENGTH / RADIUS, 2 * pi / HEADINGS
     rows = [(way * MOVE_LENGTH, side * bend) for way in (1, -1) for side in (0, 1, -1)]
     rows += [(0.0, turn), (0.0, -turn)]
-    costs = [
-        abs(way) * (1.0 if way > 0 else BACKWARDS_COST) + TURN_COST * abs(turn)
-        for way, turn in rows
-    ]
+    costs = [abs(way) + TURN_COST * abs(turn) for way, turn in rows]
     return np.column_stack([rows, costs])

@@ -5,8 +5,6 @@ from math import hypot, inf
 
 from pioneer3.geometry import Pose2
 
-FASTEST = 2.0
-"""Speed that nobody walks faster than [m/s]."""
 WALKING_SPEED = 0.25
 """Speed above which a thing walks [m/s]."""
 STANDING_SPEED = 0.15
@@ -165,5 +163,3 @@ class Mover:
         self.x, self.y = expected_x + place * off_x, expected_y + place * off_y
         self.vx += speed * off_x / passed
         self.vy += speed * off_y / passed
-        if self.speed > FASTEST:
-            self.vx, self.vy = FASTEST * self.vx / self.speed, FASTEST * self.vy / self.speed

@@ -16,32 +16,23 @@ from pioneer3.nav.clusters import (
     SHANK_RADIUS,
     STANCE,
     clusters,
-    has_company,
     is_whole,
     looks_like_legs,
     middle_of,
 )
 from pioneer3.nav.mover import COASTING_TIME, MEMORY_TIME, NEAR_RANGE, OFTEN, STEP_LENGTH, Mover
 
-FOLLOWED_RANGE = 5.0
-"""Range beyond which things are not followed [m]."""
-UNSEEN_TIME = 0.6
-"""Time without plain sight after which a person is forgotten [s]."""
-KNOWN_TIMES = 10
-"""Sightings up to which a lost person is forgotten at once."""
-BODY_DEPTH = 0.19
-"""Distance before its legs at which a body ends at most [m]."""
 NEW_TIMES = 100
 """Sightings below which a small thing may be people who stand together."""
 PEOPLE_TIME = 60.0
 """Time since somebody was seen for which people are about, and things stay noted [s]."""
-PARTING = 0.9
-"""Distance to a thing of two people at which somebody who steps out of it begins at most, and to
-the laser within which people that were seen are remembered for longer [m]."""
+BESIDE = 0.95
+"""Distance of people who are beside each other, or beside the robot, and stand because of it [m].
+"""
 PERSON_RADIUS = 0.28
 """Radius of people [m]: lasers see their legs alone."""
-UNSEEN_MARGIN = 0.08
-"""Distance by which somebody out of sight may be nearer [m]."""
+UNSEEN_MARGIN = 0.1
+"""Distance by which somebody out of sight, and one of two, may be nearer [m]."""
 
 
 class Movers:
@@ -61,15 +52,15 @@ class Movers:
     def take(self, points: Float, origin: Float, limit: Float, now: float) -> Int:
         """Take the echoes of a scan that no wall explains; return the indices of walkers' ones.
 
-        Echoes (N, 2) are in the map's frame [m], in the scan's order, as is the laser's `origin`
-        (2,); `limit` (2,) is the bearing of the laser and half of its field of view [rad].
+        Echoes (N, 2), none of which stands alone, are in the map's frame [m], in the scan's order,
+        as is the laser's `origin` (2,); `limit` (2,) is the bearing of the laser and half of its
+        field of view [rad].
         """
         away = np.hypot(*(points - origin).T)
-        near = np.flatnonzero((away < FOLLOWED_RANGE) & has_company(points))
-        owner = self._owners(points[near], now)
+        owner = self._owners(points, now)
         own: list[Int] = []
         for number, thing in enumerate(self.things):
-            part = near[owner == number]
+            part = np.flatnonzero(owner == number)
             if len(part):
                 x, y = thing.at(now)
                 whole = is_whole(points[part], origin, limit, (x, y))
@@ -82,13 +73,13 @@ class Movers:
                     thing.believed = now + MEMORY_TIME
             if thing.walks:
                 own.append(part)
-        doubted = self._doubted(points[near], owner, now)
-        new = near[owner < 0]
+        doubted = self._doubted(points, owner, now)
+        new = np.flatnonzero(owner < 0)
         for part in clusters(points[new]):
             middle = middle_of(points[new[part]], origin)
             self.things.append(self._begin(*middle, now))
-            doubted[np.isin(near, new[part])] |= now - self.met < PEOPLE_TIME
-        self.doubtful = points[near[doubted]]
+            doubted[new[part]] |= self.are_about(now)
+        self.doubtful = points[doubted]
         self._merge(now)
         self._forget(points, origin, limit, now)
         if self.people():
@@ -114,19 +105,19 @@ class Movers:
         self._lost = [each for each in self._lost if each[2] > now - MEMORY_TIME]
         places = [thing.at(now) for thing in self.things if thing.is_person]
         places += [(x, y) for x, y, _ in self._lost]
-        about = now - self.met < PEOPLE_TIME
+        about = self.are_about(now)
         new = np.array([*(about and thing.times < NEW_TIMES for thing in self.things), False])
         doubted: Bool = new[owner]  # -1, for none, is the last
         if places and len(points):
             off = np.hypot(*(points[:, None] - np.array(places)[None]).transpose(2, 0, 1))
-            doubted = doubted | (off.min(axis=1) < PARTING)
+            doubted = doubted | (off.min(axis=1) < BESIDE)
         return doubted
 
     def _begin(self, x: float, y: float, now: float) -> Mover:
         """Return a new thing; one that steps out of a thing of two people is one of them."""
         new = Mover(x, y, 0.0, 0.0, now, (x, y))
         for thing in self.things:
-            if thing.holds_two(now) and hypot(thing.x - x, thing.y - y) < PARTING:
+            if thing.holds_two(now) and hypot(thing.x - x, thing.y - y) < BESIDE:
                 new.walks, new.legs, thing.joined = thing.walks, thing.legs, -inf
                 break
         return new
@@ -144,6 +135,10 @@ class Movers:
                 same.join(thing, now)
         self.things = kept
 
+    def are_about(self, now: float) -> bool:
+        """Return whether somebody was seen within the last minute: then much may change soon."""
+        return now - self.met < PEOPLE_TIME
+
     def walking(self) -> list[Mover]:
         """Return the things that have come some way."""
         return [thing for thing in self.things if thing.walks]
@@ -158,12 +153,9 @@ class Movers:
         for thing in self.people():
             x, y = thing.at(now)
             moves = thing.stands is None and now - thing.seen < COASTING_TIME
-            doubt = UNSEEN_MARGIN if now - thing.seen > COASTING_TIME else 0.0
-            if thing.holds_two(now):
-                doubt += STEP_LENGTH / 2
-            elif thing.legs <= -OFTEN:  # two who came together look like no legs
-                doubt += STEP_LENGTH / 3
-            rows.append((x, y, thing.vx * moves, thing.vy * moves, PERSON_RADIUS + doubt))
+            two = thing.holds_two(now) or thing.legs <= -OFTEN  # together they look like no legs
+            radius = PERSON_RADIUS + UNSEEN_MARGIN * ((now - thing.seen > COASTING_TIME) + two)
+            rows.append((x, y, thing.vx * moves, thing.vy * moves, radius))
         return np.array(rows).reshape(-1, 5)
 
     def _forget(self, points: Float, origin: Float, limit: Float, now: float) -> None:
@@ -171,9 +163,8 @@ class Movers:
         ranges = np.hypot(*(points - origin).T)
         kept = []
         for thing in self.things:
-            age = now - thing.seen
-            patience = UNSEEN_TIME
-            if thing.is_person and age > UNSEEN_TIME:
+            age, patience = now - thing.seen, COASTING_TIME
+            if thing.is_person and age > COASTING_TIME:
                 x, y = thing.at(now)
                 away = hypot(x - origin[0], y - origin[1])
                 bearing = np.arctan2(y - origin[1], x - origin[0])
@@ -181,9 +172,9 @@ class Movers:
                 aside = atan2(JOIN_DISTANCE, away) + FIELD_EDGE
                 beside = np.abs((bearings - bearing + np.pi) % (2 * np.pi) - np.pi) < 0.1
                 hidden = abs(off) > limit[1] - aside or bool((ranges[beside] < away - 0.2).any())
-                known = thing.times > KNOWN_TIMES or away < PARTING
-                known = known and (hidden or away < JOIN_DISTANCE)
-                patience = MEMORY_TIME if known else UNSEEN_TIME
+                known = thing.times > 2 * OFTEN or away < BESIDE
+                if known and (hidden or away < JOIN_DISTANCE):
+                    patience = MEMORY_TIME
                 if known and hidden:
                     age = now - max(thing.seen, thing.heard)
             if age <= patience:

@@ -5,47 +5,33 @@ from math import atan2, hypot, inf, pi, sqrt
 
 import numpy as np
 
-from pioneer3.arrays import Float, Int
-from pioneer3.geometry import Pose2, wrap
+from pioneer3.arrays import Float
+from pioneer3.geometry import Pose2
 from pioneer3.jit import fast
 from pioneer3.nav.beams import Beams
 from pioneer3.nav.clusters import has_company
 from pioneer3.nav.costs import COST_CELL, CostMap
 from pioneer3.nav.echoes import BODY_RADIUS, ECHO_DOUBT, UNSURE_END, WALL_ECHO, Echoes
 from pioneer3.nav.kernels import CACHE
-from pioneer3.nav.kernels.rays import clear_beams, mark_echoes, thin_points
+from pioneer3.nav.kernels.rays import clear_beams, thin_points
 from pioneer3.nav.mover import COASTING_TIME, OFTEN
-from pioneer3.nav.moving import (
-    BODY_DEPTH,
-    PARTING,
-    PEOPLE_TIME,
-    PERSON_RADIUS,
-    Movers,
-)
+from pioneer3.nav.moving import BESIDE, PEOPLE_TIME, PERSON_RADIUS, Movers
 from pioneer3.nav.particles import moved_by
 
 LOOK = 2.0
 """Distance within which things steer a robot [m]."""
-SEEN_RANGE = 6.0
-"""Range beyond which things are not noted [m]."""
+SEEN_RANGE = 5.0
+"""Range beyond which things are not noted, nor followed [m]."""
 PASSING_TIME = 5.0
 """Time for which things stay that may be of somebody who passed [s]."""
 COMING_TIME = 3.0
 """Time unseen after which somebody may have turned [s]."""
-ODOMETRY_DELAY = 0.05
-"""Delay of odometry at most [s]: echoes are off while the robot turns."""
-TURNING_DOUBT = 0.08
-"""Error of echoes while the robot turns at most, by their range [m/m]."""
 WALL_DOUBT = 0.05
-"""Error of a wall's place for each metre from the laser, which makes it no walker [m/m]."""
+"""Error of a wall's place for each metre from the laser [m/m]: odometry of turns is late."""
 COMING_WAY = 4.0
 """Way that people are expected to go on for [m]."""
-COMING_STEP = 0.1
-"""Step of that way [m]."""
 BENDS = np.radians([0, 20, -20, 40, -40, 60, -60, 80, -80])
 """Turns at each step that walls may bring about, the likeliest first [rad]."""
-LEAST_ROOM = 0.2
-"""Distance from the middle of somebody to walls at least [m]."""
 STANDING_TIME = 12.0
 """Time after which walkers who have stood are in the way of plans [s]."""
 
@@ -66,7 +52,6 @@ class Sightings:
         self._counts = np.zeros(costs.raster.shape, dtype=np.uint8)
         narrow = costs.needed - costs.settings.margin
         self._under = narrow * sqrt(0.5)  # half of a square within the robot
-        self._before: Beams | None = None
         self._echoed: Float = np.empty((0, 2))
         self._latest = -inf, self._echoed
 
@@ -82,16 +67,24 @@ class Sightings:
         from_laser = lengths[: len(beams.points)]
         echoes = in_map(robot_in_map, beams.points)
         self._latest = beams.stamp, echoes
-        noted = from_laser < SEEN_RANGE
-        noted[self._follow(beams, robot_in_map, echoes, from_laser)] = False
+        rows, columns, inside = raster.cells_of(echoes)
+        by_map = self._clearance[rows, columns] <= WALL_ECHO + WALL_DOUBT * from_laser
+        unknown = np.flatnonzero(inside & ~by_map & (from_laser < SEEN_RANGE))
+        things = unknown[has_company(echoes[unknown])]
         rays *= np.minimum(1.0, SEEN_RANGE / lengths)[:, None]
-        passed = raster.in_cells(in_map(robot_in_map, beams.origin + rays))
-        marks = self._seen, self._counts
-        fast(clear_beams, CACHE)(passed[-1], passed[:-1], UNSURE_END / raster.cell, *marks)
+        ends = in_map(robot_in_map, beams.origin + rays)
+        limit = np.array([robot_in_map.theta, pi / 2])
+        walking = things[self.movers.take(echoes[things], ends[-1], limit, beams.stamp)]
+        for thing in self.movers.walking():
+            for x, y in thing.past:
+                self._clear(x, y, PERSON_RADIUS)
+        unknown = np.setdiff1d(unknown, walking)
+        ends = raster.in_cells(ends)
+        short = UNSURE_END / raster.cell
+        fast(clear_beams, CACHE)(ends[-1], ends[:-1], short, self._seen, self._counts)
         self._clear(robot_in_map.x, robot_in_map.y, self._under)
-        doubts = WALL_ECHO + self._doubt(beams) * from_laser[noted]
-        ends = raster.in_cells(echoes[noted])
-        fast(mark_echoes, CACHE)(ends, self._clearance, doubts, now, *marks)
+        cells = rows[unknown], columns[unknown]
+        self._seen[cells], self._counts[cells] = now, np.minimum(self._counts[cells], 200) + 1
 
     def latest(self, now: float) -> Float | None:
         """Return the echoes of the last scan in the map's frame [m], (N, 2); `None` if it is old.
@@ -114,15 +107,6 @@ class Sightings:
         strays = alone[off.min(axis=1, initial=np.inf) > ECHO_DOUBT]
         return replace(beams, points=np.delete(beams.points, strays, axis=0))
 
-    def _doubt(self, beams: Beams) -> float:
-        """Return how far echoes may be off for each metre from the laser, as the robot turns."""
-        before, self._before = self._before, beams
-        passed = beams.stamp - before.stamp if before else 0.0
-        if before is None or passed <= 0.0:
-            return 0.0
-        turned = abs(wrap(beams.robot_in_odom.theta - before.robot_in_odom.theta))
-        return min(ODOMETRY_DELAY * turned / passed, TURNING_DOUBT)
-
     def hear(self, mounts: Float, ranges: Float, robot_in_map: Pose2, now: float) -> None:
         """Take the ranges (F,) of sonars that fired [m], `inf` where nothing echoed.
 
@@ -133,7 +117,7 @@ class Sightings:
         if len(people) < len(self.movers.people()):  # somebody is out of the laser's sight
             for (x, y, theta), metres in zip(transducers.tolist(), ranges.tolist(), strict=True):
                 self.movers.hear(Pose2(x, y, theta), metres, now)
-        about = self.are_people_about(now)
+        about = self.movers.are_about(now)
         since = now - COASTING_TIME if about else 0.0  # who is gone explains nothing
 
         def is_known(arc: Float) -> bool:
@@ -147,24 +131,6 @@ class Sightings:
 
         self.echoes.take(transducers, ranges, now, is_known, people=about)
 
-    def _follow(self, beams: Beams, robot_in_map: Pose2, echoes: Float, from_laser: Float) -> Int:
-        """Follow all that moves; return the indices of the echoes of walkers."""
-        rows, columns, inside = self._raster.cells_of(echoes)
-        apart = self._clearance[rows, columns] > WALL_ECHO + WALL_DOUBT * from_laser
-        unknown = np.flatnonzero(inside & apart)
-        walked = {id(thing) for thing in self.movers.things if thing.walks}
-        own = self.movers.take(
-            echoes[unknown],
-            in_map(robot_in_map, beams.origin[None])[0],
-            np.array([robot_in_map.theta, pi / 2]),
-            beams.stamp,
-        )
-        for thing in self.movers.things:
-            if thing.walks:
-                for x, y in thing.past[-1:] if id(thing) in walked else thing.past:
-                    self._clear(x, y, PERSON_RADIUS)
-        return unknown[own]
-
     def points(self, now: float, *, people: bool = True) -> Float:
         """Return the middles of cells with things that were seen, shape (N, 2) [m].
 
@@ -174,7 +140,7 @@ class Sightings:
         self._seen[old], self._counts[old] = 0.0, 0  # nor do they close a way
         whole = slice(0, self._raster.height), slice(0, self._raster.width)
         seen = self._seen_in(whole, now)
-        people_about = self.are_people_about(now)
+        people_about = self.movers.are_about(now)
         heard = self._middles(self.echoes.often(now, people=people_about), whole, 0.0)
         return np.concatenate([seen, heard, *([self._standing(now)] if people else [])])
 
@@ -185,7 +151,7 @@ class Sightings:
     def _seen_in(self, part: tuple[slice, slice], now: float) -> Float:
         """Return the middles of the cells of a part with things that were seen, (N, 2) [m]."""
         seen = self._seen[part]
-        if self.are_people_about(now):
+        if self.movers.are_about(now):
             passing = (self._counts[part] < OFTEN) & (seen < now - PASSING_TIME)
             seen = np.where(passing, 0.0, seen)
         return self._middles(seen, part, now - PEOPLE_TIME)
@@ -242,7 +208,7 @@ class Sightings:
         return np.concatenate(
             [
                 people,
-                standing(self._legs(people, now), BODY_DEPTH),
+                standing(self._legs(people, now), BODY_RADIUS),
                 standing(self.echoes.near(x, y, within, now), 0.0),
                 standing(self.echoes.bodies(now), BODY_RADIUS),
             ]
@@ -272,7 +238,7 @@ class Sightings:
         legs = self.movers.doubtful if self.latest(now) is not None else np.empty((0, 2))
         for x, y, _, _, radius in people.tolist():
             # echoes of people beside each other are taken for those of the wrong one
-            if sum(hypot(ox - x, oy - y) < PARTING for ox, oy in people[:, :2].tolist()) == 1:
+            if sum(hypot(ox - x, oy - y) < BESIDE for ox, oy in people[:, :2].tolist()) == 1:
                 legs = legs[np.hypot(legs[:, 0] - x, legs[:, 1] - y) > min(radius, PERSON_RADIUS)]
         return legs
 
@@ -289,20 +255,16 @@ class Sightings:
     def way_of(self, place: tuple[float, float], heading: tuple[float, float]) -> Float:
         """Return where somebody goes on from a place [m], shape (K, 2): straight, along walls."""
         way, ahead = [np.array(place)], atan2(heading[1], heading[0])
-        for _ in range(round(COMING_WAY / COMING_STEP)):
+        for _ in range(round(COMING_WAY / COST_CELL)):
             turned = ahead + BENDS
-            steps = way[-1] + COMING_STEP * np.stack([np.cos(turned), np.sin(turned)], axis=1)
-            open_ = self.costs.clearance_at(steps) > LEAST_ROOM
+            steps = way[-1] + COST_CELL * np.stack([np.cos(turned), np.sin(turned)], axis=1)
+            open_ = self.costs.clearance_at(steps) > PERSON_RADIUS
             if not open_.any():
                 break
             best = int(open_.argmax())
             ahead = float(turned[best])
             way.append(steps[best])
         return np.array(way)
-
-    def are_people_about(self, now: float) -> bool:
-        """Return whether somebody was seen within the last minute: then much may change soon."""
-        return now - self.movers.met < PEOPLE_TIME
 
     def forget(self) -> None:
         """Forget everything, as after the robot was found to be somewhere else."""

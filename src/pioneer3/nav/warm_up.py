@@ -20,7 +20,7 @@ from pioneer3.nav.frontiers import find_frontiers
 from pioneer3.nav.kernels import CACHE
 from pioneer3.nav.likelihood_sonar import Pings
 from pioneer3.nav.localizer import Localizer
-from pioneer3.nav.manoeuvre import search_on
+from pioneer3.nav.manoeuvre import Search
 from pioneer3.nav.mapper import Mapper
 from pioneer3.nav.planner import Way, plan
 from pioneer3.nav.rendering import MapRenderer, trodden
@@ -73,8 +73,7 @@ def warm_up() -> None:
     follower.step(ORIGIN, Twist2(), obstacles)
     clearance = Clearance(model=model, limits=limits, margin=2 * half)
     clearance.limit(Twist2(0.1, 0.1), Twist2(), np.zeros((1, 5)), 20.0)
-    if (manoeuvre := search_on(ORIGIN, model, obstacles, way.cost_to_go)) is not None:
-        manoeuvre.go_on()
+    Search(ORIGIN, model, obstacles, way.cost_to_go).go_on()
     _make_map()
 
 

@@ -188,7 +188,7 @@ class Drives:
 
     async def _replan(self, drive: Drive) -> None:
         now, settings = self._clock(), self._costs.settings
-        people = self._sightings.are_people_about(now)
+        people = self._sightings.movers.are_about(now)
         here = self._localization.estimate.robot_in_map
         if drive.action.held_up(now) > settings.held_up and not people and here is not None:
             self.ways.avoid(drive.way, here)

@@ -13,9 +13,10 @@ from pioneer3.behaviors.actions.recover import StallRecover
 from pioneer3.geometry import Pose2
 from pioneer3.nav.beams import beams_of
 from pioneer3.nav.follower import Follower
+from pioneer3.nav.moving import BESIDE
 from pioneer3.nav.planner import CostToGo
 from pioneer3.nav.sightings import Sightings, in_map
-from pioneer3.navigation.recovery import BESIDE, Recovery
+from pioneer3.navigation.recovery import Recovery
 
 PATIENCE = 40.0
 """Time after which a robot that comes no nearer gives up [s]."""
@@ -167,7 +168,7 @@ class FollowWay(Action):
             self.failed = "it comes no nearer: something is in the way"
 
     def _patience(self, now: float) -> float:
-        return PATIENCE_AMONG_PEOPLE if self.sightings.are_people_about(now) else PATIENCE
+        return PATIENCE_AMONG_PEOPLE if self.sightings.movers.are_about(now) else PATIENCE
 
     def _listen(self, situation: Situation, robot_in_map: Pose2) -> None:
         """Note things that sonars hear: a laser sees no glass, and nothing below or behind it."""

@@ -10,7 +10,7 @@ from pioneer3.behaviors.action import Action, Desire, Situation
 from pioneer3.behaviors.engine import decided
 from pioneer3.geometry import Pose2
 from pioneer3.nav.beams import LatestBeams
-from pioneer3.nav.clearance import NO_WALLS, Clearance, Walls
+from pioneer3.nav.clearance import Clearance, Walls
 from pioneer3.nav.sightings import Sightings, in_map
 
 
@@ -32,7 +32,7 @@ class LimiterOutline(Action):
     margin: float
     odom_in_map: Callable[[], Pose2]
     unsure: Callable[[], str | None]
-    walls: Walls = NO_WALLS
+    walls: Walls = field(default_factory=lambda: Walls.of(np.empty((0, 4))))
     sightings: Sightings | None = None
     beams: LatestBeams = field(default_factory=LatestBeams)
     name: str = "limiter outline"

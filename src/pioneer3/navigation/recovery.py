@@ -8,21 +8,18 @@ import numpy as np
 from pioneer3.arrays import Float
 from pioneer3.behaviors.action import Desire, Situation
 from pioneer3.geometry import Pose2
-from pioneer3.nav.manoeuvre import Manoeuvre, Search, search_aside, search_on
+from pioneer3.nav.manoeuvre import PROGRESS, Manoeuvre, Search
 from pioneer3.nav.mover import Mover
+from pioneer3.nav.moving import BESIDE
 from pioneer3.nav.planner import CostToGo
 from pioneer3.nav.sightings import STANDING_TIME, Sightings
 
 MOVED = 0.2
-"""Way below which a robot has not moved [m]."""
-TURNED = 0.5
-"""Turn below which it has not turned [rad]."""
+"""Way below which a robot has not moved [m]; in a manoeuvre, that of a corner as it turns."""
 HELD_UP_TIME = 4.0
 """Time without headway after which it looks for a manoeuvre [s]; half of it is between searches."""
 BLOCKED_TIME = 1.0
 """Time where it is after which a robot that nothing leads on from waits for people [s]."""
-BESIDE = 0.95
-"""Distance of people who are beside the robot, and stand because of it [m]."""
 STAYING_TIME = 30.0
 """Time after which somebody who stands does not wait for it [s]."""
 
@@ -66,8 +63,8 @@ class Recovery:
         """
         here, now = robot_in_map, situation.now
         moved = self._anchor.inverse() @ here
-        turned = self._manoeuvre is not None and abs(moved.theta) > TURNED
-        if turned or hypot(moved.x, moved.y) > MOVED:
+        turned = situation.model.corner * moved.theta if self._manoeuvre else 0.0
+        if hypot(moved.x, moved.y, turned) > MOVED:
             self._anchor, self._anchored = here, now
         still = now - self._anchored
         waiting = self._waiting(here, now)
@@ -90,12 +87,9 @@ class Recovery:
         if self._search is not None and self._search.aside != waits:
             self._search = None
         if self._search is None and may_search and now - self._searched > HELD_UP_TIME / 2:
-            model, costs = situation.model, self.sightings.costs
-            if waits:
-                ways = self._ways(waiting, here)
-                self._search = search_aside(here, model, obstacles, ways, costs)
-            else:
-                self._search = search_on(here, model, obstacles, to_go)
+            ways = self._ways(waiting, here) if waits else None
+            if waits or to_go.at(here.x, here.y) > PROGRESS:
+                self._search = Search(here, situation.model, obstacles, to_go, ways)
             self._searched = now
         if self._goes_on_searching(situation):
             why = "waits for somebody" if waits else "looks for a way on"

@@ -10,6 +10,8 @@ from pioneer3.nav.costs import CostMap
 
 Float = NDArray[np.float64]
 AT = load_model("p3at-sh")
+NO_OBSTACLES = np.empty((0, 5))
+"""Nothing around a robot."""
 
 
 def box(x0: float, y0: float, x1: float, y1: float) -> list[list[float]]:

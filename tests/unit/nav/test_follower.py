@@ -12,10 +12,10 @@ from pioneer3.geometry import Pose2, Twist2, arc, wrap
 from pioneer3.limits import Limits
 from pioneer3.maps import LineMap
 from pioneer3.maps.grid import samples
-from pioneer3.nav.follower import GOAL_MARGIN, MARGIN, NO_OBSTACLES, Follower
+from pioneer3.nav.follower import GOAL_MARGIN, MARGIN, Follower
 from pioneer3.nav.manoeuvre import gaps_at
 from pioneer3.nav.planner import Way, plan
-from tests.unit.nav.offices import AT, costs, room, two_rooms
+from tests.unit.nav.offices import AT, NO_OBSTACLES, costs, room, two_rooms
 
 Float = NDArray[np.float64]
 LIMITS = Limits(max_speed=0.75, max_turn_rate=1.7)
@@ -84,7 +84,7 @@ def test_without_a_heading_it_stays_as_it_arrives() -> None:
 
 def test_it_turns_first_where_its_way_is_behind_it() -> None:
     begin = Pose2(5.0, 3.0, pi)
-    step = follower(room(), begin, (9.0, 3.0, None)).step(begin, Twist2())
+    step = follower(room(), begin, (9.0, 3.0, None)).step(begin, Twist2(), NO_OBSTACLES)
     assert step.v == 0.0
     assert abs(step.w) > 0.3
 
@@ -135,7 +135,7 @@ def test_it_lets_a_person_pass_who_walks_into_its_way() -> None:
 
 def test_no_faster_than_asked() -> None:
     begin = Pose2(1.0, 3.0, 0.0)
-    step = follower(room(), begin, (8.0, 3.0, None)).step(begin, Twist2(0.2, 0), top_speed=0.2)
+    step = follower(room(), begin, (8.0, 3.0, None)).step(begin, Twist2(0.2, 0), NO_OBSTACLES, 0.2)
     assert 0 < step.v <= 0.2
 
 
@@ -143,7 +143,7 @@ def test_it_does_not_turn_into_somebody_who_stands_beside_it() -> None:
     begin = Pose2(6.0, 3.0, 0.0)
     by = follower(room(), begin, (6.0, 3.0, pi / 2))
     beside = np.array([[6.0, 3.0 + AT.width / 2 + 0.05 + 0.28, 0.0, 0.0, 0.28]])
-    assert by.step(begin, Twist2()).w > 0.0
+    assert by.step(begin, Twist2(), NO_OBSTACLES).w > 0.0
     step = by.step(begin, Twist2(), beside)
     assert (step.v, step.w) == (0.0, 0.0)
     assert step.blocked

@@ -5,13 +5,12 @@ import pytest
 
 from pioneer3.arrays import Float
 from pioneer3.geometry import Pose2
-from pioneer3.nav.follower import NO_OBSTACLES
 from pioneer3.nav.mover import Mover
 from pioneer3.nav.planner import CostToGo, Way, plan
 from pioneer3.nav.sightings import STANDING_TIME, Sightings
 from pioneer3.navigation.recovery import BLOCKED_TIME, HELD_UP_TIME, STAYING_TIME, Recovery
 from tests.unit.behaviors.support import seen
-from tests.unit.nav.offices import costs, room
+from tests.unit.nav.offices import NO_OBSTACLES, costs, room
 
 HERE = Pose2(5.0, 3.0, 0.0)
 DT = 0.1

@@ -141,12 +141,11 @@ def manoeuvre(
         arounds: Filled with NaN: distance between each place and the nearest obstacle [m],
             shape (P,).
         asides: Work space: the same of the ways of others, shape (P,).
-        progress: Filled with 0: size of the heap, and number of states that are settled,
-            shape (2,).
+        progress: Filled with 0: size of the heap, 0 once the search is over, and number of states
+            that are settled, shape (2,).
 
     Returns:
-        The last state of the drive, from which `before` leads back; -1 if there is none, -2 if the
-        search is to go on.
+        The last state of the drive, from which `before` leads back; -1 if none was found yet.
     """
     cell, side = frame[3], sizes[0]
     inner, slack = min(outline[0], outline[1], outline[2]), sqrt(0.5) * cell
@@ -195,6 +194,7 @@ def manoeuvre(
             if not _fits(nx, ny, heading, outline, points, arounds[place], slack):
                 continue
             if size >= len(heap):
+                progress[0] = 0
                 return -1
             poses[other, 0], poses[other, 1], poses[other, 2] = nx, ny, heading
             costs[other], before[other] = cost, state
@@ -203,5 +203,5 @@ def manoeuvre(
                 left = max(0.0, outline[6] - asides[place])
             keys[other] = cost + left
             size = _push(heap, keys, size, other)
-    progress[0], progress[1] = size, settled
-    return -2 if size > 0 and settled < sizes[2] else -1
+    progress[0], progress[1] = size if settled < sizes[2] else 0, settled
+    return -1

@@ -2,7 +2,7 @@
 
 from math import floor, hypot, sqrt
 
-from pioneer3.arrays import Float, Float32, Int, UInt8
+from pioneer3.arrays import Float, Int, UInt8
 from pioneer3.jit import inlined, kernel
 
 
@@ -148,27 +148,3 @@ def clear_beams(origin: Float, ends: Float, short: float, seen: Float, counts: U
             column, row = floor(origin[0] + dx * step / 2), floor(origin[1] + dy * step / 2)
             if 0 <= column < width and 0 <= row < height:
                 seen[row, column], counts[row, column] = 0.0, 0
-
-
-@kernel
-def mark_echoes(
-    echoes: Float, clearance: Float32, known: Float, now: float, seen: Float, counts: UInt8
-) -> None:
-    """Note the cells of echoes that no wall of the map explains.
-
-    Args:
-        echoes: [cells], shape (N, 2).
-        clearance: Distance of each cell to the nearest wall [m], shape (H, W).
-        known: An echo nearer to a wall than this is of that wall [m], shape (N,).
-        now: The time to note.
-        seen: As `clear_beams` has it, shape (H, W).
-        counts: As `clear_beams` has it, shape (H, W).
-    """
-    height, width = seen.shape
-    for i in range(len(echoes)):
-        column, row = floor(echoes[i, 0]), floor(echoes[i, 1])
-        inside = 0 <= column < width and 0 <= row < height
-        if inside and clearance[row, column] > known[i]:
-            if seen[row, column] != now:  # several echoes of one scan count once
-                counts[row, column] = min(counts[row, column], 200) + 1
-            seen[row, column] = now
