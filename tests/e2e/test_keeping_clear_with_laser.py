@@ -103,6 +103,9 @@ async def test_going_from_place_to_place_hits_nothing() -> None:
     assert sum(log.ways) > 1.0
 
 
-async def test_a_stick_that_is_pushed_about_hits_nothing() -> None:
-    log = await drive(lambda line_map, home: RandomStick(0), "p3at-sh", 0)
+@pytest.mark.parametrize(
+    ("model", "seed"), [("p3at-sh", 0), pytest.param("p3dx-sh", 1, marks=pytest.mark.thorough)]
+)
+async def test_a_stick_that_is_pushed_about_hits_nothing(model: str, seed: int) -> None:
+    log = await drive(lambda line_map, home: RandomStick(seed), model, seed)
     assert log.hardest <= IMPACT

@@ -301,10 +301,8 @@ def with_own_handler(sent: int, *, before: bool, action: str = "pass") -> str:
 
 
 @pytest.mark.realtime
-@pytest.mark.parametrize(
-    ("sent", "before"),
-    [(signal.SIGINT, True), (signal.SIGTERM, False), (signal.SIGHUP, True)],
-)
+@pytest.mark.parametrize("before", [True, False], ids=["before", "after"])
+@pytest.mark.parametrize("sent", SIGNALS_AT_LENGTH, ids=lambda sent: sent.name)
 async def test_a_handler_of_the_program_itself_is_called(
     site: Site, sent: int, before: bool
 ) -> None:
@@ -349,11 +347,8 @@ async def test_a_loop_s_own_handler_is_called_and_the_robot_stopped(site: Site) 
 
 
 @pytest.mark.realtime
-@pytest.mark.parametrize(
-    ("program", "ignored"),
-    [(SCRIPT, signal.SIGHUP), (ASYNC, signal.SIGINT)],
-    ids=["drive", "async"],
-)
+@pytest.mark.parametrize("ignored", [signal.SIGHUP, signal.SIGINT], ids=lambda sent: sent.name)
+@pytest.mark.parametrize("program", [SCRIPT, ASYNC], ids=["drive", "async"])
 async def test_what_the_program_ignores_stops_nothing(
     site: Site, program: str, ignored: int
 ) -> None:

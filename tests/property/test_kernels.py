@@ -305,7 +305,13 @@ def test_blocked_agrees_with_the_footprint_test(
 
 
 @pytest.mark.skipif(not MAPS.is_dir(), reason="no maps here")
-@pytest.mark.parametrize("name", ["AMROffice", "columbia", "office", "triangle"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        *("AMROffice", "office", "triangle"),
+        pytest.param("columbia", marks=pytest.mark.thorough),  # with all its walls, four seconds
+    ],
+)
 def test_every_map_agrees_with_the_reference(name: str) -> None:
     kernels = Kernels()
     walls = read_map(MAPS / f"{name}.map").walls

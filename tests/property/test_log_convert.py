@@ -7,7 +7,7 @@ from tempfile import TemporaryDirectory
 
 import msgspec
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from mcap.reader import make_reader
 from mcap.writer import CompressionType, Writer
@@ -20,6 +20,7 @@ from pioneer3.ros.bag.convert import BagKind, write_bag
 from pioneer3.ros.bag.robots import MOST_ROBOTS
 from pioneer3.ros.node.names import Profile
 from pioneer3.runtime.recording import CommandGiven
+from tests.combinations import examples
 from tests.logs import drive, snapshot, write_log
 
 MAP = "2D-Map\nLineMinPos: 0 0\nLineMaxPos: 2000 1000\nNumLines: 1\nLINES\n0 0 2000 0\n"
@@ -86,6 +87,7 @@ def problems(data: bytes) -> list[str]:
     return told
 
 
+@settings(max_examples=examples(40))
 @given(
     places=st.lists(st.tuples(st.integers(0, 2**20), st.binary(max_size=9)), min_size=1, max_size=5)
 )
@@ -117,6 +119,7 @@ def test_tables_of_too_many_topics_are_refused_before_the_work(tmp_path: Path) -
     assert not (tmp_path / "made").exists()
 
 
+@settings(max_examples=examples(40))
 @given(
     topic=st.sampled_from(["snapshot", "command", "estimate", "way", "map", "../x", "a/snapshot"]),
     value=VALUES,
