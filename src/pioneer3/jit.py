@@ -50,6 +50,10 @@ ROOM: Final = 8 << 20
 """More than the compiled kernels of one folder take [bytes]."""
 
 
+HOLDERS: Final = {np.ndarray, tuple}
+"""Arguments of kernels that are, or have, arrays."""
+
+
 def kernel(function: Callable[P, R]) -> Callable[P, R]:
     """Mark a function that :func:`fast` can compile."""
     setattr(function, INLINE, "never")
@@ -71,17 +75,21 @@ def plain(function: Callable[P, R], *, scalar: bool = False) -> Callable[P, R]:
 
     @wraps(function)
     def run(*args: P.args, **kwargs: P.kwargs) -> R:
-        given: Any = map(_viewed, args) if scalar else args
         with np.errstate(all="ignore"):
-            return function(*given, **kwargs)
+            return function(*args, **kwargs)
 
-    return run
+    @wraps(function)
+    def run_viewed(*args: P.args, **kwargs: P.kwargs) -> R:
+        given: Any = [_viewed(each) if type(each) in HOLDERS else each for each in args]
+        return function(*given, **kwargs)
+
+    return run_viewed if scalar else run
 
 
-def _viewed(argument: object) -> object:
-    if isinstance(argument, np.ndarray):
-        return argument.data
-    return tuple(map(_viewed, argument)) if isinstance(argument, tuple) else argument
+def _viewed(argument: Any) -> Any:
+    if type(argument) is tuple:
+        return tuple([_viewed(each) if type(each) in HOLDERS else each for each in argument])
+    return argument.data
 
 
 class KernelCache:

@@ -66,7 +66,7 @@ class RobotArrays:
         self.state[3:6] = front, rear, half_width
         self.state[6] = 0.0 if cut is None else cut
         self._view()
-        side = LEAST_SIDE
+        side = 1 if len(front) == 1 else LEAST_SIDE
         while side * side < len(front):
             side *= 2
         radius = np.hypot((self.front + self.rear) / 2, self.half_width)
