@@ -223,7 +223,6 @@ PARTS: Mapping[str, Part] = {
             "test_a_mistake_is_told_in_one_line": "words of errors",
             "test_a_malformed_file_is_named_with_line_and_field": "words of errors",
             "test_the_simulator_outlives_a_client_that_vanishes_while_driving": "a host at fault",
-            "test_a_signal_ends_a_command_with_its_own_code_and_no_traceback": "ways out",
             "test_ctrl_c_while_a_command_starts_ends_it_quietly[asyncio-import]": "a way out",
             "test_run_tells_what_it_is_connected_to_and_serves_the_page": "the joint",
             "test_run_that_is_ended_while_driving_says_goodbye_to_the_robot": "a way out",

@@ -162,16 +162,6 @@ def test_a_port_that_is_not_ours_to_open_has_a_code_of_its_own(complaint: Compla
     assert SERIAL_NODE in told
 
 
-async def test_the_simulator_outlives_many_clients() -> None:
-    async with running("sim", "-p", "0") as sim:
-        url = (await sim.line()).rpartition(" ")[2]
-        for _ in range(4):
-            async with connect_async(url) as robot:
-                assert robot.info.identity.model == "p3at-sh"
-        code, stderr = await sim.end(signal.SIGTERM)
-        assert (code, stderr) == (143, "")
-
-
 VANISHING = """
 import os, sys, time
 from pioneer3 import connect
@@ -208,15 +198,6 @@ async def test_the_simulator_outlives_scanners_and_noise() -> None:
             assert robot.info.identity.model == "p3at-sh"
         code, stderr = await sim.end(signal.SIGTERM)
         assert (code, stderr) == (143, "")
-
-
-@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
-async def test_a_signal_ends_a_command_with_its_own_code_and_no_traceback(
-    number: signal.Signals, code: int
-) -> None:
-    async with running("sim", "-p", "0") as started:
-        assert "SIMULATOR" in await started.line()
-        assert await started.end(number) == (code, "")
 
 
 INTERRUPTED = """

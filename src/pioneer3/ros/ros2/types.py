@@ -131,7 +131,7 @@ def largest(name: str, fields: Mapping[str, Any]) -> float:
     return sum((size(*desc) for _, desc in fields[name][1]), LARGEST_NUMBER)
 
 
-def _hashed(fields: Mapping[str, Any], services: Iterable[str]) -> dict[str, Any]:
+def _hashed(fields: Mapping[str, Any], services: Iterable[str]) -> Mapping[str, Any]:
     """Return the fields that hashes are of, as REP 2016 defines them, also those of services."""
     hashed = {
         name: (constants, [(field, _counted(desc)) for field, desc in own])
