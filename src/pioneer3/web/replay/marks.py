@@ -151,5 +151,5 @@ def _decoded(message: LogMessage, kind: type[T]) -> T | None:
 def _text(mode: bytes) -> str:
     try:
         return msgspec.json.decode(b'"%s"' % mode, type=str)
-    except msgspec.MsgspecError:
+    except DAMAGED:
         return ""

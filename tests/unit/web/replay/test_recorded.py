@@ -9,6 +9,7 @@ import pytest
 
 from pioneer3.errors import ConfigError
 from pioneer3.log.index import LogIndex
+from pioneer3.log.reader import LogMessage
 from pioneer3.maps import LineMap
 from pioneer3.models.model import UnknownModel
 from pioneer3.navigation.recording import MapUsed
@@ -192,3 +193,11 @@ def test_a_log_without_robots_says_so(tmp_path: Path) -> None:
 def test_a_map_that_is_none_is_not_drawn() -> None:
     assert view.drawn_map(MapUsed(name="x", file="", sha256="", text="P5 no map")) is None
     assert view.drawn_map(None) is None
+
+
+def test_a_mode_that_is_no_text_is_none(path: Path) -> None:
+    found = MarkFinder(robots(path))
+    for mode in (b"\x80ander", b"wander\\"):
+        decision = LogMessage(BEGAN, "decision", b'{"mode":"' + mode + b'"}')
+        (mark,) = found.look([decision])
+        assert mark.text == " began"
