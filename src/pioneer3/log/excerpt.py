@@ -93,7 +93,7 @@ def _write(
             channels[channel.id] = writer.register_channel(
                 channel.topic,
                 channel.message_encoding,
-                schemas[channel.schema_id],
+                schemas.get(channel.schema_id, 0),
                 channel.metadata,
             )
         with log.damage_told():

@@ -4,6 +4,7 @@ from pathlib import Path
 from random import Random
 
 import pytest
+from mcap.writer import Writer
 
 from pioneer3.errors import ConfigError
 from pioneer3.log import chunks
@@ -137,3 +138,14 @@ def test_a_chunk_that_lies_about_its_length_is_not_unpacked(tmp_path: Path) -> N
         head = chunks.CHUNK_HEAD.pack(0, 0, told, 0, 4) + b"zstd"
         with pytest.raises(ValueError, match="another length than it says"):
             list(chunks.unpacked(head + len(packed).to_bytes(8, "little") + packed))
+
+
+def test_an_excerpt_of_a_topic_whose_schema_is_missing_has_its_messages(tmp_path: Path) -> None:
+    with (tmp_path / "a.mcap").open("wb") as file:
+        writer = Writer(file)
+        writer.start()
+        channel = writer.register_channel("notes", "json", schema_id=5)
+        writer.add_message(channel, BEGAN, b"{}", BEGAN)
+        writer.finish()  # type: ignore[no-untyped-call]
+    assert write_excerpt(LogIndex(tmp_path / "a.mcap"), tmp_path / "b.mcap", 0, 2 * BEGAN) == 1
+    assert [each.data for each in all_of(tmp_path / "b.mcap")] == [b"{}"]
