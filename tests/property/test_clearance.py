@@ -1,5 +1,6 @@
 """The last check of a command: whatever is asked for, no outline comes nearer than it may."""
 
+from itertools import combinations
 from math import cos, sin
 
 import numpy as np
@@ -20,9 +21,27 @@ SAMPLES = np.linspace(0.0, 1.0, 201)[:, None]
 
 
 def room_of(model: RobotModel, at: Pose2, walls: Float) -> Float:
-    """Return the room beside an outline, by points along each wall and its radius, shape (S,)."""
-    points = walls[:, None, :2] * (1 - SAMPLES) + walls[:, None, 2:4] * SAMPLES
+    """Return the room beside an outline, by points along each wall and its radius, shape (S,).
+
+    Among them is the deepest one: two of the outline's sides are equally far from it.
+    """
     c, s = cos(at.theta), sin(at.theta)
+    forward, left = np.array([c, s]), np.array([-s, c])
+    off = walls[:, :4].reshape(-1, 2, 2) - (at.x, at.y)
+    along, aside = off @ forward, off @ left
+    sides = (
+        model.length_front - along,
+        along + model.length_rear,
+        model.width / 2 - aside,
+        model.width / 2 + aside,
+    )
+    shares = [np.broadcast_to(SAMPLES[:, 0], (len(walls), len(SAMPLES)))]
+    for one, other in combinations(sides, 2):
+        begin, end = (one - other).T
+        crossing = np.divide(begin, begin - end, out=np.zeros(len(walls)), where=begin != end)
+        shares.append(crossing.clip(0.0, 1.0)[:, None])
+    share = np.hstack(shares)[..., None]
+    points = walls[:, None, :2] * (1 - share) + walls[:, None, 2:4] * share
     dx, dy = points[..., 0] - at.x, points[..., 1] - at.y
     x, y = c * dx + s * dy, c * dy - s * dx
     off_x = np.maximum(x - model.length_front, -model.length_rear - x)
