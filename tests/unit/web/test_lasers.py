@@ -1,6 +1,7 @@
 """Lasers at the computer, as pages are told of them. Virtual time."""
 
 import asyncio
+import re
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
@@ -112,7 +113,9 @@ async def test_findings_tell_how_each_laser_is() -> None:
         await asyncio.sleep(2.0)
         findings = {each["check"]: each for each in ann.latest("details")["findings"]}
         assert findings["laser"]["level"] == "ok"
-        assert findings["laser"]["found"].endswith("UTM-30LX at /dev/laser: 40 scans/s")
+        # in the second before there are 40, or one less where it begins between two
+        found = findings["laser"]["found"]
+        assert re.search(r"UTM-30LX at /dev/laser: (39|40) scans/s$", found), found
         assert "TiM551 at tcp://laser2:10940: 1" in findings["laser2"]["found"]
         the.front.unplug()
         await until(lambda: the.robot.laser.lost)
