@@ -21,7 +21,7 @@ from typing import Final, Protocol
 from pioneer3.errors import ConfigError, RecordingOverError
 from pioneer3.links.base import Link, Opener
 from pioneer3.log.reader import is_mcap, open_log
-from pioneer3.log.topics import LogTopic
+from pioneer3.log.topics import EXACT, ROUGH, LogTopic
 from pioneer3.log.writer import LogWriter
 
 FROM_HOST, FROM_ROBOT = "C>S", "S>C"
@@ -76,8 +76,11 @@ class WireRecording:
     def __init__(self, log: LogWriter, name: str = ROBOT) -> None:
         self.name = name
         self._log = log
+        # the driver of a robot tells the time of its bytes: log/verify needs it exactly
+        tick = EXACT if name.rpartition("/")[2] == ROBOT else ROUGH
         self._topics = {
-            way: LogTopic(f"wire/{name}/{end}", bytes, size=_size) for way, end in WAYS.items()
+            way: LogTopic(f"wire/{name}/{end}", bytes, size=_size, tick=tick)
+            for way, end in WAYS.items()
         }
 
     def now(self) -> float:

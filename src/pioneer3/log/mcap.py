@@ -92,7 +92,7 @@ class McapFile:
         self._counts[topic.name] += len(messages)
         self._ended = max(self._ended, messages[-1][0])
         if topic.kind is bytes:
-            self._add(topic, messages[0][0], OF_PIECES, pack_pieces(messages))
+            self._add(topic, messages[0][0], OF_PIECES, pack_pieces(messages, topic.tick))
         elif topic.in_rows:
             self._add_rows(topic, messages)
         else:

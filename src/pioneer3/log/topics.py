@@ -40,7 +40,9 @@ AS_THEY_ARE: Final = {int, str, bool, type(None)}
 MICRO: Final = 1000
 """Microsecond [ns], in which older logs tell the times of pieces."""
 EXACT: Final = 1
-"""Tick in which they are told now [ns]: a driver whose bytes are played again needs it."""
+"""Tick in which they are told usually [ns]: a driver whose bytes are played again needs it."""
+ROUGH: Final = 100_000
+"""Times of pieces are told in so many ns where nobody needs them exactly."""
 ROWS: Final = (Snapshot, Scan)
 """Messages that are always written as columns."""
 LASER_BYTES: Final = 2048
@@ -62,6 +64,7 @@ class LogTopic(Generic[T]):
         steady: The field that is the same in nearly all messages: it is kept with the channel.
         size: Returns the memory that a message takes [bytes], about.
         make: Makes the message of what was put, in the thread that writes.
+        tick: Unit of the times of pieces [ns].
         repeated: Whether its newest message is in each further file of the log, too.
         rows: Whether its messages are written as columns, as snapshots and scans are.
     """
@@ -72,6 +75,7 @@ class LogTopic(Generic[T]):
     size: Callable[[Any], int] = _usual
     make: Callable[[Any], T] | None = None
     repeated: bool = False
+    tick: int = EXACT
     rows: bool = False
 
     @property
@@ -137,20 +141,22 @@ class Pieces(msgspec.Struct, array_like=True, omit_defaults=True):
     planes: int = 0
 
 
-def pack_pieces(pieces: Sequence[tuple[int, bytes]]) -> bytes:
+def pack_pieces(pieces: Sequence[tuple[int, bytes]], tick: int = EXACT) -> bytes:
     """Return bytes that came in pieces, each at a time [ns], as one message of the first time.
 
     Links are read in small pieces: a message for each would take more room than they do.
     """
+    begin = pieces[0][0]
     times, parts = zip(*pieces, strict=True)
-    steps = [after - before for before, after in pairwise([times[0], *times])]
+    ticks = [(time - begin) // tick for time in times]
+    steps = [after - before for before, after in pairwise([0, *ticks])]
     joined, step = b"".join(parts), 0
     if len(joined) >= LASER_BYTES:
         from pioneer3.log.differences import best_step, differences, planes  # numpy loads slowly
 
         step = best_step(joined)
         joined = planes(differences(joined, step), step) if step else joined
-    return msgspec.msgpack.encode(Pieces(steps, [*map(len, parts)], joined, step, EXACT, step))
+    return msgspec.msgpack.encode(Pieces(steps, [*map(len, parts)], joined, step, tick, step))
 
 
 def unpack_pieces(time: int, data: bytes) -> Iterator[tuple[int, bytes]]:

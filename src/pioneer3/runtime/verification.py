@@ -5,8 +5,8 @@ is compared with the recorded one, by the model that was in force. Each decision
 what the actions wanted then: a log has their wishes, not their reasons to have them. Each velocity
 that was sent has to be that of the decision then, within the limits: a log has not all reasons of
 the pilot to stand, which it may at any time. A reason to stand was told if, and only if, the
-readings say that the robot stood. Bytes of lasers become scans again: all of them of an LMS-2xx, of
-others their readings.
+readings say that the robot stood. Bytes of lasers become scans again, with the same readings: their
+times are told to 0.1 ms, and so poses and stamps are not the same.
 """
 
 import asyncio
@@ -75,8 +75,7 @@ class Verification:
 
     Attributes:
         compared: Snapshots that are equal.
-        scans: Scans that are equal, of most lasers their readings; none of lasers in the robot's
-            own bytes.
+        scans: Scans whose readings are equal; none of lasers in the robot's own bytes.
         velocities: That were sent as the decisions tell; of a robot whose own odometry is
             corrected, with what that makes of them, to a degree per second.
         reasons: To stand or to move, as the readings tell; none of older logs.
@@ -154,11 +153,7 @@ class _Laser:
 
 
 def _lasers(log: RunLog, prefix: str) -> Iterator[_Laser]:
-    """Yield the lasers of a robot.
-
-    Of a laser with a clock, which is compared with the computer's when its driver wakes, only
-    readings are the same; so they are in older logs, whose times are rough.
-    """
+    """Yield the lasers of a robot at ports of their own."""
     from pioneer3.robot.lasers.driver import LaserConfig
 
     for described, texts in log.info().texts.items():
@@ -168,9 +163,8 @@ def _lasers(log: RunLog, prefix: str) -> Iterator[_Laser]:
         wire = RecordedWire(log, described)
         with log.damage_told():
             protocol = msgspec.json.decode(texts["protocol"], type=LaserProtocol)
-            exact = protocol is LaserProtocol.LMS2XX and "time_offset" in texts
             topic = LogTopic(f"{prefix}scan/{name}", Scan)
-            scans = _Comparison(log, topic, _whole if exact else _readings)
+            scans = _Comparison(log, topic, _readings)
             wire.speeds = msgspec.json.decode(texts["speeds"], type=tuple[int, ...])
             config = LaserConfig(
                 url=wire.url,
@@ -181,10 +175,6 @@ def _lasers(log: RunLog, prefix: str) -> Iterator[_Laser]:
                 time_offset=msgspec.json.decode(texts.get("time_offset", "0"), type=float),
             )
             yield _Laser(config, msgspec.json.decode(texts["mounting"], type=Mounting), scans)
-
-
-def _whole(scan: Scan) -> object:
-    return scan
 
 
 def _readings(scan: Scan) -> object:
