@@ -29,6 +29,7 @@ from pioneer3.navigation.goals import GoalChanged
 from pioneer3.navigation.recording import MapUsed, WayPlanned, kind_of
 from pioneer3.runtime.recording import TruePoseTold
 from pioneer3.state import Scan, Snapshot
+from pioneer3.text import wrong
 
 FORMS: Final = (
     (
@@ -150,6 +151,8 @@ def write_anonymous(log: OpenLog, output: Path) -> int:
         done = True
     except OSError as error:
         raise ConfigError(f"{output}: cannot be written: {error.strerror}") from None
+    except OverflowError as error:  # JSON has larger numbers than a log is written with
+        raise wrong(source.path, f" is damaged: {error}") from None
     finally:
         if not done:
             output.unlink()

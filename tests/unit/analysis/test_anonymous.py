@@ -233,3 +233,17 @@ def test_nothing_is_written_over_and_a_damaged_log_leaves_nothing(tmp_path: Path
         except ConfigError:
             assert not copy.exists()
         copy.unlink(missing_ok=True)
+
+
+def test_a_number_that_no_log_can_have_leaves_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path, copy = a_log(tmp_path), tmp_path / "copy.mcap"
+
+    def add(self: object, *_: object) -> None:
+        msgspec.msgpack.encode(1 << 64)
+
+    monkeypatch.setattr("pioneer3.log.mcap.McapFile.add", add)
+    with pytest.raises(ConfigError, match="is damaged: can't serialize ints"):
+        write_anonymous(pioneer3.log.open(path), copy)
+    assert not copy.exists()
