@@ -3,12 +3,11 @@
 import asyncio
 from collections.abc import Mapping
 
-from pioneer3.arcos.reports import Config
 from pioneer3.calibration.calibration import Calibration
 from pioneer3.calibration.course import Measurable, StepDrive, drive
 from pioneer3.calibration.own_file import Numbers
 from pioneer3.calibration.steps import By, CalibrationStep, plan, usual_side
-from pioneer3.models import EncoderNumbers
+from pioneer3.robot.config_backup import encoders_of
 from pioneer3.robot.supervisor import RobotInfo, is_simulator
 
 
@@ -94,7 +93,7 @@ class Procedure:
             laser=told.laser if own and own.lasers else None,
             delay=late[0] + own.lasers[0].delay if own and late else None,
             gyro_scaler=gyro[0] if gyro else None,
-            encoders=self._info.model.encoders or _encoders_of(config),
+            encoders=self._info.model.encoders or encoders_of(config),
             serial_number=self._serial_number,
         )
 
@@ -105,14 +104,3 @@ class Procedure:
         if known or self._info.config is None or is_simulator(self._info):
             return ""
         return self._info.config.serial_number
-
-
-def _encoders_of(config: Config | None) -> EncoderNumbers | None:
-    """Return the numbers of the controller; `None` if it tells none."""
-    if config is None or not config.ticks_per_mm or not config.rev_count_ticks:
-        return None
-    return EncoderNumbers(
-        ticks_mm=config.ticks_per_mm,
-        rev_count=config.rev_count_ticks,
-        drift_factor=config.drift_factor_8192nds or 0,
-    )

@@ -187,7 +187,7 @@ def totals(counts: Mapping[str, int], ended: int) -> dict[str, str]:
 
 
 def robots_in(topics: Iterable[str]) -> list[str]:
-    """Return what is before the names of each robot's topics, by those of their snapshots."""
+    """Return the prefix of each robot's topics, by those of their snapshots."""
     return sorted(
         topic.removesuffix(SNAPSHOT) for topic in topics if topic.rpartition("/")[2] == SNAPSHOT
     )

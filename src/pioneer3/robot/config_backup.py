@@ -18,7 +18,7 @@ from pioneer3.arcos import commands
 from pioneer3.arcos.commands import Command, named
 from pioneer3.arcos.reports import Config
 from pioneer3.errors import CommandError, ConfigError
-from pioneer3.models import RobotModel
+from pioneer3.models import EncoderNumbers, RobotModel
 from pioneer3.names import printable
 from pioneer3.robot.supervisor import RobotInfo
 from pioneer3.tables import Source, converted, load, table_of, written
@@ -144,7 +144,7 @@ def defaults_of(model: RobotModel) -> dict[str, int]:
         "has_rear_sonar": int(any(sonar.x < 0 for sonar in model.sonars)),
         "front_bumpers": model.front_bumpers,
         "rear_bumpers": model.rear_bumpers,
-        **_encoders_of(model),
+        **_encoder_fields(model),
     }
 
 
@@ -156,11 +156,22 @@ def with_defaults(config: Config, model: RobotModel) -> Config:
 
 def with_encoders(config: Config, model: RobotModel) -> Config:
     """Return CONFIG with the numbers of encoders that a robot's own file has."""
-    own: Any = _encoders_of(model)
+    own: Any = _encoder_fields(model)
     return replace(config, **own)
 
 
-def _encoders_of(model: RobotModel) -> dict[str, int]:
+def encoders_of(config: Config | None) -> EncoderNumbers | None:
+    """Return the numbers of the controller; `None` if it tells none."""
+    if config is None or not config.ticks_per_mm or not config.rev_count_ticks:
+        return None
+    return EncoderNumbers(
+        ticks_mm=config.ticks_per_mm,
+        rev_count=config.rev_count_ticks,
+        drift_factor=config.drift_factor_8192nds or 0,
+    )
+
+
+def _encoder_fields(model: RobotModel) -> dict[str, int]:
     if model.encoders is None:
         return {}
     return {

@@ -255,7 +255,7 @@ class _Decisions:
 
 
 def _corrected(twist: Twist2, info: RobotInfo) -> list[Twist2]:
-    """Return what a robot may be sent to move so: what rounding leaves out of one is in another."""
+    """Return the velocities for a motion: rounding moves its rest into the next one."""
     matrix = info.model.odometry.matrix(info.model.wheel_base)
     if matrix is None or twist.is_zero:
         return [twist]
