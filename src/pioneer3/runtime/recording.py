@@ -4,7 +4,7 @@ from asyncio import CancelledError, get_running_loop
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import astuple, dataclass
+from dataclasses import astuple, dataclass, replace
 from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, TypeVar
@@ -112,12 +112,19 @@ def _told(made: tuple[str, Decision]) -> DecisionMade:
 def described(texts: Mapping[str, str], url: str = "", given: GivenModel = None) -> RobotInfo:
     """Return the description of a robot by the texts of its log, as far as they can be read.
 
+    Its own file of today counts in older logs alone, and where it is right, and of that robot.
+
     Raises:
-        ConfigError: There is no such model as is given, or the robot's own file is wrong.
+        ConfigError: There is no such model as is given.
     """
     config, told = _read(texts, "configuration", Config), _read(texts, "parameters", RobotModel)
     identity = Identity(name=texts.get("name", ""), family="", model=texts.get("model", ""))
-    model = model_of(identity, config, given)
+    try:
+        model = model_of(identity, config, given)
+    except ConfigError:
+        if given is not None:
+            raise
+        model = model_of(replace(identity, name=""), None)
     if given is None and told is not None and astuple(told) != astuple(model):
         model = told  # its file was another one then
     return RobotInfo(

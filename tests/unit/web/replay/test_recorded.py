@@ -4,18 +4,22 @@ from itertools import count
 from pathlib import Path
 from random import Random
 
+import msgspec
 import numpy as np
 import pytest
 
+from pioneer3.arcos.reports import Config
 from pioneer3.errors import ConfigError
 from pioneer3.log.index import LogIndex
 from pioneer3.log.reader import LogMessage
 from pioneer3.maps import LineMap
+from pioneer3.models import load_model
 from pioneer3.models.model import UnknownModel
+from pioneer3.models.own import own_path
 from pioneer3.navigation.recording import MapUsed
 from pioneer3.robot.explain import STOPPED, ReasonKind
 from pioneer3.robot.supervisor import Connection
-from pioneer3.runtime.recording import StandsBecause
+from pioneer3.runtime.recording import StandsBecause, described
 from pioneer3.web import messages
 from pioneer3.web.replay import view
 from pioneer3.web.replay.marks import MarkFinder
@@ -201,3 +205,17 @@ def test_a_mode_that_is_no_text_is_none(path: Path) -> None:
         decision = LogMessage(BEGAN, "decision", b'{"mode":"' + mode + b'"}')
         (mark,) = found.look([decision])
         assert mark.text == " began"
+
+
+@pytest.mark.parametrize("own", ["this is no TOML", 'like = "p3at-sh"\nserial_number = "B"\n'])
+def test_an_own_file_that_is_wrong_or_of_another_robot_spoils_no_log(own: str) -> None:
+    path = own_path("rosalind")
+    assert path is not None
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(own, encoding="utf-8")
+    try:
+        config = msgspec.json.encode(Config(family="Pioneer", model="p3dx-sh", serial_number="A"))
+        texts = {"name": "rosalind", "model": "p3dx-sh", "configuration": config.decode()}
+        assert described(texts).model == load_model("p3dx-sh")
+    finally:
+        path.unlink()
