@@ -29,6 +29,7 @@ class Estimate:
         sure: Whether the robot may act upon it.
         agreement: Share of the readings that agree with the map there, 0 to 1.
         reason: The stage for people, one sentence without a full stop.
+        remark: The same about the laser that is mounted askew, or empty.
     """
 
     robot_in_map: Pose2 | None
@@ -38,6 +39,7 @@ class Estimate:
     agreement: float
     stage: Stage
     reason: str
+    remark: str = ""
 
     @property
     def deviation(self) -> float:

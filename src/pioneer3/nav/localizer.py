@@ -18,6 +18,7 @@ from pioneer3.nav.global_search import CandidatePoses, Candidates, GlobalSearch
 from pioneer3.nav.hypotheses import AGREEING_PLACE, ComparedScan, Hypotheses, share_of
 from pioneer3.nav.likelihood import LAST_SCALES, Agreement, ScanLikelihood, WallField
 from pioneer3.nav.likelihood_sonar import EchoMap, Pings
+from pioneer3.nav.mounting import STRAIGHT_TURN, LearnedMounting
 from pioneer3.nav.particles import MotionErrors, array_of, moved, pose_of, rows_of
 from pioneer3.nav.settings import AS_SHIPPED, LocalizerSettings
 from pioneer3.nav.tracking import Fix, LaserTrack, SonarTrack, is_known
@@ -56,6 +57,9 @@ GUESSES = 200
 """Hypotheses around a start that is known roughly."""
 COMPARED_BEAMS = 40
 """Beams that hypotheses are compared by."""
+MOUNTING_WAY = 0.5
+"""Way by which a robot that is sure learns where its laser looks [m]: by shorter ones, centimetres
+of its place turn the laser by degrees."""
 SONAR_AGREES = 0.5
 """Share of echoes that agree with the map above which a robot becomes sure by sonar: among
 furniture half of them are of edges."""
@@ -83,6 +87,8 @@ class _Progress:
         told: Whether somebody told where the robot is.
         low: Readings in turn that contradicted the map.
         looked: When the map was last looked at [s].
+        way: Where the present way began by which the laser's mounting is learned: by odometry, and
+            on the map.
     """
 
     stage: Stage
@@ -99,6 +105,7 @@ class _Progress:
     driven: float = 0.0
     low: int = 0
     looked: float = -inf
+    way: tuple[Pose2, Pose2] | None = None
     fix: Fix = field(default_factory=lambda: Fix(np.zeros(3), UNKNOWN_COVARIANCE, 0.0))
 
 
@@ -107,6 +114,9 @@ class Localizer:
 
     Give it all scans, or all pings, with :meth:`take` or :meth:`take_sonar`. While
     :attr:`wants_search`, run :meth:`search` in a thread and give the result to :meth:`adopt`.
+
+    Attributes:
+        mounting: How far the laser is turned from where it is said to look, as far as known.
     """
 
     def __init__(
@@ -116,7 +126,7 @@ class Localizer:
         rng: Generator,
         settings: LocalizerSettings = AS_SHIPPED.localizer,
     ) -> None:
-        self.line_map = line_map
+        self.line_map, self.mounting = line_map, LearnedMounting()
         self._model, self._rng, self._settings = model, rng, settings
         self._errors = MotionErrors(way_share=settings.way_error, turn_share=settings.turn_error)
         way, turn = settings.way**-2, settings.turn**-2
@@ -182,6 +192,7 @@ class Localizer:
                 now.laser.move(motion)
                 fix, verdict = now.laser.take(ScanLikelihood.of(self._walls, beams))
                 self._place(fix)
+                self._learn_mounting(pose_of(fix.pose))
                 if not whirls and _tells(verdict):
                     self._watch(contradicts=fix.agreement < self._settings.contradiction)
         elif beams.stamp >= now.looked + LOOK_PERIOD:
@@ -310,7 +321,7 @@ class Localizer:
         far = hypot(motion.x, motion.y) > JUMP_SPEED * seconds
         if not far and abs(motion.theta) <= JUMP_TURN_RATE * seconds:
             return
-        frame = odom @ last.inverse()
+        frame, self._now.way = odom @ last.inverse(), None
         if self._now.at is not None:
             self._now.at = frame @ self._now.at
         if self._odom_in_map is not None:
@@ -320,6 +331,16 @@ class Localizer:
         assert self._odom is not None
         motion, settings = (self._now.at or self._odom).inverse() @ self._odom, self._settings
         return hypot(motion.x, motion.y) >= settings.way or abs(motion.theta) >= settings.turn
+
+    def _learn_mounting(self, robot_in_map: Pose2) -> None:
+        """Learn where the laser looks once the robot has driven a way."""
+        assert self._odom is not None
+        odom, here = self._now.way or (self._odom, robot_in_map)
+        way = odom.inverse() @ self._odom
+        if hypot(way.x, way.y) >= MOUNTING_WAY or abs(way.theta) > STRAIGHT_TURN:
+            self.mounting.take(way, here.inverse() @ robot_in_map)
+            odom, here = self._odom, robot_in_map
+        self._now.way = odom, here
 
     def _whirls(self, beams: Beams) -> bool:
         """Whether the robot has turned fast since the last scan."""

@@ -77,7 +77,9 @@ class Localization:
     @property
     def estimate(self) -> Estimate:
         """Where the robot is."""
-        estimate = self._localizer.estimate
+        estimate, scan = self._localizer.estimate, self._robot.laser.latest
+        if scan and (askew := self._localizer.mounting.remark(scan.sensor_in_robot)):
+            estimate = replace(estimate, remark=askew)
         silent = self._now - self._heard
         if estimate.sure and silent > SILENT:
             sensor = "the laser is" if self.by_laser else "the sonars are"

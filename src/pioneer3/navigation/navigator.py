@@ -2,6 +2,7 @@
 
 import asyncio
 import gc
+import logging
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import inf
@@ -43,6 +44,8 @@ from pioneer3.navigation.traffic import Traffic
 from pioneer3.robot.supervisor import Feed
 from pioneer3.state import Snapshot
 from pioneer3.tasks import running
+
+log = logging.getLogger(__name__)
 
 REMEMBERED_EVERY = 10.0
 """Time between two writings of the robot's place [s]: its computer may be switched off."""
@@ -98,7 +101,7 @@ class Navigator:
         self._in_thread = in_thread
         self._file = last_place_file(robot.info, self.line_map)
         self._last: LastPlace | None = None
-        self._unwritten = False
+        self._unwritten = self._remarked = False
         known = robot.arbiter.log
         self._log = NavigationLog(known, self.line_map.name) if known is not None else None
 
@@ -214,6 +217,9 @@ class Navigator:
             self._note(LastPlace(estimate.odom_in_map, snapshot.odometry.robot_in_odom))
         elif estimate.stage == "lost":
             self._note(None)
+        if estimate.remark and not self._remarked:
+            self._remarked = True
+            log.warning("%s", estimate.remark)
         drive = self._drives.present_in(self._robot.arbiter.mode)
         state = NavigatorState(
             estimate=estimate,

@@ -240,7 +240,8 @@ class Navigation(Message, tag="navigation", frozen=True):
     `robot_in_map` is the most likely pose; `ellipse` is around the places where the robot is with
     95 %: its half axes [m] and the angle of the longer one [rad]. `agreement` is the share of the
     readings that agree with the map, 0 to 1; `reason` says why the robot is `sure` of its place, or
-    is not. `left` is in metres, `seconds` a guess; `problem` says why the robot does not come on.
+    is not. `left` is in metres, `seconds` a guess; `problem` says why the robot does not come on,
+    `remark` that its laser is mounted askew.
     """
 
     robot: int
@@ -248,6 +249,7 @@ class Navigation(Message, tag="navigation", frozen=True):
     reason: str
     agreement: float = 0.0
     problem: str = ""
+    remark: str = ""
     place: str = ""
     robot_in_map: Pose2 | None = None
     ellipse: tuple[float, float, float] | None = None

@@ -284,6 +284,7 @@ class RobotNavigation:
             reason=estimate.reason,
             agreement=round(estimate.agreement, 2),
             problem=state.problem,
+            remark=estimate.remark,
             place=state.goal.name if state.goal else "",
             robot_in_map=Pose2(*_rounded((pose.x, pose.y, pose.theta))) if pose else None,
             ellipse=_rounded(estimate.ellipse) if estimate.ellipse else None,

@@ -1,6 +1,6 @@
 """Where a robot is on a map."""
 
-from math import hypot, pi
+from math import hypot, pi, radians
 
 import numpy as np
 import pytest
@@ -30,13 +30,14 @@ class Drive:
     ) -> None:
         self.localizer = Localizer(line_map, MODEL, np.random.default_rng(3))
         self.truth, self.odom, self.slip = truth, Pose2(5.0, -3.0, 1.0), slip
-        self.near, self.time = np.inf, 0.0
+        self.near, self.time, self.askew = np.inf, 0.0, 0.0
         self.world = line_map
 
     def look(self) -> None:
         """Take a scan."""
         self.time += 0.1
-        seen = beams(self.world, self.truth, self.odom, stamp=self.time, near=self.near)
+        from_here = self.truth @ Pose2(0.0, 0.0, self.askew)
+        seen = beams(self.world, from_here, self.odom, stamp=self.time, near=self.near)
         self.localizer.take(seen)
 
     def listen(self) -> None:
@@ -98,6 +99,22 @@ def test_the_transform_of_odometry_goes_on_between_scans_that_count() -> None:
     drive.look()
     assert drive.localizer.estimate.odom_in_map == before
     assert drive.off < 0.01
+
+
+@pytest.mark.parametrize("degrees", [-2, 0, 2])
+def test_it_finds_out_that_a_laser_is_mounted_askew(degrees: float) -> None:
+    drive = Drive()
+    drive.askew = radians(degrees)
+    drive.localizer.start(BEGIN)
+    drive.look()
+    for _ in range(24):
+        drive.go(1.2)
+        drive.odom = Pose2(5.0, -3.0, 1.0)  # what was set anew is no way
+        drive.go(-1.2)
+    mounting = drive.localizer.mounting
+    assert drive.localizer.estimate.sure
+    assert mounting.angle == pytest.approx(radians(degrees), abs=radians(0.5))
+    assert (mounting.remark(ORIGIN) is not None) == (degrees != 0)
 
 
 @pytest.mark.parametrize("sonar", [False, True])

@@ -17,7 +17,9 @@ import pytest
 from pioneer3.geometry import Pose2
 from pioneer3.maps import LineMap, MapObject
 from pioneer3.navigation.connect import connect_async
+from pioneer3.ros.messages.diagnostics import DiagnosticLevel
 from pioneer3.ros.messages.goals import GoalState
+from pioneer3.ros.messages.navigation import navigation_status
 from pioneer3.ros.node.middleware import Sender
 from pioneer3.ros.node.node import RobotNode
 from pioneer3.ros.node.parameter_reading import read_parameters
@@ -389,7 +391,10 @@ async def test_a_robot_that_is_not_sure_does_not_go_until_it_is_told() -> None:
         await asyncio.sleep(2.0)
         last = the.heard("amcl_pose")[-1].pose.pose.position
         assert hypot(last.x - the.here.x, last.y - the.here.y) < 0.05
-        assert parts(the)["Localization"].level == 0
+        assert parts(the)["Localization"].level == DiagnosticLevel.OK
+        estimate = replace(the.navigator.estimate, remark="the laser looks elsewhere")
+        askew, _ = navigation_status("office", estimate, None)
+        assert (askew.level, askew.message) == (DiagnosticLevel.WARN, "the laser looks elsewhere")
         the.goal("b", -1.5, -1.0)
         assert (await the.ended())[1] is GoalState.SUCCEEDED
 

@@ -234,6 +234,8 @@ def _localization(map_name: str, estimate: "Estimate") -> DiagnosticStatus:
         ("y", f"{known.y:.3f}" if known else ""),
         ("heading", f"{known.theta:.3f}" if known else ""),
     )
+    if estimate.sure and estimate.remark:
+        return DiagnosticStatus("Localization", DiagnosticLevel.WARN, estimate.remark, values)
     if estimate.sure:
         return DiagnosticStatus("Localization", DiagnosticLevel.OK, estimate.reason, values)
     message = f"not sure: {estimate.reason}"

@@ -96,7 +96,12 @@ const goto = new GotoTool({
   notify: toast,
 });
 scene.goto = goto;
-const whereabouts = new Whereabouts({ model, send: (message) => connection.send(message), place: () => goto.begin() });
+const whereabouts = new Whereabouts({
+  model,
+  send: (message) => connection.send(message),
+  place: () => goto.begin(),
+  notify: (text) => toast(text, LONG),
+});
 
 const stops = new StopQueue({
   send: (message) => connection.send(message),

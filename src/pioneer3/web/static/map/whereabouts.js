@@ -1,6 +1,6 @@
 // How sure a robot is of its place on the map: an ellipse around it, and a notice while it is not sure.
 
-import { byId, putHelp } from "../dom.js";
+import { byId, putHelp, sentence } from "../dom.js";
 
 const APART = 0.3; // m between the drawn pose and the estimate, from which on both are drawn
 const CROSS = 7; // px
@@ -40,11 +40,17 @@ export function drawWhereabouts(context, view, palette, { robot_in_map: pose, el
 export class Whereabouts {
   #model;
   #send;
+  #notify;
+  #remarked = new Set(); // ids of robots
 
-  /** @param send function(message) @param place function(): begins to place the robot */
-  constructor({ model, send, place }) {
+  /**
+   * @param send function(message) @param place function(): begins to place the robot
+   * @param notify function(text)
+   */
+  constructor({ model, send, place, notify }) {
     this.#model = model;
     this.#send = send;
+    this.#notify = notify;
     byId("unsure-place").addEventListener("click", place);
     byId("unsure-look").addEventListener("click", () => this.#lookAround());
   }
@@ -52,12 +58,20 @@ export class Whereabouts {
   show() {
     const { selected, live, viewer, snapshot } = this.#model;
     const navigation = live ? selected?.navigation : null;
+    if (navigation?.remark) this.#remark(selected.id, navigation.remark);
     const asked = selected?.mapping?.asks; // one question after the other
     byId("unsure").hidden = !navigation?.reason || navigation.sure || snapshot?.mode === LOOKS || asked;
     if (byId("unsure").hidden) return;
     const who = this.#model.several ? `${selected.name} is not sure` : "It is not sure";
     putHelp(byId("unsure-why"), `${who} where it is: ${navigation.reason}.`, "not-sure-where-it-is");
     for (const id of ["unsure-how", "unsure-place", "unsure-look"]) byId(id).hidden = viewer;
+  }
+
+  /** Shows once that the laser is mounted askew. */
+  #remark(id, remark) {
+    if (this.#remarked.has(id)) return;
+    this.#remarked.add(id);
+    this.#notify(sentence(remark));
   }
 
   #lookAround() {
