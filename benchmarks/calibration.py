@@ -9,6 +9,7 @@ import argparse
 import asyncio
 from collections.abc import Coroutine, Mapping
 from dataclasses import replace
+from functools import cache
 from math import degrees, hypot, pi, radians
 from statistics import median
 from typing import Any, TypeVar
@@ -160,23 +161,26 @@ def in_simulated_time(run: Coroutine[Any, Any, Result]) -> Result:
         loop.close()
 
 
+@cache
+def uncorrected(model: str, seed: int, *, mass: bool) -> float:
+    """Return the error of a robot without a correction [m], by whatever it is measured then."""
+    sim = simulated(model, errors_of(np.random.default_rng(seed)), seed, mass=mass, walls=False)
+    return in_simulated_time(return_error(sim, load_model(model), UNCORRECTED))
+
+
 def measured(model: str, by: str, seed: int, *, mass: bool) -> tuple[float, float]:
     """Return the error before and after of a robot [m]."""
     rng = np.random.default_rng(seed)
     realism = errors_of(rng)
 
-    async def run() -> tuple[float, float]:
+    async def after() -> float:
         told = await calibrated(simulated(model, realism, seed, mass=mass, walls=True), by, rng)
         found = told.estimate()
         assert found is not None
-        kind = load_model(model)
-        pair = [
-            await return_error(simulated(model, realism, seed, mass=mass, walls=False), kind, each)
-            for each in (UNCORRECTED, found.correction)
-        ]
-        return pair[0], pair[1]
+        sim = simulated(model, realism, seed, mass=mass, walls=False)
+        return await return_error(sim, load_model(model), found.correction)
 
-    return in_simulated_time(run())
+    return uncorrected(model, seed, mass=mass), in_simulated_time(after())
 
 
 async def laser_errors(model: str, seed: int) -> tuple[float, float, float]:

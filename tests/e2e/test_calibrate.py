@@ -246,18 +246,21 @@ async def test_turns_tell_the_scale_of_a_gyro(tmp_path: Path) -> None:
     assert found[1] < 0.01
 
 
-async def test_a_laser_tells_the_errors_and_its_own_place_and_delay() -> None:
+async def test_a_laser_tells_the_errors_and_its_own_place_and_delay(tmp_path: Path) -> None:
     pytest.importorskip("numba")
     true = load_model("p3dx-sh").laser
     assert true is not None
     wrong = Mounting(sensor_in_robot=Pose2(true.x + 0.04, true.y - 0.03, radians(3)))
     realism = Realism(odometry=ERRORS)
     async with AsyncExitStack() as stack:
-        sim = SimulatedRobot(room(), model="p3dx-sh", realism=realism, seed=2)
+        own = tmp_path / "rosie.toml"
+        place = f"x = {true.x}\ny = {true.y}\ntheta_deg = {degrees(true.theta)}\ndelay = 0.05\n"
+        own.write_text(f'like = "p3dx-sh"\n[[lasers]]\nport = "a"\nkind = "urg-04lx"\n{place}')
+        sim = SimulatedRobot(room(), model=str(own), realism=realism, seed=2)
         await stack.enter_async_context(sim)
         unit = await stack.enter_async_context(LaserUnit(sim, "urg-04lx"))
-        spec = unit.spec(wrong, time_offset=0.05)
-        robot = await stack.enter_async_context(connect_async(sim.open, lasers=[spec]))
+        connection = connect_async(sim.open, model="p3dx-sh", lasers=[unit.spec(wrong)])
+        robot = await stack.enter_async_context(connection)
         await robot.laser.reading()
         told = Calibration(robot.info.model, wrong.sensor_in_robot)
         for step in plan(robot.info.model, 1.2, 1.2, 1, by_laser=True, by_sonar=True):

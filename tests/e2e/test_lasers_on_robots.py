@@ -4,6 +4,7 @@ import asyncio
 from dataclasses import replace
 from math import isfinite, isnan, pi, radians, sqrt
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -269,11 +270,14 @@ async def test_settings_reach_the_laser() -> None:
         assert driver.laser.rate == pytest.approx(20, abs=1)
 
 
-async def test_a_time_offset_moves_stamps_and_not_the_latency() -> None:
+@pytest.mark.parametrize("late", [{"time_offset": 0.2}, {"mounting": Mounting(delay=-0.2)}])
+async def test_a_time_offset_or_delay_moves_stamps_and_not_the_latency(
+    late: dict[str, Any],
+) -> None:
     async with (
         SimulatedRobot(room()) as robot,
         LaserUnit(robot, "utm-30lx", serial=True) as unit,
-        connect_async(robot.open, lasers=[unit.spec(time_offset=0.2)]) as driver,
+        connect_async(robot.open, lasers=[unit.spec(**late)]) as driver,
     ):
         await scanning(driver)
         scan = await driver.laser.reading()

@@ -45,6 +45,7 @@ kind = "urg-04lx"
 x = 0.1
 y = 0
 theta_deg = 0
+delay = 0.04
 """
 
 
@@ -131,6 +132,8 @@ def test_a_robot_is_simulated_by_its_own_file(name: Callable[[Path], str]) -> No
     with robot_like(name(rosie()), Realism()) as like:
         assert (like.robot.name, like.robot.equipment.laser) == ("rosie", "urg-04lx")
         body = Body(load_model(like.robot.model))
+        assert body.model.laser
+        assert body.model.laser.delay == 0.04
         world = World(None, [body], realism=like.realism)
         column = world.drives.errors[:4, 0].tolist()
         assert column == [*(HIDDEN.matrix(body.model.wheel_base) or ())]

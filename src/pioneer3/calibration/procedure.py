@@ -91,7 +91,7 @@ class Procedure:
         return Numbers(
             odometry=told.correction,
             laser=told.laser if own and own.lasers else None,
-            delay=late[0] + own.lasers[0].delay if own and late else None,
+            delay=late[0] + own.lasers[0].mount.delay if own and late else None,
             gyro_scaler=gyro[0] if gyro else None,
             encoders=self._info.model.encoders or encoders_of(config),
             serial_number=self._serial_number,

@@ -151,6 +151,7 @@ class LaserMount:
         upside_down: Whether it hangs head down, so that it turns clockwise.
         masked: Sectors to leave out, such as posts of the robot itself: pairs of directions in the
             laser's frame, seen from above, the first counter-clockwise to the second [rad].
+        delay: Time by which its scans are stamped too late [s].
     """
 
     kind: _Word
@@ -159,6 +160,7 @@ class LaserMount:
     theta: Annotated[float, _THETA]
     upside_down: bool = False
     masked: Annotated[tuple[tuple[float, float], ...], _MASKED] = ()
+    delay: Annotated[float, Meta(ge=-0.25, le=0.25)] = 0.0
 
     def __post_init__(self) -> None:
         """Refuse a pose that is not on a robot."""
@@ -295,14 +297,9 @@ class RobotModel:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OwnLaser:
-    """A laser range finder of one robot: its port as for `--laser`, and its place.
-
-    Attributes:
-        delay: Time by which its scans are stamped too late [s].
-    """
+    """A laser range finder of one robot: its port as for `--laser`, and its place."""
 
     port: str
-    delay: Annotated[float, Meta(ge=-0.25, le=0.25)] = 0.0
     mount: Annotated[LaserMount, FieldForm(type=LaserMount, spread=True)]
 
 

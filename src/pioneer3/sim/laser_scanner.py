@@ -9,6 +9,7 @@ tell how the surface slants and whether an edge divides the spot (docs/explanati
 "Range finders").
 """
 
+from collections import deque
 from dataclasses import dataclass
 from math import ceil, floor, hypot, inf
 
@@ -59,7 +60,8 @@ class LaserScanner:
     """One laser on a robot.
 
     It is where the model of `body` says, or at its pose; its errors are those of the world's
-    realism.
+    realism. Readings that a host stamps too late by the model's delay are of where the robot was
+    so long before their time.
     """
 
     def __init__(self, world: World, body: Body, model: LaserModel) -> None:
@@ -67,6 +69,7 @@ class LaserScanner:
         self._world, self._body = world, body
         at = body.model.laser
         self._mount = Pose2(at.x, at.y, at.theta) if at else ORIGIN
+        self._delay = max(at.delay, 0.0) if at else 0.0
         self._rng = world.generator(body)
         self._errors = world.realism.range_finder
         bands = [(each.up_to, each.systematic, each.share, each.sigma) for each in model.errors]
@@ -74,6 +77,7 @@ class LaserScanner:
         self._lasting = self._rng.uniform(-1.0, 1.0) * self._errors.systematic
         self._since = self._time = world.time
         self._before = self._pose = body.robot_in_world
+        self._poses = deque([(world.time, self._pose)])
         self._lay_out(Arc(first=0.0, step=model.step, count=1, beam_time=0.0))
         self._began, self._cast = inf, 0
 
@@ -100,7 +104,12 @@ class LaserScanner:
         """
         if now > self._time:
             self._since, self._before = self._time, self._pose
-            self._time, self._pose = now, self._body.robot_in_world
+            self._poses.append((now, self._body.robot_in_world))
+            while len(self._poses) > 1 and self._poses[1][0] <= now - self._delay:
+                self._poses.popleft()
+            self._time, self._pose = now, self._poses[0][1]
+            if len(self._poses) > 1:
+                self._pose = _Motion(*self._poses[0], *self._poses[1]).pose_at(now - self._delay)
             if hypot(self._pose.x - self._before.x, self._pose.y - self._before.y) > JUMP:
                 self._before = self._pose
         due = self._rays_until(now)
@@ -160,14 +169,15 @@ class LaserScanner:
     def _look_along(self, first: int, end: int, motion: "_Motion") -> None:
         """Cast the rays `first` to `end`, without `end`, from where the robot was then."""
         mount, headings = self._mount, self._headings[:, first:end]
+        present = self._poses[-1][1]
         start, apart = self._arc.first + (first - self._aside) * self._apart, self._apart
-        if motion.begin != motion.end:
+        if motion.begin != motion.end or present != motion.end:
             each = self._arc.beam_time / self._per_step
             half = (end - 1 - first) / 2
             turned = motion.rate * each  # by the robot, from one ray to the next
             at = motion.pose_at(self._began + (first - self._aside + half) * each)
             # World looks from the present pose of the robot; seen from there the laser was here
-            mount = self._pose.inverse() @ at @ mount
+            mount = present.inverse() @ at @ mount
             start, apart = start - turned * half, apart + turned
             if turned:
                 angles = start + apart * np.arange(end - first)

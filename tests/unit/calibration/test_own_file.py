@@ -55,7 +55,7 @@ def test_numbers_are_replaced_and_comments_stay() -> None:
     text = with_numbers(FILE, NUMBERS, PATH)
     own = parse_own(text, "rosie.toml")
     assert own.model.odometry == OdometryCorrection(1.01235, 0.98, 1.005)
-    assert (own.lasers[0].mount.x, own.lasers[0].delay) == (0.1235, 0.041)
+    assert (own.lasers[0].mount.x, own.lasers[0].mount.delay) == (0.1235, 0.041)
     assert own.lasers[0].mount.theta == pytest.approx(radians(2))
     assert own.lasers[1].mount.x == -0.2
     assert (own.model.max_speed, own.model.gyro_scaler) == (0.5, 1.7001)

@@ -32,11 +32,14 @@ def world_of(
     at: Pose2 = ORIGIN,
     errors: RangeFinderErrors = NO_ERRORS,
     seed: int = 0,
+    delay: float = 0.0,
 ) -> tuple[World, Body]:
     """Return a world whose robot's laser is at the robot's pose."""
     model = load_model("p3dx-sh")
     assert model.laser is not None
-    body = Body(replace(model, laser=replace(model.laser, x=0.0, y=0.0, theta=0.0)), at)
+    body = Body(
+        replace(model, laser=replace(model.laser, x=0.0, y=0.0, theta=0.0, delay=delay)), at
+    )
     line_map = LineMap(name="test", walls=walls, materials=codes_of(materials))
     realism = replace(Realism.ideal(), range_finder=errors)
     return World(line_map, [body], Kernels(), seed=seed, realism=realism), body
@@ -74,18 +77,25 @@ def test_a_robot_at_rest_measures_what_the_oracle_does() -> None:
 
 
 @pytest.mark.parametrize(("v", "w"), [(0.0, radians(100)), (1.0, 0.0), (0.6, radians(-60))])
-@pytest.mark.parametrize("tick", [0.005, 0.02])
-def test_each_reading_is_of_the_robots_place_at_its_time(v: float, w: float, tick: float) -> None:
+@pytest.mark.parametrize(("tick", "delay"), [(0.005, 0.0), (0.02, 0.0), (0.02, 0.05)])
+def test_each_reading_is_of_the_robots_place_at_its_time(
+    v: float, w: float, tick: float, delay: float
+) -> None:
     start = Pose2(-1.0, 0.5, 0.4)
-    world, body = world_of(SQUARE, at=start)
+    world, body = world_of(SQUARE, at=start, delay=delay)
     scanner, turn = LaserScanner(world, body, UTM), arc_of(UTM)
-    scanner.begin(turn, 0.003)
+    while world.time < delay:
+        scanner.look(world.time)
+        world.step(tick)
+        body.robot_in_world = start @ arc(v, w, world.time)
+    began = world.time + 0.003
+    scanner.begin(turn, began)
     while not scanner.look(world.time):
         world.step(tick)
         body.robot_in_world = start @ arc(v, w, world.time)
     ranges, _ = scanner.readings()
     for k in range(0, UTM.count, 20):
-        place = start @ arc(v, w, 0.003 + k * turn.beam_time)
+        place = start @ arc(v, w, began - delay + k * turn.beam_time)
         angle = np.array([place.theta + UTM.first + k * UTM.step])
         exact = cast_reference(np.array([place.x, place.y]), angle, SQUARE, 30.0)[0]
         # half a piece of 2.5 ms on the way, seen at a slant

@@ -290,9 +290,10 @@ class LaserDriver:
         self.scans += 1
         now = self._clock()
         self.latency = now - raw.stamp - raw.beam_time * max(0, len(raw.ranges) - 1)
-        if self.config.time_offset:
-            raw = replace(raw, stamp=raw.stamp + self.config.time_offset)
-        scan = self.mounting().scan(raw, self.scans, self.config.name, self._pose_at)
+        mounting = self.mounting()
+        if (offset := self.config.time_offset - mounting.delay) != 0.0:
+            raw = replace(raw, stamp=raw.stamp + offset)
+        scan = mounting.scan(raw, self.scans, self.config.name, self._pose_at)
         if not self.connected:
             self._failure, self._good_speed = "", self._speed
             self._publish(Connection.CONNECTED, f"{len(scan.ranges)} readings a scan")

@@ -33,6 +33,8 @@ class Sector(NamedTuple):
 class Mounting:
     """The place of a laser on the robot; `upside_down` it turns clockwise.
 
+    Its scans are stamped too late by its `delay` [s].
+
     Sectors `masked` are left out, such as posts of the robot itself; in the laser's frame, as
     :attr:`Scan.angles` are, seen from above.
     """
@@ -40,6 +42,7 @@ class Mounting:
     sensor_in_robot: Pose2 = ORIGIN
     upside_down: bool = False
     masked: tuple[Sector, ...] = ()
+    delay: float = 0.0
 
     def scan(self, raw: RawScan, sequence: int, name: str, pose_at: PoseAt) -> Scan:
         """Return the scan of the robot for the readings of its laser."""

@@ -65,6 +65,7 @@ def mounting_of(mount: LaserMount) -> Mounting:
         sensor_in_robot=Pose2(mount.x, mount.y, mount.theta),
         upside_down=mount.upside_down,
         masked=tuple(Sector(first, last) for first, last in mount.masked),
+        delay=mount.delay,
     )
 
 
@@ -123,7 +124,7 @@ def own_lasers(own: OwnFile, robots: Iterable[str] = ()) -> tuple[LaserSpec, ...
             raise wrong_in_own(own, f"lasers[{number}].port", error) from None
     specs = parse_lasers(urls)
     return tuple(
-        replace(spec, mounting=mounting_of(laser.mount), time_offset=-laser.delay)
+        replace(spec, mounting=mounting_of(laser.mount))
         for spec, laser in zip(specs, own.lasers, strict=True)
     )
 

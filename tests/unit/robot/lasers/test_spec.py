@@ -159,10 +159,13 @@ def test_its_place_is_that_of_the_model_unless_given() -> None:
 
 def test_masks_add_to_those_of_the_model() -> None:
     mount = LaserMount(
-        kind="urg2.0", x=0.1, y=0.0, theta=0.5, upside_down=True, masked=((1.0, 2.0),)
+        kind="urg2.0", x=0.1, y=0.0, theta=0.5, upside_down=True, masked=((1.0, 2.0),), delay=0.05
     )
     assert mounting_of(mount) == Mounting(
-        sensor_in_robot=Pose2(0.1, 0.0, 0.5), upside_down=True, masked=(Sector(1.0, 2.0),)
+        sensor_in_robot=Pose2(0.1, 0.0, 0.5),
+        upside_down=True,
+        masked=(Sector(1.0, 2.0),),
+        delay=0.05,
     )
     spec = LaserSpec(url="/dev/a", mounting=mounting_of(mount), masked=(Sector(-2.0, -1.0),))
     assert spec.mounting_on(None).masked == (Sector(1.0, 2.0), Sector(-2.0, -1.0))
