@@ -91,9 +91,17 @@ async def test_a_robot_that_another_program_has_says_so() -> None:
     assert "is another one connected to it?" in err
 
 
-@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
-async def test_a_signal_ends_a_calibration_and_leaves_the_file_whole(
-    number: signal.Signals, code: int
+@pytest.mark.parametrize(
+    ("number", "code"),
+    [
+        (signal.SIGINT, 130),
+        (signal.SIGTERM, 143),
+        (signal.SIGKILL, KILLED - signal.SIGKILL),
+        pytest.param(None, 1, id="the cable is cut"),
+    ],
+)
+async def test_each_end_of_a_calibration_stops_the_robot_and_leaves_the_file_whole(
+    number: signal.Signals | None, code: int
 ) -> None:
     path = own_path("MobileSim")
     assert path is not None
@@ -103,6 +111,11 @@ async def test_a_signal_ends_a_calibration_and_leaves_the_file_whole(
         arguments = ("calibrate", "--by-tape", "--yes", "--port", simulated.url)
         async with running(*arguments) as command:
             await until(lambda: abs(simulated.body.speeds[1]) > 0.2)
+            another, _, told = await pioneer3(*arguments)
+            assert (another, "is another one connected to it?" in told) == (3, True)
+            assert abs(simulated.body.speeds[1]) > 0.2, "the first one goes on"
+            if number is None:
+                simulated.robots[0].port.faults.unplug()
             assert (await command.end(number))[0] == code
         await until(lambda: not any(simulated.body.speeds))
         await until(lambda: not simulated.body.drive.powered)

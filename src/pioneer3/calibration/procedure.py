@@ -5,7 +5,7 @@ from collections.abc import Mapping
 
 from pioneer3.calibration.calibration import Calibration
 from pioneer3.calibration.course import Measurable, StepDrive, drive
-from pioneer3.calibration.own_file import Numbers
+from pioneer3.calibration.own_file import Numbers, file_of
 from pioneer3.calibration.steps import By, CalibrationStep, plan, usual_side
 from pioneer3.robot.config_backup import encoders_of
 from pioneer3.robot.supervisor import RobotInfo, is_simulator
@@ -20,6 +20,11 @@ class Procedure:
         steps: All of them.
         number: That of the present step, from 0; after the last one, their count.
         told: What was measured.
+        info: The robot that is measured.
+        path: Of its own file, for the numbers.
+
+    Raises:
+        ConfigError: The numbers could not be written there, as :func:`file_of` tells.
     """
 
     def __init__(
@@ -37,7 +42,8 @@ class Procedure:
         self.steps = plan(
             model, side, length or side, rounds, by_laser=by_laser, by_sonar=bool(model.sonars)
         )
-        self.number, self.told, self._info = 0, told, info
+        self.number, self.told, self.info = 0, told, info
+        self.path = file_of(info)
 
     @property
     def step(self) -> CalibrationStep | None:
@@ -83,7 +89,7 @@ class Procedure:
 
     def numbers(self) -> Numbers | None:
         """Return the numbers for the own file; `None` while they are no better than chance."""
-        told, own, config = self.told.estimate(), self._info.own, self._info.config
+        told, own, config = self.told.estimate(), self.info.own, self.info.config
         if told is None or not told.is_known or not told.is_certain:
             return None
         late = self.told.delay() if own and own.lasers else None
@@ -93,14 +99,14 @@ class Procedure:
             laser=told.laser if own and own.lasers else None,
             delay=late[0] + own.lasers[0].mount.delay if own and late else None,
             gyro_scaler=gyro[0] if gyro else None,
-            encoders=self._info.model.encoders or encoders_of(config),
+            encoders=self.info.model.encoders or encoders_of(config),
             serial_number=self._serial_number,
         )
 
     @property
     def _serial_number(self) -> str:
         """Its serial number, if its own file has none yet."""
-        known = self._info.own is not None and self._info.own.serial_number
-        if known or self._info.config is None or is_simulator(self._info):
+        known = self.info.own is not None and self.info.own.serial_number
+        if known or self.info.config is None or is_simulator(self.info):
             return ""
-        return self._info.config.serial_number
+        return self.info.config.serial_number

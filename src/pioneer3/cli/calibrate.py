@@ -3,7 +3,6 @@
 from contextlib import suppress
 from dataclasses import dataclass
 from math import nan
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
@@ -130,7 +129,7 @@ async def _calibrate(robot: "Robot", options: _Options) -> int:
     if options.yes and not whole:
         write_warning("nothing is written: not all steps were measured")
         return 1
-    return await _write(robot, procedure, options)
+    return await _write(procedure, options)
 
 
 async def _calibration(robot: "Robot", *, by_laser: bool) -> "Calibration":
@@ -230,25 +229,22 @@ async def _asked(question: str) -> str:
     return line.strip()
 
 
-async def _write(robot: "Robot", procedure: "Procedure", options: _Options) -> int:
+async def _write(procedure: "Procedure", options: _Options) -> int:
     """Write the numbers, if they are worth it and somebody wants it; return the exit code."""
-    from pioneer3.calibration.own_file import file_of, write_numbers
+    from pioneer3.calibration.own_file import write_numbers
 
     estimate, numbers = procedure.told.estimate(), procedure.numbers()
     if numbers is None:
         return int(estimate is None or not estimate.is_known)
-    info = robot.info
-    given: Path | None = info.own.path if info.own else None
-    path = file_of(info)
-    write_line(f"\nFor {given or path}:\n{numbers.text.rstrip()}")
+    write_line(f"\nFor {procedure.path}:\n{numbers.text.rstrip()}")
     if not options.yes:
         answer = ""
         with suppress(_EndError):
-            answer = await _asked(f"Write them into {path}? yes or no")
+            answer = await _asked(f"Write them into {procedure.path}? yes or no")
         if not answer.lower().startswith("y"):
-            write_line(f"{path} stays as it is")
+            write_line(f"{procedure.path} stays as it is")
             return 0
-    path, before = write_numbers(info, numbers)
+    path, before = write_numbers(procedure.info, numbers)
     write_line(f"wrote {path}; it counts from the next connection on")
     if before is not None:
         write_line(f"the file as it was before is {before}")

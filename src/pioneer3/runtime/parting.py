@@ -50,7 +50,7 @@ class Parting:
     @property
     def text(self) -> str:
         """The sentence for people."""
-        if self.cause in {Cause.PUSHED, Cause.HELD, Cause.IN_THE_WAY}:
+        if not self.lacks or self.cause in {Cause.PUSHED, Cause.HELD, Cause.IN_THE_WAY}:
             return self.cause
         return f"{self.cause} ({100 * self.lacks:.0f} % of the way are missing)"
 

@@ -160,8 +160,9 @@ class Shadow:
         self._encoder = here
         if not snapshot.motors.enabled or snapshot.motors.stop_button:
             self._moments.clear()  # it stands, whatever it was told before
-        if snapshot.motors.stalled:
-            self._feel(snapshot)
+        drags = self._feel(snapshot) if snapshot.motors.stalled else None
+        if drags is not None and held_by(snapshot, model, back=False) is Cause.HELD:
+            self._tell(self._parting(drags, 0.0), snapshot)
         if len(self._moments) > 1 and self._is_blocked(snapshot):
             cause = self._cause_of_stall(snapshot, model)
             if cause is not None:
@@ -197,10 +198,11 @@ class Shadow:
             return self._drags
         return held_by(snapshot, model, back=sum(each.told for each in lacks) < 0)
 
-    def _feel(self, snapshot: Snapshot) -> None:
-        """Note a stall, and what the first of several tells.
+    def _feel(self, snapshot: Snapshot) -> Cause | None:
+        """Note a stall, and what the first of several tells; return the side that surely drags.
 
-        A side drags that pushes alone while the other one goes as it should.
+        A side drags that pushes alone while the other one goes as it should: surely where both are
+        to go straight, as nothing sound pushes there.
         """
         motors, speeds = snapshot.motors, snapshot.odometry
         if self._stall is None or snapshot.stamp - self._stall.stamp > WINDOW:
@@ -211,16 +213,19 @@ class Shadow:
         before = list(self._moments)[-LAGS:]
         told = [each.twin_speeds[other] for each in before if abs(each.twin_speeds[other]) > TESTS]
         if not told:
-            return
+            return None
         drags = None
         goes = min(abs(speed / each - 1) for each in told) < AS_TOLD
         if goes and motors.left_stalled != motors.right_stalled:
             drags = Cause.LEFT_DRAGS if motors.left_stalled else Cause.RIGHT_DRAGS
         if not self._tested:
             self._drags, self._tested = drags, True
-        if drags is not None and drags is self._drags:
-            apart = (abs(each.twin_speeds[1] - each.twin_speeds[0]) for each in before)
-            self._straight |= max(apart) < STRAIGHT
+        if drags is None or drags is not self._drags:
+            return None
+        apart = (abs(each.twin_speeds[1] - each.twin_speeds[0]) for each in before)
+        straight = max(apart) < STRAIGHT
+        self._straight |= straight
+        return drags if straight else None
 
     def _decide(self, found: Parting | None, snapshot: Snapshot) -> None:
         """Believe what lasts, and keep it for as long as people need to read it."""

@@ -178,7 +178,7 @@ class RobotCalibration:
         numbers = await asyncio.to_thread(procedure.numbers)
         if numbers is None:
             raise CommandError("nothing is written: the numbers are not better than chance yet")
-        path, before = await asyncio.to_thread(write_numbers, self._robot.info, numbers)
+        path, before = await asyncio.to_thread(write_numbers, procedure.info, numbers)
         kept = f"; the file as it was before is {before.name}" if before else ""
         self._note = f"wrote {path.name}, which counts from the next connection on{kept}"
         self._procedure = self._driven = None

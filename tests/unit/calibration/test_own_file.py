@@ -6,11 +6,14 @@ from pathlib import Path
 
 import pytest
 
+from pioneer3.calibration.calibration import Calibration
 from pioneer3.calibration.own_file import OLD, Numbers, with_numbers, write_numbers
+from pioneer3.calibration.procedure import Procedure
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
 from pioneer3.models import EncoderNumbers, OdometryCorrection, load_model
 from pioneer3.models.catalog import parse_own
+from pioneer3.models.model import OwnFile
 from pioneer3.models.own import own_folder
 from pioneer3.robot.limits import limits_for
 from pioneer3.robot.supervisor import RobotInfo
@@ -119,6 +122,12 @@ def test_a_folder_that_cannot_be_made_is_told() -> None:
     own_folder().parent.write_text("no folder")
     with pytest.raises(ConfigError, match="cannot be written: Not a directory"):
         write_numbers(ROSIE, NUMBERS)
+
+
+def test_a_file_of_aria_is_told_before_anything_is_driven() -> None:
+    own = OwnFile(model=ROSIE.model, path=Path("rosie.p"))
+    with pytest.raises(ConfigError, match=r"rosie\.p is ARIA's.* make rosie\.toml beside it"):
+        Procedure(replace(ROSIE, own=own), Calibration(ROSIE.model), by_laser=False)
 
 
 def test_the_copy_is_no_own_file() -> None:

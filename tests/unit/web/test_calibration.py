@@ -16,7 +16,7 @@ from pioneer3.tasks import running
 from pioneer3.web.app import make_app
 from pioneer3.web.page import Page
 from pioneer3.web.scene import RobotScene
-from tests.support import SimulatedRobot
+from tests.support import SimulatedRobot, disk_of
 from tests.unit.web.browser import Browser
 from tests.unit.web.test_navigation import at_once
 
@@ -88,6 +88,9 @@ async def test_the_steps_are_driven_measured_and_written(
             measured = await here.measure()
             assert measured["note"] == ""
         assert any("better" in line or "square" in line for line in measured["lines"])
+        with disk_of(64):
+            full = await here.ask("write")
+        assert (full["going"], "cannot be written" in full["note"]) == (True, True)
         written = await here.ask("write")
         assert written["going"] is False
         assert "counts from the next connection on" in written["note"]
