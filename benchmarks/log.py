@@ -1,7 +1,7 @@
 """What a log costs beside the driver, how long it is, and how quickly its facts are there.
 
 The simulator is another process. The processor time is that of the thread that writes, and of all
-calls that put messages.
+calls of the driver that are about a log.
 
     python -m benchmarks log
 """
@@ -23,6 +23,7 @@ from benchmarks.table import Row
 from pioneer3 import connect_async
 from pioneer3.clock import Clock
 from pioneer3.lasers.line import SerialLine
+from pioneer3.links.tap import WireRecording
 from pioneer3.log.chunks import CHUNK
 from pioneer3.log.cut import HEADER, data_records
 from pioneer3.log.folder import create
@@ -85,27 +86,43 @@ def serving(laser: str) -> Iterator[tuple[str, str]]:
             process.terminate()
 
 
+class MeasuredCalls:
+    """Counts the processor time of calls about a log in the event loop [s], the outermost ones."""
+
+    def __init__(self) -> None:
+        self.took = 0.0
+        self._inside = False
+
+    def measure(self, owner: type, name: str) -> None:
+        """Measure a method from now on; what reading the time takes is not counted."""
+        call = getattr(owner, name)
+
+        def measured(*args: Any, **more: Any) -> Any:
+            if self._inside:
+                return call(*args, **more)
+            self._inside, began = True, time.thread_time()
+            try:
+                return call(*args, **more)
+            finally:
+                ended = time.thread_time()
+                self._inside, self.took = False, self.took + 2 * ended - began - time.thread_time()
+
+        setattr(owner, name, measured)
+
+
+CALLS = MeasuredCalls()
+
+
 class MeasuredLog(LogWriter):
-    """A log that counts the processor time of its thread, and of those who put messages.
-
-    `times` has the time at each chunk, the processor time of both until then [s].
-    """
-
-    putting = 0.0
+    """A log with the time at each chunk, and the processor time of all until then [s]."""
 
     def __init__(self, target: LogTarget, clock: Clock) -> None:
         self.times: list[tuple[float, float]] = []
         super().__init__(target, clock)
 
-    def put(self, topic: LogTopic[Any], message: Any, now: float | None = None) -> None:
-        """Put it, and take the time."""
-        began = time.thread_time()
-        super().put(topic, message, now)
-        self.putting += time.thread_time() - began
-
     def _flush(self) -> None:
         super()._flush()
-        self.times.append((time.monotonic(), time.thread_time() + self.putting))
+        self.times.append((time.monotonic(), time.thread_time() + CALLS.took))
 
     @property
     def share(self) -> float:
@@ -216,6 +233,9 @@ def rows_of_reading() -> Iterator[Row]:
 
 def rows() -> list[Row]:
     """Measure everything of this file."""
+    CALLS.measure(WireRecording, "note")
+    for name in ("snapshot", "scan", "decided", "asked", "stands"):
+        CALLS.measure(RobotLog, name)
     return [
         *(row for laser, bars in LASERS.items() for row in rows_of_cost(laser, *bars)),
         *rows_of_latency(),

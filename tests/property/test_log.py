@@ -25,7 +25,7 @@ from pioneer3.geometry import Pose2, Twist2
 from pioneer3.links.tap import recorded_links
 from pioneer3.log.chunks import DAMAGED, split, summary_groups
 from pioneer3.log.command_line import started
-from pioneer3.log.differences import differences, joined_planes, planes, sums
+from pioneer3.log.differences import best_step, differences, joined_planes, planes, sums
 from pioneer3.log.excerpt import write_excerpt
 from pioneer3.log.folder import create
 from pioneer3.log.index import LogIndex
@@ -33,7 +33,7 @@ from pioneer3.log.mcap import McapFile
 from pioneer3.log.reader import open_log
 from pioneer3.log.rows import fields_of, pack_rows, unpack_rows
 from pioneer3.log.scans import unpack_scan
-from pioneer3.log.topics import ROUGH, LogTopic, Pieces, decode, pack_pieces, unpack_pieces
+from pioneer3.log.topics import EXACT, ROUGH, LogTopic, Pieces, decode, pack_pieces, unpack_pieces
 from pioneer3.runtime.recording import CommandGiven, DecisionMade
 from pioneer3.state import Battery, Charging, Motors, Odometry, Scan, Snapshot, Sonar
 from pioneer3.units import MM
@@ -165,10 +165,10 @@ def test_damaged_columns_are_read_or_refused(data: st.DataObject) -> None:
 def test_pieces_come_back_with_the_time_of_each(some: list[tuple[int, bytes]], times: int) -> None:
     pieces = [(time, data * times) for time, data in some]  # many bytes are told by differences
     first = pieces[0][0]
-    found = list(unpack_pieces(first, pack_pieces(pieces, tick=ROUGH)))
+    found = list(unpack_pieces(first, pack_pieces(pieces, ROUGH, best_step)))
     assert [data for _, data in found] == [data for _, data in pieces]
     assert all(0 <= was - at < ROUGH for (at, _), (was, _) in zip(found, pieces, strict=True))
-    assert list(unpack_pieces(first, pack_pieces(pieces))) == pieces
+    assert list(unpack_pieces(first, pack_pieces(pieces, EXACT, best_step))) == pieces
 
 
 @given(st.binary(max_size=100), st.integers(1, 5))
@@ -181,7 +181,7 @@ def test_readings_that_are_alike_are_told_by_differences_and_take_less_room() ->
     noise = Random(1)
     readings = [round(2000 + 500 * sin(n / 30) + noise.gauss(0, 5)) for n in range(2000)]
     data = b"".join(reading.to_bytes(2, "little") for reading in readings)
-    told = pack_pieces([(0, data)])
+    told = pack_pieces([(0, data)], EXACT, best_step)
     assert msgspec.msgpack.decode(told, type=Pieces).step == 2
     plain = msgspec.msgpack.encode(([0], [len(data)], data))
     assert len(zstandard.compress(told)) < 0.7 * len(zstandard.compress(plain))

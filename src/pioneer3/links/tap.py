@@ -44,10 +44,6 @@ class Chunk:
     data: bytes
 
 
-def _size(data: bytes) -> int:
-    return OF_CHUNK + len(data)
-
-
 class WireTap(Protocol):
     """Takes the bytes of a link, and its events."""
 
@@ -79,7 +75,7 @@ class WireRecording:
         # the driver of a robot tells the time of its bytes: log/verify needs it exactly
         tick = EXACT if name.rpartition("/")[2] == ROBOT else ROUGH
         self._topics = {
-            way: LogTopic(f"wire/{name}/{end}", bytes, size=_size, tick=tick)
+            way: LogTopic(f"wire/{name}/{end}", bytes, size=OF_CHUNK, tick=tick)
             for way, end in WAYS.items()
         }
 

@@ -3,12 +3,14 @@
 import os
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from functools import partial
 from itertools import groupby
 from typing import IO, Any, Final, cast
 
 from mcap.writer import CompressionType, Writer
 
 from pioneer3 import __version__
+from pioneer3.log.differences import best_step
 from pioneer3.log.rows import fields_of, pack_rows
 from pioneer3.log.topics import (
     COLUMNS,
@@ -30,6 +32,8 @@ OF_PIECES: Final = {
 """Metadata of a channel whose messages are bytes in pieces."""
 SYNC: Final = getattr(os, "fdatasync", os.fsync)
 """Brings the content of a file to the disk, and its length; not the times of the file."""
+SAME_STEP: Final = 10
+"""Messages of one laser's bytes in a row with the same step of differences."""
 MOST_CHANNELS: Final = 4096
 """Channels of one file, of which each value of a steady field has one; MCAP counts to 65535."""
 
@@ -67,6 +71,7 @@ class McapFile:
         self._schemas: dict[type, int] = {}
         self._channels: dict[tuple[str, ...], int] = {}
         self._parts: dict[str, tuple[object, bytes]] = {}
+        self._steps: dict[str, tuple[int, int]] = {}
         self._sequences = Counter[int]()
         self._counts = Counter[str]()
         self._ended = 0
@@ -92,12 +97,21 @@ class McapFile:
         self._counts[topic.name] += len(messages)
         self._ended = max(self._ended, messages[-1][0])
         if topic.kind is bytes:
-            self._add(topic, messages[0][0], OF_PIECES, pack_pieces(messages, topic.tick))
+            data = pack_pieces(messages, topic.tick, partial(self._step, topic.name))
+            self._add(topic, messages[0][0], OF_PIECES, data)
         elif topic.in_rows:
             self._add_rows(topic, messages)
         else:
             for time, message in messages:
                 self._add(topic, time, {}, topic.encode(message))
+
+    def _step(self, topic: str, data: bytes) -> int:
+        """Return the step of differences for bytes, which is looked for now and then."""
+        step, left = self._steps.get(topic, (0, 0))
+        if not left:
+            step, left = best_step(data), SAME_STEP
+        self._steps[topic] = step, left - 1
+        return step
 
     def _add_rows(self, topic: LogTopic[Any], messages: Sequence[tuple[int, Any]]) -> None:
         """Take messages as columns; those with another steady field are another message."""

@@ -125,7 +125,8 @@ def _lines(values: Values) -> list[bytes]:
 def _column(values: Values, kinds: set[type]) -> list[Any]:
     first = values[0]
     if values.count(first) == len(values) and (
-        (len(kinds) == 1 and kinds <= AS_THEY_ARE)
+        (len(kinds) == 1 and (kinds <= AS_THEY_ARE or (kinds == {float} and first)))
+        or len({*map(id, values)}) == 1
         or len({*map(msgspec.msgpack.encode, values)}) == 1  # 0.0 is not -0.0
     ):
         return [Kind.SAME, first]

@@ -51,8 +51,8 @@ USUAL_SIZE: Final = 4000
 """Memory that a message takes [bytes], about, where its topic does not tell it."""
 
 
-def _usual(_: Any) -> int:
-    return USUAL_SIZE
+def _always(message: Any, now: float) -> bool:
+    return True
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,8 +62,9 @@ class LogTopic(Generic[T]):
     Attributes:
         kind: Their class; `bytes` for bytes.
         steady: The field that is the same in nearly all messages: it is kept with the channel.
-        size: Returns the memory that a message takes [bytes], about.
+        size: Memory that a message takes [bytes], about; of bytes, besides these.
         make: Makes the message of what was put, in the thread that writes.
+        is_news: Whether a message of some time [s] is written, asked in that thread.
         tick: Unit of the times of pieces [ns].
         repeated: Whether its newest message is in each further file of the log, too.
         rows: Whether its messages are written as columns, as snapshots and scans are.
@@ -72,8 +73,9 @@ class LogTopic(Generic[T]):
     name: str
     kind: type[T]
     steady: str = ""
-    size: Callable[[Any], int] = _usual
+    size: int = USUAL_SIZE
     make: Callable[[Any], T] | None = None
+    is_news: Callable[[Any, float], bool] = _always
     repeated: bool = False
     tick: int = EXACT
     rows: bool = False
@@ -141,10 +143,13 @@ class Pieces(msgspec.Struct, array_like=True, omit_defaults=True):
     planes: int = 0
 
 
-def pack_pieces(pieces: Sequence[tuple[int, bytes]], tick: int = EXACT) -> bytes:
+def pack_pieces(
+    pieces: Sequence[tuple[int, bytes]], tick: int, step_of: Callable[[bytes], int]
+) -> bytes:
     """Return bytes that came in pieces, each at a time [ns], as one message of the first time.
 
-    Links are read in small pieces: a message for each would take more room than they do.
+    Links are read in small pieces: a message for each would take more room than they do. `step_of`
+    returns the step for many bytes, 0 for none.
     """
     begin = pieces[0][0]
     times, parts = zip(*pieces, strict=True)
@@ -152,9 +157,9 @@ def pack_pieces(pieces: Sequence[tuple[int, bytes]], tick: int = EXACT) -> bytes
     steps = [after - before for before, after in pairwise([0, *ticks])]
     joined, step = b"".join(parts), 0
     if len(joined) >= LASER_BYTES:
-        from pioneer3.log.differences import best_step, differences, planes  # numpy loads slowly
+        from pioneer3.log.differences import differences, planes  # numpy loads slowly
 
-        step = best_step(joined)
+        step = step_of(joined)
         joined = planes(differences(joined, step), step) if step else joined
     return msgspec.msgpack.encode(Pieces(steps, [*map(len, parts)], joined, step, tick, step))
 

@@ -94,6 +94,7 @@ class LogWriter:
         self._set_by = 0.0
         self._queue: deque[tuple[float, LogTopic[Any], Any, int]] = deque()
         self._put = self._taken = self._lost = 0
+        self._enough = MOST_WAITING // 4
         self._told = 0
         self._wake = threading.Event()
         self._ended = False
@@ -129,13 +130,11 @@ class LogWriter:
         """Take a message of `now` [s, of the clock], which must not change any more."""
         if self._ended:
             return
-        size = topic.size(message)
-        self._put += size
+        size = topic.size if topic.kind is not bytes else topic.size + len(message)
         self._queue.append((self.clock() if now is None else now, topic, message, size))
-        if self._put - self._taken - self._lost > MOST_WAITING // 4:
-            self._wake.set()
-            if self._put - self._taken - self._lost > MOST_WAITING:
-                self._drop()
+        self._put += size
+        if self._put > self._enough:
+            self._hurry()
 
     def event(self, kind: str, text: str) -> None:
         """Take an event of now, in words, which are told without secrets."""
@@ -160,8 +159,11 @@ class LogWriter:
         self._wake.set()
         self._thread.join(patience)
 
-    def _drop(self) -> None:
-        """Drop the oldest messages; the first time, tell it."""
+    def _hurry(self) -> None:
+        """Wake the thread; where it is too slow, drop the oldest messages, and tell it once."""
+        self._wake.set()
+        if self._put - self._taken - self._lost <= MOST_WAITING:
+            return
         if not self.dropped:
             log.warning("%s: the disk is too slow to record all: the oldest is lost", self.path)
         while self._put - self._taken - self._lost > MOST_WAITING // 2:
@@ -221,7 +223,9 @@ class LogWriter:
             for _ in range(len(self._queue)):
                 now, topic, message, size = self._queue.popleft()
                 self._taken += size
-                by_topic.setdefault(topic.name, (topic, []))[1].append((self._ns(now), message))
+                if topic.is_news(message, now):
+                    by_topic.setdefault(topic.name, (topic, []))[1].append((self._ns(now), message))
+        self._enough = self._taken + self._lost + MOST_WAITING // 4
         for topic, messages in by_topic.values():
             self._file.add(topic, messages)
             if topic.repeated:

@@ -5,7 +5,6 @@ import logging
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
-from functools import partial
 from math import inf
 from typing import Protocol
 
@@ -23,7 +22,7 @@ from pioneer3.geometry import STILL, Twist2
 from pioneer3.limits import Accelerations, Limits
 from pioneer3.robot.devices.laser import LaserSource
 from pioneer3.robot.explain import Reason
-from pioneer3.robot.pilot import STOPPED, Pilot, VelocityCommand
+from pioneer3.robot.pilot import STOPPED, Pilot, VelocityCommand, stands
 from pioneer3.robot.supervisor import ConnectionStatus, Feed, RobotInfo
 from pioneer3.runtime.recording import EMERGENCY_STOP, RESET, CommandGiven, RobotLog
 from pioneer3.state import Snapshot
@@ -39,6 +38,8 @@ KEEP_APART = 10
 LAST_CHECK = 0
 """Priority of the limiter by walls, below all: it knows the motion that all others ask for."""
 
+JUST_SENT = 0.001
+"""A command is on the wire after so long [s]: only then its reason to stand is looked for."""
 MOMENT = 2.0
 """A mode that has stood for so long for want of what it must know ends [s]."""
 
@@ -143,8 +144,6 @@ class Arbiter:
         self.remembers = True
         self._supervisor = supervisor
         self.log = robot_log
-        if robot_log is not None:
-            robot_log.why_not_moving = self.why_not_moving
         self._parts: list[_Part] = []
         self._stop_before_decision = self.last_stop
         self._memory: RangeMemory | None = None
@@ -216,7 +215,7 @@ class Arbiter:
             return self._fail(error)
         if self.log is not None:
             mode = self.mode.name if self.mode else ""
-            self.log.soon(partial(self.log.decided, mode, decision, info.limits, now))
+            self.log.decided(mode, decision, info.limits, now)
         if why_it_ends := self._why_mode_ends(decision):
             self._forget_mode(why_it_ends)
             self.decide()
@@ -375,6 +374,7 @@ class Arbiter:
         if self.mode is not None:
             self._check_knowledge()
             self._check_progress(snapshot)
+        self._log_reason()
 
     def _check_progress(self, snapshot: Snapshot) -> None:
         """End a mode that goes somewhere and does not get there."""
@@ -405,9 +405,16 @@ class Arbiter:
         """Put a command into the log; return its refusal."""
         if self.log is not None:
             why = refused.text if refused else ""
-            given = CommandGiven(by, command, twist, seconds, why)
-            self.log.soon(partial(self.log.asked, given, self._clock()))
+            self.log.asked(CommandGiven(by, command, twist, seconds, why), self._clock())
+            snapshot = self._supervisor.snapshot
+            if snapshot is None or stands(snapshot):
+                asyncio.get_running_loop().call_later(JUST_SENT, self._log_reason)
         return refused
+
+    def _log_reason(self) -> None:
+        """Put the reason that the robot stands still into the log."""
+        if self.log is not None:
+            self.log.stands(self.why_not_moving())
 
     def _fail(self, error: ActionError) -> Refusal:
         """End the stack of an action that failed, and stand still."""

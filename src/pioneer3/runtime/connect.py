@@ -70,7 +70,6 @@ async def connect_robot(
     with ExitStack() as stack:
         robot_log = stack.enter_context(recorded(record, asyncio.get_running_loop().time))
         if robot_log is not None:
-            stack.callback(robot_log.tell)
             open_ = robot_log.opener(open_)
         supervisor = Supervisor(
             open_, model=model, restrict=restrict, auto_enable=auto_enable, timing=timing

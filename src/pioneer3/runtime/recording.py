@@ -1,7 +1,6 @@
 """The log of a robot: its snapshots and scans, the commands to it, and the decisions."""
 
-from asyncio import CancelledError, get_running_loop
-from collections import deque
+from asyncio import CancelledError
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import astuple, dataclass, replace
@@ -52,8 +51,6 @@ GIVES_MOTION: Final = {"drive", "start"}
 """Commands that nobody obeys while the emergency stop is latched."""
 TRUTH_PERIOD: Final = 0.095
 """Shortest time between two true poses [s]: ten a second, at the time of snapshots."""
-MOMENT: Final = 0.001
-"""Delay of what is told soon [s]: a `drive()` is on the wire after less."""
 READING_SIZE: Final = 40
 """Memory of one reading of a scan [bytes], about."""
 
@@ -151,24 +148,15 @@ def link_status(event: LogEvent, name: str) -> ConnectionStatus | None:
     return ConnectionStatus(Connection(connection), message) if known else None
 
 
-def _scan_size(scan: Scan) -> int:
-    return READING_SIZE * len(scan.ranges)
-
-
 class RobotLog:
-    """The part of a log that is about one robot; names of several are in its topics.
-
-    Attributes:
-        why_not_moving: Returns the reason that the robot stands, `None` while it moves.
-    """
+    """The part of a log that is about one robot; names of several are in its topics."""
 
     def __init__(self, log: LogWriter, robot: str = "") -> None:
         self.log = log
-        self.why_not_moving: Callable[[], Reason | None] = lambda: None
         self._prefix = f"{robot}/" if robot else ""
         self._snapshots = self.topic("snapshot", Snapshot)
-        self._commands = self.topic("command", CommandGiven)
-        self._decisions = self.topic("decision", DecisionMade, _told)
+        self._commands = self.topic("command", CommandGiven, is_news=self._is_new_command)
+        self._decisions = self.topic("decision", DecisionMade, _told, is_news=self._is_new)
         self._limits = self.topic("limits", Limits, repeated=True)
         self._truths = self.topic("truth", TruePoseTold, rows=True)
         self._reasons = self.topic("standing", StandsBecause)
@@ -179,10 +167,9 @@ class RobotLog:
         self._asked: CommandGiven | None = None
         self._stands: StandsBecause | None = None
         self._repeated: dict[str, object] = {}
+        self._limited: Limits | None = None
         self._true: Pose2 | None = None
         self._true_at = -inf
-        self._untold: deque[Callable[[], None]] = deque()
-        self._untold_at = -inf
 
     def of(self, robot: str) -> "RobotLog":
         """Return the part about another robot of the same program."""
@@ -193,12 +180,10 @@ class RobotLog:
         name: str,
         kind: type,
         make: Callable[[Any], Any] | None = None,
-        *,
-        repeated: bool = False,
-        rows: bool = False,
+        **more: Any,
     ) -> LogTopic[Any]:
         """Return a topic of this robot; arguments as of :class:`LogTopic`."""
-        return LogTopic(self._prefix + name, kind, make=make, repeated=repeated, rows=rows)
+        return LogTopic(self._prefix + name, kind, make=make, **more)
 
     def put(self, topic: LogTopic[Any], message: Any) -> None:
         """Take a message of now; one that is repeated is the same object until it changes."""
@@ -208,23 +193,11 @@ class RobotLog:
             self._repeated[topic.name] = message
         self.log.put(topic, message)
 
-    def soon(self, tell: Callable[[], None]) -> None:
-        """Call `tell` in a moment: the command to the robot goes first."""
-        self._untold.append(tell)
-        self._untold_at = self.log.clock()
-        if len(self._untold) == 1:
-            get_running_loop().call_later(MOMENT, self.tell)
-
-    def tell(self) -> None:
-        """Call all that is to be called soon; then tell why the robot stands, if that is new."""
-        if not self._untold:
-            return
-        while self._untold:
-            self._untold.popleft()()
-        stands = StandsBecause(self.why_not_moving())
-        if stands != self._stands:
-            self._stands = stands
-            self.log.put(self._reasons, stands, self._untold_at)
+    def stands(self, reason: Reason | None) -> None:
+        """Take the reason that the robot stands, `None` while it moves, if it is new."""
+        if self._stands is None or reason != self._stands.reason:
+            self._stands = StandsBecause(reason)
+            self.log.put(self._reasons, self._stands)
 
     def event(self, kind: str, text: str) -> None:
         """Take an event, in words."""
@@ -250,30 +223,40 @@ class RobotLog:
         topic = self._scans.get(scan.laser)
         if topic is None:
             name = f"{self._prefix}scan/{scan.laser}"
-            topic = LogTopic(name, Scan, steady="angles", size=_scan_size)
+            size = READING_SIZE * len(scan.ranges)
+            topic = LogTopic(name, Scan, steady="angles", size=size)
             self._scans[scan.laser] = topic
         self.log.put(topic, scan)
 
     def decided(self, mode: str, decision: Decision, limits: Limits, now: float) -> None:
-        """Take a decision; one that only goes on is taken once a second."""
-        self.put(self._limits, limits)
-        last = self._decided[1]
+        """Take a decision; one that only goes on is written once a second."""
+        if limits is not self._limited:
+            self._limited = limits
+            self.log.put(self._limits, limits)
+        self.log.put(self._decisions, (mode, decision), now)
+
+    def _is_new(self, made: tuple[str, Decision], now: float) -> bool:
+        mode, decision = made
+        before, last = self._decided
         if (
-            mode == self._decided[0]
+            mode == before
             and decision.twist == last.twist
             and decision.contributions == last.contributions
             and (decision.until == last.until or now - self._decided_at < RENEWED)
         ):
-            return
-        self._decided, self._decided_at = (mode, decision), now
-        self.log.put(self._decisions, self._decided, now)
+            return False
+        self._decided, self._decided_at = made, now
+        return True
 
     def asked(self, command: CommandGiven, now: float) -> None:
-        """Take a command of `now` [s]; one that only goes on is taken once a second."""
-        if command == self._asked and now - self._asked_at < min(RENEWED, command.seconds):
-            return
-        self._asked, self._asked_at = command, now
+        """Take a command of `now` [s]; one that only goes on is written once a second."""
         self.log.put(self._commands, command, now)
+
+    def _is_new_command(self, command: CommandGiven, now: float) -> bool:
+        if command == self._asked and now - self._asked_at < min(RENEWED, command.seconds):
+            return False
+        self._asked, self._asked_at = command, now
+        return True
 
     def truth(self, robot_in_world: Pose2) -> None:
         """Take the true pose of a simulated robot; one that stays is taken once a second."""

@@ -21,7 +21,7 @@ from pioneer3.log.topics import EVENT, LogEvent, LogTopic, unpack_pieces
 from pioneer3.log.writer import LogWriter, named_log, user_log
 from tests.support import disk_of
 
-BYTES = LogTopic("wire/robot/in", bytes, size=len)
+BYTES = LogTopic("wire/robot/in", bytes)
 PATIENCE = 20.0
 
 pytestmark = pytest.mark.realtime
@@ -103,7 +103,7 @@ from pathlib import Path
 from pioneer3.log.topics import LogTopic
 from pioneer3.log.writer import named_log
 log = named_log(Path({str(path)!r}), time.monotonic)
-topic = LogTopic("wire/robot/in", bytes, size=len)
+topic = LogTopic("wire/robot/in", bytes)
 while True:
     now = str(time.time_ns()).encode()
     log.put(topic, now)
