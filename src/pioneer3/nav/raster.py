@@ -95,6 +95,11 @@ class Raster:
         """Return the middle of a cell [m]."""
         return self.x + (column + 0.5) * self.cell, self.y + (row + 0.5) * self.cell
 
+    def middles_of(self, rows: Int, columns: Int) -> Float:
+        """Return the middles of cells [m], shape (N, 2)."""
+        middles: Float = np.stack([columns + 0.5, rows + 0.5], axis=1) * self.cell
+        return middles + (self.x, self.y)
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class DistanceField:

@@ -171,14 +171,8 @@ class Sightings:
         self._seen[part], self._counts[part] = 0.0, 0
 
     def _middles(self, times: Float, part: tuple[slice, slice], since: float) -> Float:
-        raster = self._raster
         rows, columns = np.nonzero((times > 0) & (times >= since))
-        middles: Float = np.stack(
-            [columns + part[1].start + 0.5, rows + part[0].start + 0.5], axis=1
-        )
-        middles *= raster.cell
-        middles += raster.x, raster.y
-        return middles
+        return self._raster.middles_of(rows + part[0].start, columns + part[1].start)
 
     def _around(self, x: float, y: float, within: float) -> tuple[slice, slice]:
         """Return the cells within a distance of a place [m]."""

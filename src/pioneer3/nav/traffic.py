@@ -99,7 +99,7 @@ def passing_place(costs: CostMap, mine: Traveller, others: Sequence[Traveller]) 
         return None
     free = np.isfinite(from_robot.values) & (costs.clearance >= costs.turning + SPARE_ROOM)
     rows, columns = np.nonzero(free)
-    places = np.stack([columns + 0.5, rows + 0.5], axis=1) * raster.cell + (raster.x, raster.y)
+    places = raster.middles_of(rows, columns)
     cost = from_robot.values[rows, columns].astype(np.float64)
     for other in others:
         apart = mine.corner + other.corner + PASSING_ROOM
