@@ -78,15 +78,16 @@ class CostMap:
 
         A robot is as wide as it is: it turns towards its way before a narrow place.
         """
-        raster = Raster.around(_extent(line_map), cell, fine=FINE_COSTS)
+        raster = Raster.around(_extent(line_map), cell, 2 * cell, FINE_COSTS)
         needed = min(model.width / 2, model.length_front, model.length_rear)
         needed += settings.margin
         reach = max(needed, model.corner) + settings.comfort
         clearance = np.full(raster.shape, reach, dtype=np.float32)
         lines = [side for item in line_map.objects if item.forbidden for side in item.sides]
         walls = np.concatenate([line_map.walls, np.array(lines).reshape(-1, 4)])
-        fast(nearest_wall, CACHE)(walls, raster.x, raster.y, raster.cell, clearance)
+        fast(nearest_wall, CACHE)(walls, (*raster.edges, reach), 0.0, clearance)
         closed = _unknown(line_map, raster)
+        closed[:, [0, -1]] = closed[[0, -1]] = True
         speeds = np.broadcast_to(np.float32(np.inf), raster.shape)  # takes no memory
         for item in line_map.objects:
             if len(item.outline) > 2 and (item.forbidden or item.solid):
@@ -129,9 +130,9 @@ class CostMap:
         if not len(points):
             return self
         clearance = self.clearance.copy()
-        raster, there = self.raster, np.tile(points, 2)
         # its largest value is the reach: all cells that an obstacle may lower
-        fast(nearest_wall, CACHE)(there, raster.x, raster.y, raster.cell, clearance)
+        frame = *self.raster.edges, float(clearance.max())
+        fast(nearest_wall, CACHE)(np.tile(points, 2), frame, 0.0, clearance)
         return replace(self, clearance=clearance)
 
     def with_lines(self, lines: Float) -> Self:
@@ -139,8 +140,9 @@ class CostMap:
         if not len(lines):
             return self
         apart = np.float32(self.needed - self.settings.margin + PASSING_DISTANCE)
-        away = np.full(self.raster.shape, apart + np.float32(PEOPLE_FADE), dtype=np.float32)
-        fast(nearest_wall, CACHE)(lines, self.raster.x, self.raster.y, self.raster.cell, away)
+        reach = apart + np.float32(PEOPLE_FADE)
+        away = np.full(self.raster.shape, reach, dtype=np.float32)
+        fast(nearest_wall, CACHE)(lines, (*self.raster.edges, float(reach)), 0.0, away)
         return replace(self, busy=np.clip((apart - away) / np.float32(PEOPLE_FADE) + 1, 0, 1))
 
     def speed_at(self, x: float, y: float) -> float:

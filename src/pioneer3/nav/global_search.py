@@ -3,16 +3,14 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import ceil, pi, radians
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from pioneer3.arrays import Float, Int32, UInt8
+from pioneer3.arrays import Bool, Float, Int32, UInt8
 from pioneer3.jit import fast
 from pioneer3.nav.hypotheses import ComparedScan, Hypotheses
 from pioneer3.nav.kernels import CACHE
-from pioneer3.nav.kernels.fields import score_places
+from pioneer3.nav.kernels.fields import best_places
 from pioneer3.nav.particles import MotionErrors
 from pioneer3.nav.raster import DistanceField
 
@@ -26,10 +24,11 @@ SEARCH_SIGMA = 0.15
 """Standard deviation of a point from a wall, as coarse as places and headings are [m]."""
 CLOSER_LOOKS = 12_000
 """Places with headings that are looked at more closely."""
-NEIGHBORS = 5
-"""Neighbors of one that fits, among these, at most."""
-SLICE = 20_000
-"""Places that are scored at once: bounds the memory."""
+BLOCK = 8
+"""Rows and columns of places that are passed over at once."""
+BLOCKS = 250
+"""Blocks after which the best places are picked anew: what comes to less than these is passed over.
+"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -37,14 +36,17 @@ class CandidatePoses:
     """The places of a map where a robot may be, in cells that begin at `x` and `y` [m].
 
     Attributes:
-        scores: Of the end of a beam, 255 at a wall, shape (H, W).
-        free: Rows and columns of the places, shape (N, 2).
+        fields: Scores of the ends of beams, and the highest ones near, as kernels take them; they
+            begin a block before the places.
+        free: Which places these are, whole blocks, shape (H, W).
+        blocks: First row and column of the blocks that have any, in no order, shape (N, 2).
     """
 
     x: float
     y: float
-    scores: UInt8
-    free: Int32
+    fields: UInt8
+    free: Bool
+    blocks: Int32
 
     @classmethod
     def of(cls, field: DistanceField, room: float) -> "CandidatePoses":
@@ -52,9 +54,21 @@ class CandidatePoses:
         raster = field.raster
         step = round(SEARCH_CELL / raster.cell)
         middles = field.distances[step // 2 :: step, step // 2 :: step]
-        scores = np.rint(255 * np.exp(-0.5 * (middles / SEARCH_SIGMA) ** 2)).astype(np.uint8)
-        free = np.argwhere(middles >= min(room, field.reach)).astype(np.int32)
-        return cls(raster.x, raster.y, scores, free)
+        height, width = (-(-size // BLOCK) * BLOCK for size in middles.shape)
+        fields = np.zeros((4, BLOCK + height, BLOCK + width), dtype=np.uint8)
+        free = np.zeros((height, width), dtype=np.bool_)
+        for row, some in enumerate(middles):
+            away = field.reach + some
+            scores = 255 * np.exp(-0.5 * (away / SEARCH_SIGMA) ** 2)
+            fields[0, BLOCK + row, BLOCK : BLOCK + len(some)] = np.rint(scores)
+            free[row, : len(some)] = away >= min(room, field.reach)
+        for low, high, step in zip(fields[:-1], fields[1:], (1, 2, 4), strict=True):
+            high[:] = low
+            np.maximum(high[:-step], low[step:], out=high[:-step])
+            np.maximum(high[:, :-step], high[:, step:], out=high[:, :-step])
+        some_free = free.reshape(height // BLOCK, BLOCK, -1, BLOCK).any(axis=(1, 3))
+        blocks = np.random.default_rng(0).permutation(np.argwhere(some_free) * BLOCK)
+        return cls(raster.x, raster.y, fields, free, blocks.astype(np.int32))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -86,7 +100,7 @@ class GlobalSearch:
     def run(self) -> Candidates:
         """Return where the robot may be; it takes up to a few seconds."""
         points = self.looks[-1].likelihood.points
-        if not len(points) or not len(self.places.free):
+        if not len(points) or not len(self.places.blocks):
             return Candidates(self.looks, self.driven, None)
         chosen = points[
             np.linspace(0, len(points) - 1, min(SEARCH_BEAMS, len(points))).astype(np.intp)
@@ -102,33 +116,15 @@ class GlobalSearch:
         offsets = np.rint(np.stack([s * x + c * y, c * x - s * y], axis=2) / SEARCH_CELL).astype(
             np.int32
         )
-        places, score = self.places, fast(score_places, CACHE)
-        found: list[Int32] = []
-        for first in range(0, len(places.free), SLICE):
-            some = places.free[first : first + SLICE]
-            out = np.empty((len(some), SEARCH_HEADINGS), dtype=np.uint16)
-            score(places.scores, some, offsets, out)
-            best = _highest(out.ravel(), CLOSER_LOOKS * NEIGHBORS)
-            row, column = some[best // SEARCH_HEADINGS].T
-            rows = np.stack([row, column, best % SEARCH_HEADINGS, out.ravel()[best]], axis=1)
-            found.append(_first_in_blocks(rows.astype(np.int32)))
-        together = np.concatenate(found)
-        row, column, heading, _ = together[_highest(together[:, 3], CLOSER_LOOKS)].T
-        x, y = places.x + (column + 0.5) * SEARCH_CELL, places.y + (row + 0.5) * SEARCH_CELL
-        return np.stack([x, y, headings[heading]], axis=1)
-
-
-def _highest(scores: NDArray[Any], count: int) -> NDArray[np.intp]:
-    """Return the indices of the `count` highest of `scores` (N,), in no order."""
-    if count >= len(scores):
-        return np.arange(len(scores))
-    chosen: NDArray[np.intp] = np.argpartition(scores, -count)[-count:]
-    return chosen
-
-
-def _first_in_blocks(found: Int32) -> Int32:
-    """Return the best of those in each block of two rows, two columns and two headings, (N, 4)."""
-    best_first = found[np.argsort(-found[:, 3], kind="stable")]
-    first = np.unique(best_first[:, :3] // 2, axis=0, return_index=True)[1]
-    chosen: Int32 = best_first[first]
-    return chosen
+        places, search = self.places, fast(best_places, CACHE)
+        best, least = np.empty((0, 4), dtype=np.int32), 0
+        out = np.empty((8 * SEARCH_HEADINGS * BLOCKS, 4), dtype=np.int32)
+        for first in range(0, len(places.blocks), BLOCKS):
+            some = places.blocks[first : first + BLOCKS]
+            count = search(places.fields, places.free, some, offsets + BLOCK, least, out)
+            best = np.concatenate([best, out[:count]])
+            if len(best) > CLOSER_LOOKS:
+                best = best[np.argpartition(best[:, 3], -CLOSER_LOOKS)[-CLOSER_LOOKS:]]
+                least = int(best[:, 3].min())
+        middles = (best[:, 1::-1] + 0.5) * SEARCH_CELL + (places.x, places.y)
+        return np.column_stack([middles, headings[best[:, 2]]])

@@ -5,7 +5,7 @@ from typing import Self
 
 import numpy as np
 
-from pioneer3.arrays import Float, Int32
+from pioneer3.arrays import Float, Int32, sparse
 from pioneer3.jit import fast
 from pioneer3.maps import LineMap
 from pioneer3.maps.line_map import OCCUPIED
@@ -49,7 +49,7 @@ class WallField:
 
     Attributes:
         facing: Their free sides, of length 1; (0, 0) where both are free; shape (W, 2).
-        numbers: The wall nearest to each cell, -1 beyond the reach of `field`, shape (H, W).
+        numbers: The wall nearest to each cell from 1 on, 0 beyond the reach of `field`, (H, W).
     """
 
     walls: Float
@@ -61,10 +61,8 @@ class WallField:
     def of(cls, walls: Float, line_map: LineMap, cell: float, reach: float) -> Self:
         """Return the field of `walls` (W, 4) [m] over the bounds of a map."""
         field = DistanceField.of(walls, line_map.bounds, cell, reach)
-        numbers = np.full(field.raster.shape, -1, dtype=np.int32)
-        raster = field.raster
-        frame = raster.x, raster.y, raster.cell
-        fast(number_walls, CACHE)(walls, frame, field.distances, numbers)
+        numbers = sparse(field.raster.shape, np.int32)
+        fast(number_walls, CACHE)(walls, field.frame, field.distances, numbers)
         return cls(walls, free_sides(walls, line_map), field, numbers)
 
     @classmethod
@@ -72,12 +70,6 @@ class WallField:
         """Return the field of the walls that stop light."""
         opaque = line_map.walls[line_map.materials != GLASS]
         return cls.of(opaque, line_map, FIELD_CELL, FIELD_REACH)
-
-    @property
-    def frame(self) -> tuple[float, float, float]:
-        """Left and lower edge of the cells, and the side of one [m]."""
-        raster = self.field.raster
-        return raster.x, raster.y, raster.cell
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -147,7 +139,7 @@ class ScanLikelihood:
     def cost(self, poses: Float) -> Float:
         """Return the negative logarithm of the likelihood at `poses` (P, 3), shape (P,)."""
         out = np.empty(len(poses))
-        field = self.walls.field.distances, self.walls.frame
+        field = self.walls.field.distances, self.walls.field.frame
         fast(weigh_poses, CACHE)(field, self.weighed, poses, (WALL_SIGMA, WALL_REACH), out)
         out *= min(1.0, INDEPENDENT_READINGS / max(1, len(self.weighed)))
         return out
@@ -168,7 +160,7 @@ class ScanLikelihood:
         """
         best, out = poses.copy(), np.empty((len(poses), 3, 3))
         walls, points = self.walls, self.points if all_points else self.weighed
-        surface = walls.walls, walls.facing, walls.numbers, walls.frame
+        surface = walls.walls, walls.facing, walls.numbers, walls.field.frame
         prior = information, WALL_SIGMA, np.array(scales)
         fast(refine_poses, CACHE)(surface, (points, self.origin), best, prior, out)
         return best, out
@@ -177,7 +169,7 @@ class ScanLikelihood:
         """Return how beams agree with the map at `poses` (P, 3)."""
         out = np.empty((len(poses), 4))
         w = self.walls
-        surface = w.walls, w.field.distances, w.numbers, w.frame
+        surface = w.walls, w.field.distances, w.numbers, w.field.frame
         beams = self.weighed, self.clear, self.origin
         fast(judge_poses, CACHE)(
             surface, beams, poses, (AGREEMENT, AGREEMENT_SHARE, THROUGH_DEPTH), out

@@ -6,7 +6,7 @@ from typing import Self
 
 import numpy as np
 
-from pioneer3.arrays import Float, UInt16
+from pioneer3.arrays import Float, UInt16, sparse
 from pioneer3.geometry import Pose2
 from pioneer3.jit import fast
 from pioneer3.maps import LineMap
@@ -78,7 +78,7 @@ class EchoMap:
         walls = WallField.of(own, line_map, SONAR_CELL, SONAR_REACH)
         raster = walls.field.raster
         height, width = (ceil(size * raster.cell / PLACE_SIDE) for size in raster.shape)
-        return cls(walls, np.zeros((height, width, SECTORS), dtype=np.uint16))
+        return cls(walls, sparse((height, width, SECTORS), np.uint16))
 
     def expected(self, pings: Float, poses: Float) -> Float:
         """Return the ranges [m] that `pings` (F, 3+) should have at `poses` (P, 3), shape (P, F).
@@ -87,7 +87,7 @@ class EchoMap:
         """
         out = np.empty((len(poses), len(pings)))
         w = self.walls
-        surface = w.walls, w.field.distances, w.numbers, w.frame
+        surface = w.walls, w.field.distances, w.numbers, w.field.frame
         cone, memory = (RAYS, SONAR_RANGE, INCIDENCE), (self.known, PLACE_SIDE)
         fast(expected_ranges, CACHE)(surface, cone, memory, (pings, poses), out)
         return out

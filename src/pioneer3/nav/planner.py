@@ -6,12 +6,12 @@ from typing import Self
 
 import numpy as np
 
-from pioneer3.arrays import Bool, Float, Float32
+from pioneer3.arrays import Bool, Float, Float32, sparse
 from pioneer3.jit import fast
 from pioneer3.maps.line_map import MapObject
 from pioneer3.nav.costs import CostMap, covers, inside
 from pioneer3.nav.kernels import CACHE
-from pioneer3.nav.kernels.fields import NOT_WAITING, march
+from pioneer3.nav.kernels.fields import march
 from pioneer3.nav.kernels.ways import descend
 from pioneer3.nav.raster import Raster
 
@@ -174,22 +174,20 @@ def way_from(cost_to_go: CostToGo, start: tuple[float, float]) -> Way | None:
 
 
 def _cheapest(costs: Float32, row: int, column: int) -> Float32:
-    """Return the cost of the cheapest way from each cell to one of them; shapes (H, W)."""
-    padded = np.pad(costs, 1, constant_values=np.inf)
-    width, low = padded.shape[1], float(costs.min())
+    """Return the cost of the cheapest way from each cell to one of them; shapes (H, W).
+
+    Those at the edges have none.
+    """
+    costs[:, [0, -1]] = costs[[0, -1]] = np.inf
+    values, (height, width), low = np.full_like(costs, np.inf), costs.shape, float(costs.min())
+    if not (0 < row < height - 1 and 0 < column < width - 1):
+        return values
     high = float(costs.max(where=costs < inf, initial=0.0)) or 1.0
     depth = max(min(low, high), high / MOST_BUCKETS)
-    values = np.full(padded.size, np.inf, dtype=np.float32)
-    fast(march, CACHE)(
-        padded.ravel(),
-        (row + 1) * width + column + 1,
-        width,
-        depth,
-        np.full(int(high / depth) + 3, -1, dtype=np.int32),
-        np.full(padded.size, NOT_WAITING, dtype=np.int32),
-        values,
-    )
-    return np.ascontiguousarray(values.reshape(padded.shape)[1:-1, 1:-1])
+    first = np.full(int(high / depth) + 3, -1, dtype=np.int32)
+    after, goal = sparse((costs.size,), np.int32), row * width + column
+    fast(march, CACHE)(costs.ravel(), goal, width, depth, first, after, values.ravel())
+    return values
 
 
 def _fits(costs: CostMap, points: Float) -> Bool:

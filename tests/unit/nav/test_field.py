@@ -25,4 +25,4 @@ def test_it_is_exact_in_the_middles_of_cells(walls: Float) -> None:
     for row, column in np.ndindex(field.raster.shape):
         middle = np.array(field.raster.middle_of(row, column))
         wanted = min(0.8, float(distances(middle, walls).min()))
-        assert field.distances[row, column] == pytest.approx(wanted, abs=1e-6)
+        assert field.reach + field.distances[row, column] == pytest.approx(wanted, abs=1e-6)

@@ -14,8 +14,9 @@ from pioneer3.jit import fast, plain
 from pioneer3.maps import LineMap
 from pioneer3.maps.line_map import OCCUPIED, OccupancyGrid
 from pioneer3.maps.materials import GLASS
+from pioneer3.nav.global_search import BLOCK, CandidatePoses
 from pioneer3.nav.kernels import CACHE
-from pioneer3.nav.kernels.fields import score_places
+from pioneer3.nav.kernels.fields import best_places
 from pioneer3.nav.kernels.pings import echo_range, expected_ranges, weigh_ranges
 from pioneer3.nav.kernels.scans import judge_poses, refine_poses, weigh_poses
 from pioneer3.nav.likelihood import (
@@ -60,7 +61,8 @@ def test_the_cost_is_the_square_of_the_distances_of_its_points() -> None:
         height, width = WALLS.numbers.shape
         inside = (row >= 0) & (row < height) & (column >= 0) & (column < width)
         off = np.full(len(points), WALL_REACH)
-        off[inside] = WALLS.field.distances[row[inside], column[inside]].clip(max=WALL_REACH)
+        away = WALLS.field.reach + WALLS.field.distances[row[inside], column[inside]]
+        off[inside] = away.clip(max=WALL_REACH)
         wanted = (0.5 * (off / WALL_SIGMA) ** 2).sum() * INDEPENDENT_READINGS / len(points)
         assert cost == pytest.approx(wanted, rel=1e-5)
 
@@ -134,9 +136,9 @@ def test_glass_is_no_wall_to_a_laser() -> None:
 def test_compiled_kernels_of_scans_compute_what_python_does() -> None:
     scan = scan_at(HERE, near=1.0)
     poses = array_of(HERE) + 0.1 * np.random.default_rng(1).standard_normal((3, 3))
-    field = WALLS.field.distances, WALLS.frame
-    surface = WALLS.walls, WALLS.facing, WALLS.numbers, WALLS.frame
-    map_ = WALLS.walls, WALLS.field.distances, WALLS.numbers, WALLS.frame
+    field = WALLS.field.distances, WALLS.field.frame
+    surface = WALLS.walls, WALLS.facing, WALLS.numbers, WALLS.field.frame
+    map_ = WALLS.walls, WALLS.field.distances, WALLS.numbers, WALLS.field.frame
     prior = LOOSE, WALL_SIGMA, np.array([0.3, 0.1])
     results = []
     for run in (partial(fast, kept=CACHE), plain):
@@ -151,22 +153,32 @@ def test_compiled_kernels_of_scans_compute_what_python_does() -> None:
     assert results[0] == pytest.approx(results[1], rel=1e-9)
 
 
-def test_places_are_scored_by_the_cells_where_beams_end() -> None:
+@pytest.mark.parametrize("least", [0, 500, 700])
+def test_the_best_places_are_those_of_all_that_are_scored(least: int) -> None:
     rng = np.random.default_rng(2)
-    field = rng.integers(0, 256, (12, 15), dtype=np.uint8)
-    cells = rng.integers(0, 12, (7, 2), dtype=np.int32)
-    offsets = rng.integers(-8, 8, (3, 5, 2), dtype=np.int32)
-    out = np.empty((7, 3), dtype=np.uint16)
-    fast(score_places, CACHE)(field, cells, offsets, out)
-    padded = np.pad(field, 10).astype(int)
-    ends = cells[:, None, None] + offsets + 10
-    assert (out == padded[ends[..., 0], ends[..., 1]].sum(axis=2)).all()
+    places = CandidatePoses.of(WALLS.field, 0.3)
+    offsets = rng.integers(-12, 12, (4, 5, 2), dtype=np.int32)
+    out = np.empty((8 * 4 * len(places.blocks), 4), dtype=np.int32)
+    ends = offsets + BLOCK
+    search = fast(best_places, CACHE)
+    count = search(places.fields, places.free, places.blocks, ends, least, out)
+    padded = np.pad(places.fields[0, BLOCK:, BLOCK:].astype(int), 12)
+    best: dict[tuple[int, ...], int] = {}
+    for row, column in np.argwhere(places.free).tolist():
+        for heading, each in enumerate(offsets):
+            score = int(padded[row + 12 + each[:, 0], column + 12 + each[:, 1]].sum())
+            group = row // 2, column // 2, heading // 2
+            best[group] = max(score, best.get(group, 0))
+    rows = out[:count].tolist()
+    found = {(row // 2, column // 2, turn // 2): score for row, column, turn, score in rows}
+    assert len(found) == count > 0
+    assert found == {group: score for group, score in best.items() if score >= least}
 
 
 def test_a_transducer_hears_the_nearest_wall_in_its_beam() -> None:
     rng = np.random.default_rng(5)
     walls, right = ECHOES.walls, 0
-    surface = walls.walls, walls.field.distances, walls.numbers, walls.frame
+    surface = walls.walls, walls.field.distances, walls.numbers, walls.field.frame
     for _ in range(400):
         x, y, axis = rng.uniform((0.3, 0.3, -3.1), (7.7, 4.7, 3.1)).tolist()
         heard = fast(echo_range, CACHE)(surface, (RAYS, SONAR_RANGE, INCIDENCE), x, y, axis)
@@ -190,7 +202,7 @@ def test_remembered_ranges_are_those_computed_anew() -> None:
     first = ECHOES.expected(mounts, poses)
     assert (ECHOES.expected(mounts, poses) == first).all()
     w, out = ECHOES.walls, np.empty((2, 2))
-    surface = w.walls, w.field.distances, w.numbers, w.frame
+    surface = w.walls, w.field.distances, w.numbers, w.field.frame
     memory = np.zeros_like(ECHOES.known), 0.1
     plain(expected_ranges)(surface, (RAYS, SONAR_RANGE, INCIDENCE), memory, (mounts, poses), out)
     assert out == pytest.approx(first, abs=1e-9)

@@ -119,8 +119,8 @@ def marched(costs: Float32, goal: tuple[int, int]) -> NDArray[np.float64]:
         (14, 11),
         elements=st.sampled_from([0.05, 0.05, 0.05, 0.0713, 0.2, 3.0, 40.0, inf]).map(np.float32),
     ),
-    st.integers(0, 13),
-    st.integers(0, 10),
+    st.integers(1, 12),
+    st.integers(1, 9),
 )
 def test_costs_to_go_are_those_of_a_heap_of_cells(each: Float32, row: int, column: int) -> None:
     raster = Raster(x=0.0, y=0.0, cell=0.05, height=14, width=11)

@@ -104,8 +104,8 @@ def test_an_echo_that_stands_alone_is_believed_the_second_time(sightings: Sighti
 
 def test_far_echoes_beside_walls_are_of_the_walls(sightings: Sightings) -> None:
     """Odometry is late, so that walls seem to be beside where they are while the robot turns."""
-    for x, count in ((4.5, 0), (1.0, 1)):  # 30 cm before the upper wall
-        sightings.take(beams(5.0, (x, 2.75 - 0.3)), HERE)
+    for x, count in ((4.5, 0), (1.0, 1)):  # 33 cm before the upper wall
+        sightings.take(beams(5.0, (x, 2.75 - 0.33)), HERE)
         assert len(sightings.points(5.0)) == count
 
 

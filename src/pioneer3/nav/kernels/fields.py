@@ -4,8 +4,11 @@ from math import floor, inf, sqrt
 
 import numpy as np
 
-from pioneer3.arrays import Bool, Float, Float32, Int, Int32, UInt8, UInt16
+from pioneer3.arrays import Bool, Float, Float32, Int, Int32, UInt8
 from pioneer3.jit import inlined, kernel
+
+Frame = tuple[float, float, float, float]
+"""Left and lower edge of a raster, the side of a cell, and the longest of its distances [m]."""
 
 
 @inlined
@@ -21,14 +24,15 @@ def distance_to(wall: Float, x: float, y: float) -> float:
 
 
 @kernel
-def nearest_wall(walls: Float, x0: float, y0: float, cell: float, out: Float32) -> None:
+def nearest_wall(walls: Float, frame: Frame, shift: float, out: Float32) -> None:
     """Lower each of `out` (H, W) to the distance of its cell's middle from the nearest wall [m].
 
-    Walls are segments [m], shape (N, 4); the raster begins at `x0`, `y0`, with cells of side `cell`
-    [m]. Only lower distances are written.
+    Walls are segments [m], shape (N, 4); `frame` has the left and lower edge of the cells, the side
+    of one, and the distance up to which walls are looked for [m]. Only lower distances are written,
+    less `shift`.
     """
     height, width = out.shape
-    reach = float(out.max())
+    x0, y0, cell, reach = frame
     for i in range(len(walls)):
         ax, ay, bx, by = walls[i, 0], walls[i, 1], walls[i, 2], walls[i, 3]
         left = max(0, floor((min(ax, bx) - reach - x0) / cell))
@@ -39,12 +43,10 @@ def nearest_wall(walls: Float, x0: float, y0: float, cell: float, out: Float32) 
             y = y0 + (row + 0.5) * cell
             for column in range(left, right + 1):
                 x = x0 + (column + 0.5) * cell
-                distance = distance_to(walls[i], x, y)
-                out[row, column] = min(out[row, column], distance)
-
-
-NOT_WAITING = -2
-"""Entry of `after` for a cell that does not wait; -1 ends a bucket."""
+                distance = distance_to(walls[i], x, y) - shift
+                if distance >= out[row, column]:  # a write takes memory, as around a wall aslant
+                    continue
+                out[row, column] = distance
 
 
 @kernel
@@ -61,7 +63,8 @@ def march(
         depth: Range of the costs in one bucket.
         first: A cell of each bucket, filled with -1, shape (B,); a bucket serves again B later, and
             `depth` times B - 2 is no less than the highest finite cost.
-        after: The next cell in the same bucket, filled with `NOT_WAITING`, shape (N,).
+        after: The next cell in the same bucket, -1 after the last, 0 for a cell that does not wait,
+            as all do, shape (N,).
         out: Shape (N,), filled with `inf`.
     """
     buckets, turn, waiting = len(first), 0, 1
@@ -71,7 +74,7 @@ def march(
         open_ = turn % buckets
         while first[open_] >= 0:
             cell = first[open_]
-            first[open_], after[cell] = after[cell], NOT_WAITING
+            first[open_], after[cell] = after[cell], 0
             waiting -= 1
             here = out[cell]
             for side in range(4):
@@ -90,7 +93,7 @@ def march(
                 if new >= old:
                     continue
                 out[near] = new
-                if after[near] == NOT_WAITING:
+                if after[near] == 0:
                     # one that waits keeps its bucket: that is late for few cells, and by little
                     bucket = max(turn, int(new / depth)) % buckets
                     after[near] = first[bucket]
@@ -141,23 +144,69 @@ def ways_from(free: Bool, start: int, queue: Int, queued: Bool, out: Float) -> N
                         waiting += 1
 
 
+@inlined
+def score_of(scores: UInt8, row: int, column: int, ends: Int32, least: int) -> int:
+    """Return the sum of `scores` (H, W) at the `ends` (B, 2) of beams from a cell.
+
+    It ends with less than `least` where it cannot come to that any more.
+    """
+    total, (rows, columns) = 0, scores.shape
+    for beam in range(len(ends)):
+        if total + 255 * (len(ends) - beam) < least:
+            break
+        r, c = row + ends[beam, 0], column + ends[beam, 1]
+        if 0 <= r < rows and 0 <= c < columns:
+            total += int(scores[r, c])
+    return total
+
+
 @kernel
-def score_places(field: UInt8, cells: Int32, offsets: Int32, out: UInt16) -> None:
-    """Fill `out` (C, H) with the sums of `field` at the ends of beams.
+def may_come_to(scores: UInt8, row: int, column: int, ends: Int32, least: int) -> bool:
+    """Return whether `scores` at the `ends` (2, B, 2) of beams come to `least` at a heading."""
+    first = score_of(scores, row, column, ends[0], least)
+    return first >= least or score_of(scores, row, column, ends[1], least) >= least
+
+
+@kernel
+def best_places(
+    fields: UInt8, free: Bool, blocks: Int32, offsets: Int32, least: int, out: Int32
+) -> int:
+    """Fill `out` with the places and headings that come to a score; return the number of rows.
+
+    Of two rows, two columns and two headings, the best counts. A square of places is passed over
+    where the highest score near each end together come to less.
 
     Args:
-        field: Score of an end in each cell, 255 at a wall, shape (rows, columns).
-        cells: Row and column of the robot, shape (C, 2).
-        offsets: Rows and columns from there to the ends of B beams at H headings, shape (H, B, 2).
-        out: Of up to 257 beams.
+        fields: Score of an end in each cell, 255 at a wall; the highest of it and its neighbours
+            above and to the right, of 2, 4 and 8 rows and columns; shape (4, rows, columns).
+        free: Where the robot may be, whole blocks, shape (rows, columns).
+        blocks: First row and column of blocks of 8 by 8 of these, shape (N, 2).
+        offsets: Rows and columns from a place to the cells of `fields` where B beams end, at an
+            even number of headings, shape (H, B, 2).
+        least: The score to come to.
+        out: Row, column, heading and score, shape (8 * H * N, 4).
     """
-    rows, columns = field.shape
-    for i in range(len(cells)):
-        row, column = cells[i, 0], cells[i, 1]
-        for heading in range(offsets.shape[0]):
-            total = 0
-            for beam in range(offsets.shape[1]):
-                r, c = row + offsets[heading, beam, 0], column + offsets[heading, beam, 1]
-                if 0 <= r < rows and 0 <= c < columns:
-                    total += int(field[r, c])
-            out[i, heading] = total
+    count = 0
+    for i in range(len(blocks)):
+        for turn in range(0, len(offsets), 2):
+            ends = offsets[turn : turn + 2]
+            if not may_come_to(fields[3], blocks[i, 0], blocks[i, 1], ends, least):
+                continue
+            for part in range(16):  # four quarters of a block, and four of each
+                row = blocks[i, 0] + 4 * (part // 8) + 2 * (part // 2 % 2)
+                column = blocks[i, 1] + 4 * (part // 4 % 2) + 2 * (part % 2)
+                if part % 4 == 0:
+                    near = may_come_to(fields[2], row, column, ends, least)
+                if not (near and may_come_to(fields[1], row, column, ends, least)):
+                    continue
+                best = least - 1
+                for each in range(8):
+                    r, c, heading = row + each // 4, column + each // 2 % 2, each % 2
+                    if free[r, c]:
+                        score = score_of(fields[0], r, c, ends[heading], best + 1)
+                        if score > best:
+                            best = score
+                            out[count, 0], out[count, 1] = r, c
+                            out[count, 2], out[count, 3] = turn + heading, score
+                count += best >= least
+    return count

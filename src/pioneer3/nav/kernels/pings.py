@@ -18,7 +18,8 @@ def echo_range(surface: Surface, cone: Cone, x: float, y: float, axis: float) ->
     The nearest echo among the rays of its beam counts. A wall echoes a ray that meets it nearly at
     a right angle. The transducer is at `x`, `y` on the map [m] and looks along `axis` [rad].
     """
-    walls, distances, numbers, (x0, y0, cell) = surface
+    walls, distances, numbers, frame = surface
+    x0, y0, cell, _ = frame
     rays, longest, steep = cone
     height, width = numbers.shape
     at = (x - x0) / cell, (y - y0) / cell
@@ -26,11 +27,11 @@ def echo_range(surface: Surface, cone: Cone, x: float, y: float, axis: float) ->
     for ray in range(len(rays)):
         dx, dy = cos(axis + rays[ray]), sin(axis + rays[ray])
         most = min(best, longest) / cell
-        gone = way_to_wall(distances, at, (dx, dy), most, 1.0 / cell)
+        gone = way_to_wall(distances, at, (dx, dy), most, frame)
         column, row = floor(at[0] + gone * dx), floor(at[1] + gone * dy)
         if gone >= most or not (0 <= row < height and 0 <= column < width):
             continue
-        wall = numbers[row, column]
+        wall = numbers[row, column] - 1
         if wall < 0:
             continue
         wx, wy = walls[wall, 2] - walls[wall, 0], walls[wall, 3] - walls[wall, 1]
@@ -68,7 +69,7 @@ def expected_ranges(
             poses of the robot on the map [m, rad], shape (P, 3).
         out: For the ranges [m]; above the longest where no echo is expected.
     """
-    x0, y0, _ = surface[3]
+    x0, y0, _, _ = surface[3]
     longest = cone[1]
     known, place = memory
     pings, poses = guesses

@@ -6,38 +6,34 @@ import numpy as np
 
 from pioneer3.arrays import Float, Float32, Int32
 from pioneer3.jit import inlined, kernel
-from pioneer3.nav.kernels.fields import distance_to
+from pioneer3.nav.kernels.fields import Frame, distance_to
 
-Frame = tuple[float, float, float]
-"""Left and lower edge of a raster, and the side of a cell [m]."""
 Point = tuple[float, float]
 Surface = tuple[Float, Float32, Int32, Frame]
-"""Walls, segments [m], shape (W, 4); distances to the nearest one [m], shape (H, W); its number, -1
-where none is near, shape (H, W); the frame of these cells."""
+"""Walls, segments [m], shape (W, 4); distances to the nearest one less the longest [m], shape
+(H, W); its number from 1 on, 0 where none is near, shape (H, W); the frame of these cells."""
 
 BACK_CELLS = 5
 """Cells before the end of a beam where the face that it met is sought."""
 
 
 @inlined
-def value_at(field: Float32, x: float, y: float, outside: float) -> float:
-    """Return the value of the cell around a point, in cells from the lower left corner."""
+def distance_at(field: Float32, reach: float, x: float, y: float, outside: float) -> float:
+    """Return the distance in the cell around a point, in cells from the lower left corner [m]."""
     row, column = floor(y), floor(x)
     if 0 <= row < field.shape[0] and 0 <= column < field.shape[1]:
-        return float(field[row, column])
+        return reach + float(field[row, column])
     return outside
 
 
 @kernel
 def number_walls(walls: Float, frame: Frame, distances: Float32, out: Int32) -> None:
-    """Fill `out` (H, W) with the number of the wall nearest to each cell's middle.
+    """Fill `out` (H, W) with the number of the wall nearest to each cell's middle, from 1 on.
 
-    Cells farther from all walls (N, 4) [m] than the reach of their `distances` (H, W) [m] keep
-    their number.
+    Cells farther from all walls (N, 4) [m] than the longest of their `distances` keep their number.
     """
-    x0, y0, cell = frame
+    x0, y0, cell, reach = frame
     height, width = out.shape
-    reach = float(distances.max())
     for i in range(len(walls)):
         ax, ay, bx, by = walls[i, 0], walls[i, 1], walls[i, 2], walls[i, 3]
         left = max(0, floor((min(ax, bx) - reach - x0) / cell))
@@ -48,11 +44,11 @@ def number_walls(walls: Float, frame: Frame, distances: Float32, out: Int32) -> 
             y = y0 + (row + 0.5) * cell
             for column in range(left, right + 1):
                 nearest = float(distances[row, column])
-                if nearest >= reach:
+                if nearest >= 0.0:
                     continue
                 x = x0 + (column + 0.5) * cell
-                if distance_to(walls[i], x, y) <= nearest + 1e-6:
-                    out[row, column] = i
+                if distance_to(walls[i], x, y) - reach <= nearest + 1e-6:
+                    out[row, column] = i + 1
 
 
 @kernel
@@ -61,11 +57,11 @@ def weigh_poses(
 ) -> None:
     """Fill `out` (P,) with the sum over the points of half the square of distance over sigma.
 
-    The `field` has distances to the nearest wall [m], shape (H, W), and their frame; points (N, 2)
-    are in the robot's frame [m], at `poses` (P, 3) on the map [m, rad]. `limits` are sigma, and the
-    distance that larger ones count as [m].
+    The `field` has the distances of a :data:`Surface` and their frame; points (N, 2) are in the
+    robot's frame [m], at `poses` (P, 3) on the map [m, rad]. `limits` are sigma, and the distance
+    that larger ones count as [m].
     """
-    distances, (x0, y0, cell) = field
+    distances, (x0, y0, cell, reach) = field
     sigma, most = limits
     factor = 0.5 / (sigma * sigma)
     for p in range(len(poses)):
@@ -74,7 +70,8 @@ def weigh_poses(
         total = 0.0
         for i in range(len(points)):
             u, v = points[i, 0], points[i, 1]
-            off = min(most, value_at(distances, x + c * u - s * v, y + s * u + c * v, most))
+            to_x, to_y = x + c * u - s * v, y + s * u + c * v
+            off = min(most, distance_at(distances, reach, to_x, to_y, most))
             total += off * off
         out[p] = factor * total
 
@@ -110,7 +107,7 @@ def facing_wall(numbers: Int32, facing: Float, at: Point, along: Point) -> int:
     for back in range(BACK_CELLS + 1):
         column, row = floor(at[0] - back * along[0]), floor(at[1] - back * along[1])
         if 0 <= row < height and 0 <= column < width:
-            wall = int(numbers[row, column])
+            wall = int(numbers[row, column]) - 1
             if wall < 0:
                 return -1
             if facing[wall, 0] * along[0] + facing[wall, 1] * along[1] <= 0.0:
@@ -146,7 +143,7 @@ def add_points(
     Surface and beams are those of :func:`refine_poses`; `spread` is the standard deviation of a
     point, and the distance where it loses its weight [m].
     """
-    walls, facing, numbers, (x0, y0, cell) = surface
+    walls, facing, numbers, (x0, y0, cell, _) = surface
     points, origin = beams
     variance, scale = spread[0] * spread[0], spread[1] * spread[1]
     c, s = cos(pose[2]), sin(pose[2])
@@ -190,8 +187,8 @@ def refine_poses(
 
     Args:
         surface: Walls, segments [m], shape (W, 4); their free sides, (0, 0) where both are, shape
-            (W, 2); the wall nearest to each cell, -1 where there is none, shape (H, W); the frame
-            of these cells.
+            (W, 2); the wall nearest to each cell from 1 on, 0 where there is none, shape (H, W);
+            the frame of these cells.
         beams: Points in the robot's frame [m], shape (N, 2); their origin there, shape (2,).
         poses: Of the robot on the map [m, rad].
         prior: Information of the poses at the start, shape (3, 3); standard deviation of a point
@@ -229,17 +226,15 @@ def refine_poses(
 
 
 @inlined
-def way_to_wall(
-    distances: Float32, at: Point, along: Point, most: float, per_meter: float
-) -> float:
+def way_to_wall(distances: Float32, at: Point, along: Point, most: float, frame: Frame) -> float:
     """Return the way to a wall from `at`, `along` a ray of length 1, at `most` so far [cells].
 
-    The `distances` (H, W) are those to the nearest wall [m], `per_meter` cells are in a metre.
+    The `distances` (H, W) are those of a :data:`Surface`, in a `frame`.
     """
-    gone = 0.0
+    gone, per_meter = 0.0, 1.0 / frame[2]
     while gone < most:
         x, y = at[0] + gone * along[0], at[1] + gone * along[1]
-        away = per_meter * value_at(distances, x, y, 1e3)
+        away = per_meter * distance_at(distances, frame[3], x, y, 1e3)
         if away < 0.8:
             return gone
         gone += max(0.5, away - 0.75)
@@ -266,13 +261,13 @@ def is_free(surface: Surface, x: float, y: float, along: Point, most: float) -> 
 
     A wall that the ray passes closely is none that it crosses.
     """
-    walls, distances, numbers, (x0, y0, cell) = surface
+    walls, distances, numbers, (x0, y0, cell, reach) = surface
     gone = 0.0
     while gone < most:
         u, v = (x + gone * along[0] - x0) / cell, (y + gone * along[1] - y0) / cell
-        away = value_at(distances, u, v, 1e3)
+        away = distance_at(distances, reach, u, v, 1e3)
         if away < 0.8 * cell:
-            number = numbers[floor(v), floor(u)]
+            number = numbers[floor(v), floor(u)] - 1
             if number >= 0:
                 at = crossing(walls[number], x, y, along)
                 if max(0.0, gone - 2.0 * cell) < at < min(most, gone + 2.0 * cell):
@@ -304,7 +299,7 @@ def judge_poses(
             through walls to nowhere, and the mean square of the distances of those that agree, as a
             share of the limit; shape (P, 4).
     """
-    _, distances, _, (x0, y0, cell) = surface
+    _, distances, _, (x0, y0, cell, reach) = surface
     points, clear, origin = beams
     near, share, deep = limits
     for p in range(len(poses)):
@@ -326,7 +321,7 @@ def judge_poses(
             off = 2.0
             if i < len(points):
                 x, y = (ox + dx - x0) / cell, (oy + dy - y0) / cell
-                off = value_at(distances, x, y, 1e3) / max(near, share * length)
+                off = distance_at(distances, reach, x, y, 1e3) / max(near, share * length)
             if off <= 1.0:
                 agree += 1.0
                 misfit += off * off
