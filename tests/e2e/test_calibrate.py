@@ -68,7 +68,7 @@ class Person:
         self.sim, self.ends_before = sim, ends_before
         self.rng = np.random.default_rng(5)
         self.asked: list[str] = []
-        self.gone = False
+        self.gone = self.misreads = False
         self.keys: Iterator[str] = iter(())
 
     async def answer(self, question: str) -> str:
@@ -86,6 +86,9 @@ class Person:
         if self.ends_before == "an end" and step.asks:
             self.gone = True
             raise _EndError
+        self.misreads, misread = False, self.misreads
+        if misread:
+            return dict.fromkeys(step.asks, 3.0)
         return dict(answers_of(step, self.sim.body.robot_in_world, self.rng))
 
 
@@ -158,6 +161,15 @@ async def test_a_step_can_be_skipped_undone_and_repeated(person: Person) -> None
         person.keys = iter(("s", "s", "", "u", "s", "q"))
         assert await _calibrate(robot, WHOLE) == 1
     assert person.asked.count(calibrate.AFTER) == 1
+
+
+async def test_a_slip_of_the_tape_is_measured_once_more(person: Person) -> None:
+    async with in_a_room() as (sim, robot):
+        person.__init__(sim)  # type: ignore[misc]
+        person.keys, person.misreads = iter(("s", "s", "", "q")), True
+        assert await _calibrate(robot, WHOLE) == 1
+    answered = [calibrate.KEYS] * 3 + [calibrate.AGAIN, calibrate.AFTER, calibrate.KEYS]
+    assert person.asked == answered
 
 
 @pytest.mark.parametrize("ends", [calibrate.KEYS, "an end", "Write"])

@@ -176,6 +176,7 @@ async def test_wheels_that_stall_in_the_open_are_held() -> None:
         pytest.param("p3at-sh", 4, holds, Cause.HELD, marks=pytest.mark.thorough),
         ("p3at-sh", 1, drags(1.25, 1), Cause.RIGHT_DRAGS),
         ("p3at-sh", 3, drags(1.0, 1), Cause.RIGHT_DRAGS),
+        ("p3at-sh", 5, drags(1.0, 1), Cause.RIGHT_DRAGS),
     ],
 )
 async def test_faults_of_robots_with_mass_are_named(
@@ -185,6 +186,16 @@ async def test_faults_of_robots_with_mass_are_named(
     told = await named(model, seed, fault)
     assert told[-1][1] is cause
     assert all(0 < at <= WITHIN for at, _ in told)
+
+
+async def test_a_side_that_brakes_hard_into_a_turn_does_not_drag() -> None:
+    pytest.importorskip("mujoco")
+    simulated = SimulatedRobot(model="p3at-sh", realism=Realism(), seed=1, physics="mujoco")
+    stalled = []
+    simulated.stepped = lambda: stalled.append(simulated.body.drives.flags[STALLED, 0])
+    async with shadowed(simulated) as (robot, _):
+        assert await drive(robot, 0.69, -0.08, 4.0) + await drive(robot, -0.15, 0.5, 3.0) == []
+    assert any(stalled)
 
 
 async def test_wheels_that_stall_at_a_wall_met_something() -> None:

@@ -6,7 +6,7 @@ counted. At the right one they differ least: phase dispersion minimization (Stel
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from math import degrees, pi
+from math import pi
 
 import numpy as np
 
@@ -75,8 +75,8 @@ def _best(echoes: Float, lengths: Float) -> float:
     best = int(np.argmin(dispersions))
     if not dispersions[best] < CLEAR * np.median(dispersions):
         raise DeviceError(
-            "the sonars hear the same all around: turn half a metre from a wall, "
-            f"not in the middle of a room (best guess {degrees(lengths[best]):.0f} degrees)"
+            "the sonars hear the same all around: leave half a metre between the robot's side and "
+            "a wall, and turn it there once more"
         )
     return float(lengths[best])
 

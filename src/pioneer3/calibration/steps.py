@@ -104,7 +104,7 @@ def plan(
             )
         elif by_sonar:
             legs = [CourseLeg(turn=sign * 2 * pi * FULL_TURNS)]
-            title = f"{FULL_TURNS} full turns to the {word}, half a metre from a wall"
+            title = f"{FULL_TURNS} full turns to the {word}, with its side half a metre from a wall"
             steps.append(
                 CalibrationStep(
                     name=f"turn {word}", title=title, by=By.SONAR, legs=legs, room=around

@@ -34,6 +34,7 @@ LONGEST = 20.0
 """Longest ones [m]."""
 KEYS = "Enter drives, s skips this step, u forgets the last one, q ends"
 AFTER = "Enter keeps it, r drives this step again"
+AGAIN = "Enter measures it once more, r drives this step again"
 
 
 def calibrate(
@@ -114,10 +115,9 @@ async def _calibrate(robot: "Robot", options: _Options) -> int:
     )
     announce(robot, f"is calibrated by {By.LASER if by_laser else By.TAPE}; {how_to_stop()}")
     reach = procedure.reach
-    write_line(
-        f"It takes {reach:.1f} x {reach:.1f} m of free floor, ahead of the robot and to its left"
-        + ("." if by_laser else ", a tape measure, and something to mark the floor with.")
-    )
+    floor = f"{reach:.1f} x {reach:.1f} m of free floor, mostly ahead of the robot and to its left"
+    needs = "" if by_laser else ", a tape measure, and something to mark the floor with"
+    write_line(f"It takes {floor}{needs}.")
     whole = False
     try:
         await _take_all(robot, procedure, options)
@@ -187,16 +187,22 @@ async def _take(
 
     try:
         await show_while(robot, going())
-        await procedure.take(driven[0], await _answers(step))
+        while procedure.step is step:
+            try:
+                await procedure.take(driven[0], await _answers(step))
+            except CommandError as error:
+                if options.yes or not step.asks:
+                    raise
+                write_warning(str(error))
+                if (await _asked(AGAIN)).lower().startswith("r"):
+                    return False
     except (CommandError, DeviceError, MotionError) as error:
         write_warning(str(error))
         return False
-    if options.yes or not step.asks:
+    if options.yes or not step.asks or not (await _asked(AFTER)).lower().startswith("r"):
         return True
-    if (await _asked(AFTER)).lower().startswith("r"):
-        procedure.undo(step)
-        return False
-    return True
+    procedure.undo(step)
+    return False
 
 
 async def _answers(step: "CalibrationStep") -> dict[str, float]:

@@ -44,7 +44,7 @@ ASIDE = 0.035
 """Sides whose ways lack nearly the same agree [m]: what delays a robot delays both."""
 ASIDE_SHARE = 0.25
 """So do those that lack less than this share of their way around each other: they skid."""
-GROUND_LEAST = 0.038
+GROUND_LEAST = 0.04
 """Ways over the ground and of the wheels that differ by less agree [m]: a place on a map is known
 to a centimetre."""
 GROUND_SHARE = 0.02
@@ -61,7 +61,7 @@ FREE = 0.15
 """A robot that has moved by this is free again [m]: until then one thing holds it."""
 LASTS = 1.0
 """A difference that lasts for so long is believed [s]: on hard turns wheels lag behind for less."""
-SLIP_LASTS = 0.3
+SLIP_LASTS = 0.4
 """Time for which a difference over the ground lasts that is believed [s]: no ramp is behind it."""
 TESTS = 0.05
 """Speed that a wheel is to have if it is to tell whether the robot is held [m/s]."""
@@ -115,7 +115,7 @@ class Shadow:
         self._stall: Snapshot | None = None
         self._stood = ORIGIN
         self._drags: Cause | None = None
-        self._tested = self._straight = False
+        self._both = False
         self._mark: _Moment | None = None
         self._rolled = self._lost = 0.0
 
@@ -162,11 +162,11 @@ class Shadow:
             self._moments.clear()  # it stands, whatever it was told before
         drags = self._feel(snapshot) if snapshot.motors.stalled else None
         if drags is not None and held_by(snapshot, model, back=False) is Cause.HELD:
+            self.parting = None  # whatever was told before
             self._tell(self._parting(drags, 0.0), snapshot)
         if len(self._moments) > 1 and self._is_blocked(snapshot):
-            cause = self._cause_of_stall(snapshot, model)
-            if cause is not None:
-                self._tell(self._parting(cause, 1.0), snapshot)
+            cause = self._why_stuck(best_of(self._compared(self._moments)), snapshot, model)
+            self._tell(self._parting(cause, 1.0), snapshot)
             self._moments.clear()  # the driver stops what stalls
             return self.parting
         self._decide(self._judge(snapshot, model) if len(self._moments) > 1 else None, snapshot)
@@ -180,52 +180,35 @@ class Shadow:
         stall = self._stall
         return stall is not None and snapshot.stamp - stall.stamp < STALL and stands(snapshot)
 
-    def _cause_of_stall(self, snapshot: Snapshot, model: RobotModel) -> Cause | None:
-        """Return the cause of a stall; `None` for a robot that pushes hard, and goes as it should.
-
-        It does so where it brakes on a turn.
-        """
-        assert self._stall is not None
-        lacks, motors = best_of(self._compared(self._moments)), self._stall.motors
-        is_alone = motors.left_stalled != motors.right_stalled and not self._straight
-        if is_alone and max(abs(each.missing) for each in lacks) < LEAST:
-            return self.parting.cause if self.parting and self.parting.cause in HOLDS else None
-        return self._why_stuck(lacks, snapshot, model)
-
     def _why_stuck(self, lacks: Sequence[SideLack], snapshot: Snapshot, model: RobotModel) -> Cause:
-        """Return the side that drags by the first of the last stalls, or what else holds it."""
+        """Return the side that drags by the last stalls, or what else holds the robot."""
         if self._drags is not None:
             return self._drags
         return held_by(snapshot, model, back=sum(each.told for each in lacks) < 0)
 
     def _feel(self, snapshot: Snapshot) -> Cause | None:
-        """Note a stall, and what the first of several tells; return the side that surely drags.
+        """Note a stall, and which side drags by the last ones; return the one that surely does.
 
         A side drags that pushes alone while the other one goes as it should: surely where both are
-        to go straight, as nothing sound pushes there.
+        to go straight, as nothing sound pushes there. One that only brakes hard tells nothing.
         """
-        motors, speeds = snapshot.motors, snapshot.odometry
-        if self._stall is None or snapshot.stamp - self._stall.stamp > WINDOW:
-            self._drags, self._tested, self._straight = None, False, False
-        self._stall = snapshot
+        motors, odometry = snapshot.motors, snapshot.odometry
+        before, speeds = list(self._moments)[-LAGS:], (odometry.left_speed, odometry.right_speed)
         other = 1 if motors.left_stalled else 0
-        speed = (speeds.left_speed, speeds.right_speed)[other]
-        before = list(self._moments)[-LAGS:]
+        is_alone = motors.left_stalled != motors.right_stalled
+        if self._stall is None or snapshot.stamp - self._stall.stamp > WINDOW:
+            if is_alone and before and _brakes(speeds, before, 1 - other):
+                self._moments.clear()  # its ramp begins anew at the speed of the wheel
+                return None
+            self._drags, self._both = None, False
+        self._stall = snapshot
+        self._both |= not is_alone
         told = [each.twin_speeds[other] for each in before if abs(each.twin_speeds[other]) > TESTS]
-        if not told:
+        if not is_alone or not any(abs(speeds[other] / each - 1) < AS_TOLD for each in told):
             return None
-        drags = None
-        goes = min(abs(speed / each - 1) for each in told) < AS_TOLD
-        if goes and motors.left_stalled != motors.right_stalled:
-            drags = Cause.LEFT_DRAGS if motors.left_stalled else Cause.RIGHT_DRAGS
-        if not self._tested:
-            self._drags, self._tested = drags, True
-        if drags is None or drags is not self._drags:
-            return None
-        apart = (abs(each.twin_speeds[1] - each.twin_speeds[0]) for each in before)
-        straight = max(apart) < STRAIGHT
-        self._straight |= straight
-        return drags if straight else None
+        self._drags = Cause.LEFT_DRAGS if motors.left_stalled else Cause.RIGHT_DRAGS
+        apart = max(abs(each.twin_speeds[1] - each.twin_speeds[0]) for each in before)
+        return self._drags if apart < STRAIGHT and not self._both else None
 
     def _decide(self, found: Parting | None, snapshot: Snapshot) -> None:
         """Believe what lasts, and keep it for as long as people need to read it."""
@@ -365,6 +348,12 @@ class Shadow:
             left, right = (b - a for a, b in zip(before.twin, after.twin, strict=True))
             pose @= arc((left + right) / 2, (right - left) / self._twin.body.track, 1.0)
         return Parting(cause, lacks, pose)
+
+
+def _brakes(speeds: tuple[float, float], before: Sequence[_Moment], side: int) -> bool:
+    """Whether a side goes on faster than it is told to, which is less than `before` [m/s]."""
+    then, told, speed = before[0].twin_speeds[side], before[-1].twin_speeds[side], speeds[side]
+    return abs(told) < abs(then) and (speed - told) * speed > 0
 
 
 def _way(poses: Sequence[Pose2]) -> float:
