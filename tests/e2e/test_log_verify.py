@@ -23,9 +23,12 @@ from pioneer3.models import load_model
 from pioneer3.models.odometry import OdometryCorrection
 from pioneer3.models.own import find_own, own_path
 from pioneer3.navigation.connect import connect_async
+from pioneer3.robot import explain
 from pioneer3.robot.assemble import Assembler
 from pioneer3.robot.correction import TwistCorrection
+from pioneer3.robot.explain import IDLE_OFF, IDLE_ON, PRESSED, Reason, allowed
 from pioneer3.robot.lasers.mounting import Mounting
+from pioneer3.ros.node.services import Services
 from pioneer3.runtime.recording import recorded
 from pioneer3.runtime.verification import verify
 from pioneer3.state import Scan, Snapshot
@@ -152,17 +155,26 @@ def test_a_velocity_that_no_decision_comes_to_within_its_time_and_limits_is_a_di
     assert found.difference.recorded.startswith("Vel(speed=0.")
 
 
-def test_a_reason_to_stand_while_the_readings_say_that_it_moves_is_a_difference(
+def test_a_reason_to_stand_that_the_readings_do_not_allow_is_a_difference(
     two: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("pioneer3.runtime.verification.stands", lambda snapshot: False)
-    difference = verify(open_log(two))[0].difference
-    assert difference is not None
-    assert (difference.field, difference.now) == ("standing", "the robot moves")
-    monkeypatch.setattr("pioneer3.runtime.verification.stands", lambda snapshot: True)
-    difference = verify(open_log(two))[0].difference
-    assert difference is not None
-    assert (difference.recorded, difference.now) == ("none", "the robot stands")
+    def told(**motors: bool) -> tuple[str, str]:
+        def wrong(snapshot: Snapshot) -> frozenset[Reason | None]:
+            return allowed(replace(snapshot, motors=replace(snapshot.motors, **motors)))
+
+        monkeypatch.setattr("pioneer3.runtime.verification.allowed", wrong)
+        difference = verify(open_log(two))[0].difference
+        assert difference is not None
+        assert difference.field == "standing"
+        return difference.recorded, difference.now
+
+    assert told(stop_button=True) == (str(IDLE_OFF), str(PRESSED).removesuffix("."))
+    assert told(enabled=True)[0] == str(IDLE_OFF)
+    assert str(IDLE_ON).removesuffix(".") in told(enabled=True)[1]
+    monkeypatch.setattr(explain, "stands", lambda snapshot: False)
+    assert told()[1] == "none"
+    monkeypatch.setattr(explain, "stands", lambda snapshot: True)
+    assert told()[0] == "none"
 
 
 def test_velocities_of_a_robot_whose_own_odometry_is_corrected_are_compared_too(
@@ -227,8 +239,26 @@ def test_the_bytes_of_a_laser_become_the_scans_that_were_recorded(
     monkeypatch.setattr(Mounting, "scan", longer)
     (found,) = verify(open_log(path))
     assert found.difference is not None
-    assert found.difference.field.startswith("[2][")
+    assert found.difference.field.startswith("ranges[")
     assert float(found.difference.now) == 1.0
+
+
+def test_odometry_that_a_service_restarts_restarts_again(tmp_path: Path) -> None:
+    async def drive() -> None:
+        async with SimulatedRobot() as sim, connect_async(sim.open, record=path) as robot:
+            services = Services(
+                robot, sonar=True, diagnose=list, moved=lambda: None, warn=lambda text: None
+            )
+            await robot.move(0.3)
+            assert services.reset_odometry().success
+            await robot.move(0.1)
+
+    path = tmp_path / "restarted.mcap"
+    asyncio.run(drive())
+    last = [*open_log(path).snapshots()][-1]
+    assert 0.0 < last.odometry.robot_in_odom.x < 0.2
+    (found,) = verify(open_log(path))
+    assert found.difference is None
 
 
 def test_the_model_of_that_time_counts_whatever_file_the_robot_has_today(

@@ -79,6 +79,8 @@ EXPIRED: Final = Reason(
     Symptom.STOPS_BY_ITSELF,
 )
 IDLE: Final = Reason(ReasonKind.IDLE, "Nothing is asked of it{}.")
+IDLE_ON: Final = IDLE.about("")
+IDLE_OFF: Final = IDLE.about(", and the motors are off")
 SWITCHED_ON: Final = Reason(ReasonKind.NORMAL, "The motors are off; they are being switched on.")
 SWITCHED_OFF: Final = Reason(
     ReasonKind.FAULT,
@@ -120,6 +122,24 @@ def why_not_moving(
     return next(_reasons(pilot, snapshot, now, decided))
 
 
+FROM_READINGS: Final = frozenset(
+    {PRESSED, IDLE_ON, IDLE_OFF, SWITCHED_ON, SWITCHED_OFF, STALLED, BUMPED, JUST_SENT}
+)
+"""Reasons that are told only where the readings allow it."""
+
+
+def allowed(snapshot: Snapshot) -> frozenset[Reason | None]:
+    """Return those that readings allow, whatever was asked; `None` alone where the robot moves."""
+    motors = snapshot.motors
+    if not stands(snapshot):
+        return frozenset({None})
+    if motors.stop_button:
+        return frozenset({PRESSED})
+    if not motors.enabled:
+        return frozenset({IDLE_OFF, SWITCHED_ON, SWITCHED_OFF})
+    return frozenset({IDLE_ON, STALLED} if motors.stalled else {IDLE_ON, BUMPED, JUST_SENT})
+
+
 def _reasons(pilot: Pilot, snapshot: Snapshot, now: float, decided: str | None) -> Iterator[Reason]:
     """Yield the reasons, the hardest to remove first."""
     silent = now - snapshot.stamp
@@ -146,7 +166,7 @@ def _about_the_request(pilot: Pilot, snapshot: Snapshot, now: float) -> Iterator
     if asked.is_zero and pilot.asked_for_motion and limits:
         yield EXPIRED.about(limits.expiry)
     if asked.is_zero:
-        yield IDLE.about("" if motors.enabled else ", and the motors are off")
+        yield IDLE_ON if motors.enabled else IDLE_OFF
     if not motors.enabled:
         yield SWITCHED_ON if pilot.switches_on else SWITCHED_OFF
     if motors.stalled:

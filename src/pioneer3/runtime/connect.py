@@ -175,6 +175,8 @@ def _laser(
         model = info.model if info else None
         if at[0] is not model:  # scans come 40 times a second
             at = model, spec.mounting_on(model)
+            if robot_log is not None:
+                robot_log.describe_laser(driver)
         return at[1]
 
     poses = supervisor.poses if supervisor else Poses()

@@ -30,8 +30,9 @@ class _Step:
 class RecordedWire:
     """Opens the recorded connections of a link one after the other, each at its time."""
 
-    def __init__(self, log: RunLog, link: str) -> None:
-        self.link = link
+    def __init__(self, log: RunLog, link: str, late: float = 0.0) -> None:
+        """Bytes come `late` [s]; their `read_at` is that of the log."""
+        self.link, self.late = link, late
         self.speeds: tuple[int, ...] = ()
         self.url = f"replay:{log.path}#{link}"
         facts = log.info().texts.get("program", {})
@@ -80,7 +81,7 @@ class RecordedWire:
         """Wait for the time of the next step."""
         if self.next is None:
             raise RecordingOverError(f"{self.url}: the recording is over")
-        await asyncio.sleep(self.next.at - asyncio.get_running_loop().time())
+        await asyncio.sleep(self.next.at + self.late - asyncio.get_running_loop().time())
 
     async def open(self) -> Link:
         """Return the next connection."""

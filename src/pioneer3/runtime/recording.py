@@ -47,6 +47,8 @@ EMERGENCY_STOP: Final = "emergency stop"
 """The command of an emergency stop."""
 RESET: Final = "reset the emergency stop"
 """The command that ends it."""
+AT_ORIGIN: Final = ("odometry", "this place is 0, 0, 0 from now on")
+"""Kind and text of the event that somebody restarted odometry."""
 GIVES_MOTION: Final = {"drive", "start"}
 """Commands that nobody obeys while the emergency stop is latched."""
 TRUTH_PERIOD: Final = 0.095
@@ -155,8 +157,10 @@ class RobotLog:
         self.log = log
         self._prefix = f"{robot}/" if robot else ""
         self._snapshots = self.topic("snapshot", Snapshot)
-        self._commands = self.topic("command", CommandGiven, is_news=self._is_new_command)
-        self._decisions = self.topic("decision", DecisionMade, _told, is_news=self._is_new)
+        commands = self.topic("command", CommandGiven)
+        self._commands = replace(commands, is_news=self._is_new_command)
+        decisions = self.topic("decision", DecisionMade, _told)
+        self._decisions = replace(decisions, is_news=self._is_new)
         self._limits = self.topic("limits", Limits, repeated=True)
         self._truths = self.topic("truth", TruePoseTold, rows=True)
         self._reasons = self.topic("standing", StandsBecause)
@@ -167,7 +171,6 @@ class RobotLog:
         self._asked: CommandGiven | None = None
         self._stands: StandsBecause | None = None
         self._repeated: dict[str, object] = {}
-        self._limited: Limits | None = None
         self._true: Pose2 | None = None
         self._true_at = -inf
 
@@ -180,10 +183,12 @@ class RobotLog:
         name: str,
         kind: type,
         make: Callable[[Any], Any] | None = None,
-        **more: Any,
+        *,
+        repeated: bool = False,
+        rows: bool = False,
     ) -> LogTopic[Any]:
         """Return a topic of this robot; arguments as of :class:`LogTopic`."""
-        return LogTopic(self._prefix + name, kind, make=make, **more)
+        return LogTopic(self._prefix + name, kind, make=make, repeated=repeated, rows=rows)
 
     def put(self, topic: LogTopic[Any], message: Any) -> None:
         """Take a message of now; one that is repeated is the same object until it changes."""
@@ -230,9 +235,7 @@ class RobotLog:
 
     def decided(self, mode: str, decision: Decision, limits: Limits, now: float) -> None:
         """Take a decision; one that only goes on is written once a second."""
-        if limits is not self._limited:
-            self._limited = limits
-            self.log.put(self._limits, limits)
+        self.put(self._limits, limits)
         self.log.put(self._decisions, (mode, decision), now)
 
     def _is_new(self, made: tuple[str, Decision], now: float) -> bool:
@@ -278,17 +281,21 @@ class RobotLog:
     async def follow_laser(self, laser: "LaserDriver") -> None:
         """Log changes of the connection of a laser, and how its bytes become scans."""
         async for status in laser.status.values(latest_first=True):
-            if laser.connected:
-                told = {
-                    "protocol": laser.protocol,
-                    "speeds": laser.speeds,
-                    "settings": laser.config.settings,
-                    "mounting": laser.mounting(),
-                    "time_offset": laser.config.time_offset,
-                }
-                texts = {name: msgspec.json.encode(part).decode() for name, part in told.items()}
-                self.log.describe(f"{self._prefix}{laser.name}", texts)
+            self.describe_laser(laser)
             self.event("link", f"{laser.name}: {status.connection}: {status.message}")
+
+    def describe_laser(self, laser: "LaserDriver") -> None:
+        """Describe a laser that is connected in the log."""
+        if laser.connected:
+            told = {
+                "protocol": laser.protocol,
+                "speeds": laser.speeds,
+                "settings": laser.config.settings,
+                "mounting": laser.mounting(),
+                "time_offset": laser.config.time_offset,
+            }
+            texts = {name: msgspec.json.encode(part).decode() for name, part in told.items()}
+            self.log.describe(f"{self._prefix}{laser.name}", texts)
 
     def describe(self, info: RobotInfo) -> None:
         """Describe the robot in the log."""

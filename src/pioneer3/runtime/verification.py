@@ -4,17 +4,17 @@ Each piece of bytes is read at the very time that the log tells, in virtual time
 is compared with the recorded one, by the model that was in force. Each decision is made again of
 what the actions wanted then: a log has their wishes, not their reasons to have them. Each velocity
 that was sent has to be that of the decision then, within the limits: a log has not all reasons of
-the pilot to stand, which it may at any time. A reason to stand was told if, and only if, the
-readings say that the robot stood. Bytes of lasers become scans again, with the same readings: their
-times are told to 0.1 ms, and so poses and stamps are not the same.
+the pilot to stand, which it may at any time. A reason to stand has to be one that the readings
+allow. Bytes of lasers become scans again: their times are told to 0.1 ms, so that the recorded
+stamp is taken on where it is near enough.
 """
 
 import asyncio
 from bisect import bisect_right
-from collections.abc import Callable, Coroutine, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Coroutine, Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields, replace
 from functools import partial
-from math import inf
+from math import inf, nextafter
 from operator import itemgetter
 from typing import TYPE_CHECKING, Any, Final, Generic, TypeVar
 
@@ -25,23 +25,22 @@ from pioneer3.arcos.host_events import Timing
 from pioneer3.arcos.packet import PacketReader
 from pioneer3.behaviors.engine import Decision, decided_again
 from pioneer3.errors import ConfigError, LinkError, NoRobotError
-from pioneer3.geometry import STILL, Twist2
-from pioneer3.lasers.client import ScanSettings
+from pioneer3.geometry import ORIGIN, STILL, Twist2
+from pioneer3.lasers.client import RawScan, ScanSettings
 from pioneer3.limits import Limits
 from pioneer3.links.tap import ROBOT
 from pioneer3.log.reader import RunLog
-from pioneer3.log.topics import SNAPSHOT, LogTopic, robots_in
+from pioneer3.log.topics import EVENT, ROUGH, SNAPSHOT, LogEvent, LogTopic, robots_in
 from pioneer3.models import GivenModel, RobotModel
 from pioneer3.models.lasers import LaserProtocol
 from pioneer3.robot.correction import TwistCorrection
-from pioneer3.robot.explain import DISCONNECTED
-from pioneer3.robot.lasers.mounting import Mounting
+from pioneer3.robot.explain import DISCONNECTED, FROM_READINGS, Reason, allowed
+from pioneer3.robot.lasers.mounting import Mounting, PoseAt
 from pioneer3.robot.limits import limit
-from pioneer3.robot.pilot import stands
 from pioneer3.robot.poses import Poses
 from pioneer3.robot.supervisor import RobotInfo, Supervisor
 from pioneer3.runtime.recorded_wire import RecordedWire
-from pioneer3.runtime.recording import RENEWED, DecisionMade, StandsBecause
+from pioneer3.runtime.recording import AT_ORIGIN, RENEWED, DecisionMade, StandsBecause
 from pioneer3.state import Bumpers, Scan, Snapshot
 from pioneer3.tasks import FastTimeLoop
 from pioneer3.units import DEGREE
@@ -55,6 +54,16 @@ PATIENT: Final = Timing(silence=inf)
 """The log tells when a link was lost."""
 LATE: Final = 0.05
 """A velocity may be on its way to the wire for so long [s], and limits to the log."""
+TICK: Final = 1.1 * ROUGH / 1e9
+"""Times of lasers' bytes are told to that [s], and a little for rounding."""
+ASKED: Final = 0.1
+"""Stamps by a clock that was asked for its time differ by less [s]: it is asked at another time."""
+OF_PLACE: Final = ("stamp", "robot_in_odom", "last_in_odom")
+"""Fields of a scan that depend on the time of its bytes."""
+Reasons = frozenset[Reason | None]
+"""Reasons to stand that readings allow."""
+MOVES: Final[Reasons] = frozenset({None})
+"""The robot moves."""
 NONE: Final = "none"
 """In place of a value that is not there."""
 
@@ -75,10 +84,10 @@ class Verification:
 
     Attributes:
         compared: Snapshots that are equal.
-        scans: Scans whose readings are equal; none of lasers in the robot's own bytes.
+        scans: That are equal; none of lasers in the robot's own bytes.
         velocities: That were sent as the decisions tell; of a robot whose own odometry is
             corrected, with what that makes of them, to a degree per second.
-        reasons: To stand or to move, as the readings tell; none of older logs.
+        reasons: To stand or to move, as the readings allow; none of older logs.
 
     `robot` is its name in the log, empty for the only one.
     """
@@ -116,13 +125,16 @@ def _verify(log: RunLog, prefix: str, model: GivenModel) -> Verification:
     lasers = [*_lasers(log, prefix)]
     with asyncio.Runner(loop_factory=partial(FastTimeLoop, wire.begin)) as runner:
         comparison = _Comparison(log, LogTopic(prefix + SNAPSHOT, Snapshot))
-        info = runner.run(_drive(wire, comparison, model, lasers))
+        kind, text = AT_ORIGIN
+        told = LogEvent(kind, prefix + text)
+        restarts = [wire.seconds(time) for time, event in log.of(EVENT) if event == told]
+        info = runner.run(_drive(wire, comparison, model, lasers, restarts))
     decisions, velocities, reasons = _Decisions(log, prefix, wire, known), 0, 0
     difference = comparison.missing() or decisions.difference
     if not difference and info:
         velocities, difference = decisions.sent(comparison.bumpers, info)
     if not difference:
-        reasons, difference = _reasons(log, prefix, wire, comparison.stood)
+        reasons, difference = _reasons(log, prefix, wire, comparison.read)
     return Verification(
         robot=prefix.rstrip("/"),
         compared=comparison.compared,
@@ -143,13 +155,44 @@ class _Laser:
     mounting: Mounting
     scans: "_Comparison[Scan]"
 
-    async def scan(self, poses: Poses) -> None:
-        """Run its driver on a robot with these poses."""
+    async def scan(self, poses: Poses, before: Poses) -> None:
+        """Run its driver on a robot with these poses, and those of a tick before."""
         from pioneer3.robot.lasers.driver import LaserDriver  # loads slowly
 
-        driver = LaserDriver(self.config, poses.at, lambda: self.mounting)
+        told = {each.name: getattr(self.mounting, each.name) for each in fields(self.mounting)}
+        near = ASKED if self.config.protocol is LaserProtocol.SCIP else TICK
+        mounting = _Placed(**told, near=near, before=before, scans=self.scans)
+        driver = LaserDriver(self.config, poses.at, lambda: mounting)
         driver.scan_taken = self.scans.take
         await _play(driver.run(), self.scans)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Placed(Mounting):
+    """The place of a laser whose scans get the recorded stamp, where that is near enough [s].
+
+    So they get the place on the robot, which is no result: the robot may be known later. The poses
+    are those at that stamp, by the reports until then or a tick `before`.
+    """
+
+    near: float
+    before: Poses
+    scans: "_Comparison[Scan]"
+
+    def scan(self, raw: RawScan, sequence: int, name: str, pose_at: PoseAt) -> Scan:
+        """Return the scan of the robot for the readings of its laser."""
+        recorded = self.scans.next
+        place = replace(self, sensor_in_robot=recorded.sensor_in_robot) if recorded else self
+        made = Mounting.scan(place, raw, sequence, name, pose_at)
+        if recorded is None or abs(recorded.stamp - made.stamp) > self.near:
+            return made
+        begin = raw.stamp + recorded.stamp - made.stamp
+        for stamp in (begin, nextafter(begin, inf), nextafter(begin, -inf)):
+            for at in (pose_at, self.before.at):
+                again = Mounting.scan(place, replace(raw, stamp=stamp), sequence, name, at)
+                if all(getattr(again, part) == getattr(recorded, part) for part in OF_PLACE):
+                    return again
+        return made
 
 
 def _lasers(log: RunLog, prefix: str) -> Iterator[_Laser]:
@@ -160,11 +203,11 @@ def _lasers(log: RunLog, prefix: str) -> Iterator[_Laser]:
         before, slash, name = described.rpartition("/")
         if before + slash != prefix or "protocol" not in texts:
             continue
-        wire = RecordedWire(log, described)
+        wire = RecordedWire(log, described, late=TICK)
         with log.damage_told():
             protocol = msgspec.json.decode(texts["protocol"], type=LaserProtocol)
             topic = LogTopic(f"{prefix}scan/{name}", Scan)
-            scans = _Comparison(log, topic, _readings)
+            scans = _Comparison(log, topic)
             wire.speeds = msgspec.json.decode(texts["speeds"], type=tuple[int, ...])
             config = LaserConfig(
                 url=wire.url,
@@ -177,22 +220,20 @@ def _lasers(log: RunLog, prefix: str) -> Iterator[_Laser]:
             yield _Laser(config, msgspec.json.decode(texts["mounting"], type=Mounting), scans)
 
 
-def _readings(scan: Scan) -> object:
-    """Return the number of a scan, and what its laser measured."""
-    return [scan.sequence, scan.angles, scan.ranges, scan.reflectances, scan.echoes]
-
-
 def _reasons(
-    log: RunLog, prefix: str, wire: RecordedWire, stood: Sequence[tuple[float, bool]]
+    log: RunLog, prefix: str, wire: RecordedWire, read: Sequence[tuple[float, Reasons]]
 ) -> tuple[int, Difference | None]:
     """Return how many reasons fit the readings, and the first one that does not."""
     count = 0
     for time, told in log.of(LogTopic(f"{prefix}standing", StandsBecause)):
-        lately, reason = _lately(stood, wire.seconds(time) + LATE), told.reason
+        lately, reason = _lately(read, wire.seconds(time) + LATE), told.reason
+        fits = reason in frozenset().union(*lately) or (
+            reason is not None and reason not in FROM_READINGS and lately != [MOVES]
+        )
         is_lost = reason is not None and reason.symptom is DISCONNECTED.symptom
-        if lately and not is_lost and (reason is not None) not in lately:
-            now = "the robot stands" if lately[-1] else "the robot moves"
-            recorded = NONE if reason is None else reason.text
+        if lately and not is_lost and not fits:
+            may_be = " or ".join(sorted(str(each).removesuffix(".") for each in lately[-1] if each))
+            recorded, now = (each or NONE for each in (str(reason or ""), may_be))
             return count, Difference(time=time, field="standing", recorded=recorded, now=now)
         count += 1
     return count, None
@@ -280,10 +321,19 @@ async def _drive(
     comparison: "_Comparison[Snapshot]",
     model: GivenModel,
     lasers: Sequence[_Laser],
+    restarts: Sequence[float],
 ) -> RobotInfo | None:
     supervisor = Supervisor(wire.open, model=model, auto_enable=False, timing=PATIENT)
-    supervisor.snapshot_taken = comparison.take
-    scanning = (laser.scan(supervisor.poses) for laser in lasers)
+    before, loop = Poses(), asyncio.get_running_loop()
+    for at in restarts:
+        loop.call_at(at, supervisor.assembler.odometer.restart, ORIGIN)
+
+    def take(snapshot: Snapshot) -> None:
+        loop.call_later(TICK, before.add, snapshot)
+        comparison.take(snapshot)
+
+    supervisor.snapshot_taken = take
+    scanning = (laser.scan(supervisor.poses, before) for laser in lasers)
     await asyncio.gather(_play(supervisor.run(), comparison), *scanning)
     return supervisor.info
 
@@ -302,15 +352,13 @@ async def _play(driver: Coroutine[Any, Any, None], comparison: "_Comparison[Any]
 class _Comparison(Generic[T]):
     """Compares a part of messages with the recorded ones, up to the first difference."""
 
-    def __init__(
-        self, log: RunLog, topic: LogTopic[T], part: Callable[[T], object] = lambda message: message
-    ) -> None:
+    def __init__(self, log: RunLog, topic: LogTopic[T]) -> None:
         self.compared = 0
         self.difference: Difference | None = None
         self.differs = asyncio.Event()
         self.bumpers: list[tuple[float, Bumpers]] = []
-        self.stood: list[tuple[float, bool]] = []
-        self._part, self._recorded = part, log.of(topic)
+        self.read: list[tuple[float, Reasons]] = []
+        self._recorded = log.of(topic)
         self._next = next(self._recorded, None)
 
     def take(self, found: T) -> None:
@@ -323,13 +371,18 @@ class _Comparison(Generic[T]):
                 return  # likewise
             now = asyncio.get_running_loop().time()
             _note(self.bumpers, now, found.bumpers)
-            _note(self.stood, now, stands(found))
-        self.difference = _difference(time, self._part(recorded), self._part(found))
+            _note(self.read, now, allowed(found))
+        self.difference = _difference(time, recorded, found)
         if self.difference is not None:
             self.differs.set()
             return
         self.compared += 1
         self._next = next(self._recorded, None)
+
+    @property
+    def next(self) -> T | None:
+        """The message that comes next."""
+        return self._next[1] if self._next else None
 
     def missing(self) -> Difference | None:
         """Return the first difference, or that of a message today's driver did not come to."""

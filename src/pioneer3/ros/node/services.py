@@ -13,6 +13,7 @@ from pioneer3.geometry import ORIGIN
 from pioneer3.ros.messages.diagnostics import ENABLE, DiagnosticLevel, DiagnosticStatus
 from pioneer3.ros.node.middleware import QUEUE, Middleware, Response, Sender
 from pioneer3.ros.node.names import AS_STANDARD, Profile
+from pioneer3.runtime.recording import AT_ORIGIN
 from pioneer3.runtime.robot import Robot
 from pioneer3.tasks import hand_over
 
@@ -121,6 +122,8 @@ class Services:
         """Stop, and call the present place 0, 0, 0; the robot itself does not know."""
         self._robot.stop()
         self._robot.supervisor.assembler.odometer.restart(ORIGIN)
+        if self._robot.arbiter.log is not None:
+            self._robot.arbiter.log.event(*AT_ORIGIN)
         self._moved()
         return Response(True, "this place is 0, 0, 0 now")
 
