@@ -99,12 +99,13 @@ class Places:
         inside = np.outer(
             (rows > box.y_min) & (rows < box.y_max), (columns > box.x_min) & (columns < box.x_max)
         )
-        free = inside & (field.distances > clear)
+        distances = field.reach + field.distances
+        free = inside & (distances > clear)
         labels, _ = ndimage.label(free)
         sizes = np.bincount(labels.ravel())
         sizes[0] = 0
         self.free = labels == sizes.argmax()
-        self._cost = 1.0 + 4.0 * (1.0 - np.minimum(field.distances, 0.8) / 0.8)
+        self._cost = 1.0 + 4.0 * (1.0 - np.minimum(distances, 0.8) / 0.8)
         self._graph = self._edges()
 
     def sample(self, rng: np.random.Generator) -> tuple[float, float]:

@@ -127,7 +127,7 @@ def wall_shares(grid: OccupancyGrid, align: Alignment, truth: LineMap, echoes: F
     drawn = align(samples(line_map_of(grid, truth.name).walls, SAMPLE / 2))
     field = DistanceField.of(truth.walls, truth.bounds, SAMPLE, 0.3)
     at = field.raster.in_cells(drawn).T[::-1] - 0.5
-    off = map_coordinates(field.distances, at, order=1, mode="constant", cval=field.reach)
+    off = field.reach + map_coordinates(field.distances, at, order=1, mode="constant", cval=0.0)
     true = samples(truth.walls, SAMPLE)
     times = cKDTree(align(echoes)).query_ball_point(true, SEEN, return_length=True)
     missed = cKDTree(drawn).query(true[times >= SEEN_TIMES])[0]
