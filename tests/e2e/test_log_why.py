@@ -11,7 +11,7 @@ from pioneer3.behaviors.modes import wander
 from pioneer3.errors import MotionError
 from pioneer3.navigation.connect import connect_async
 from pioneer3.robot.explain import Reason, ReasonKind
-from pioneer3.runtime.arbiter import JUST_SENT
+from pioneer3.runtime.arbiter import SENT_AFTER
 from tests.support import SimulatedRobot, wall_at
 
 
@@ -44,7 +44,7 @@ async def test_the_reasons_of_a_log_are_those_that_people_were_told(tmp_path: Pa
             group.create_task(robot.run(wander(), seconds=3.0))
             await during(2.5)
     log = pioneer3.log.open(path)
-    found = [told_at(log, log.time_at(time) + 2 * JUST_SENT) for time, _ in told]
+    found = [told_at(log, log.time_at(time) + 2 * SENT_AFTER) for time, _ in told]
     assert all(each.was_told for each in found)
     assert [each.stands for each in found] == [reason for _, reason in told]
     kinds = {reason.kind for _, reason in told if reason}

@@ -38,7 +38,7 @@ KEEP_APART = 10
 LAST_CHECK = 0
 """Priority of the limiter by walls, below all: it knows the motion that all others ask for."""
 
-JUST_SENT = 0.001
+SENT_AFTER = 0.001
 """A command is on the wire after so long [s]: only then its reason to stand is looked for."""
 MOMENT = 2.0
 """A mode that has stood for so long for want of what it must know ends [s]."""
@@ -408,7 +408,7 @@ class Arbiter:
             self.log.asked(CommandGiven(by, command, twist, seconds, why), self._clock())
             snapshot = self._supervisor.snapshot
             if snapshot is None or stands(snapshot):
-                asyncio.get_running_loop().call_later(JUST_SENT, self._log_reason)
+                asyncio.get_running_loop().call_later(SENT_AFTER, self._log_reason)
         return refused
 
     def _log_reason(self) -> None:
