@@ -5,7 +5,7 @@ from typing import Self
 
 import numpy as np
 
-from pioneer3.arrays import Float, Int32, sparse
+from pioneer3.arrays import Float, Int32
 from pioneer3.jit import fast
 from pioneer3.maps import LineMap
 from pioneer3.maps.line_map import OCCUPIED
@@ -13,7 +13,7 @@ from pioneer3.maps.materials import GLASS
 from pioneer3.nav.beams import Beams
 from pioneer3.nav.kernels import CACHE
 from pioneer3.nav.kernels.scans import judge_poses, number_walls, refine_poses, weigh_poses
-from pioneer3.nav.raster import DistanceField
+from pioneer3.nav.raster import DistanceField, sparse
 
 FIELD_CELL = 0.025
 """Side of a cell of the distances for lasers [m]."""

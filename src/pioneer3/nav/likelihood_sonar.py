@@ -6,13 +6,14 @@ from typing import Self
 
 import numpy as np
 
-from pioneer3.arrays import Float, UInt16, sparse
+from pioneer3.arrays import Float, UInt16
 from pioneer3.geometry import Pose2
 from pioneer3.jit import fast
 from pioneer3.maps import LineMap
 from pioneer3.nav.kernels import CACHE
 from pioneer3.nav.kernels.pings import expected_ranges, weigh_ranges
 from pioneer3.nav.likelihood import WallField
+from pioneer3.nav.raster import sparse
 
 SONAR_CELL = 0.05
 """Side of a cell of the distances for sonars [m]."""

@@ -6,14 +6,14 @@ from typing import Self
 
 import numpy as np
 
-from pioneer3.arrays import Bool, Float, Float32, sparse
+from pioneer3.arrays import Bool, Float, Float32
 from pioneer3.jit import fast
 from pioneer3.maps.line_map import MapObject
 from pioneer3.nav.costs import CostMap, covers, inside
 from pioneer3.nav.kernels import CACHE
 from pioneer3.nav.kernels.fields import march
 from pioneer3.nav.kernels.ways import descend
-from pioneer3.nav.raster import Raster
+from pioneer3.nav.raster import Raster, sparse
 
 GET_OUT_WAY = 0.8
 """Way from its start through places where the robot does not fit at most [m]."""

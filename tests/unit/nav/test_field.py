@@ -1,5 +1,7 @@
 """Distances to walls."""
 
+import mmap
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -8,7 +10,7 @@ from numpy.typing import NDArray
 
 from pioneer3.maps import Extent
 from pioneer3.maps.line_map import distances
-from pioneer3.nav.raster import DistanceField
+from pioneer3.nav.raster import DistanceField, sparse
 
 coordinate = st.floats(-2.0, 2.0).map(lambda value: round(value, 3))
 Float = NDArray[np.float64]
@@ -26,3 +28,10 @@ def test_it_is_exact_in_the_middles_of_cells(walls: Float) -> None:
         middle = np.array(field.raster.middle_of(row, column))
         wanted = min(0.8, float(distances(middle, walls).min()))
         assert field.reach + field.distances[row, column] == pytest.approx(wanted, abs=1e-6)
+
+
+def test_memory_is_taken_where_a_system_knows_no_huge_pages(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(mmap, "MADV_NOHUGEPAGE", 9999)
+    assert not sparse((3, 4), np.float32).any()
