@@ -291,7 +291,7 @@ class LaserDriver:
         now = self._clock()
         self.latency = now - raw.stamp - raw.beam_time * max(0, len(raw.ranges) - 1)
         mounting = self.mounting()
-        if (offset := self.config.time_offset - mounting.delay) != 0.0:
+        if (offset := self.config.time_offset - (mounting.delay or 0.0)) != 0.0:
             raw = replace(raw, stamp=raw.stamp + offset)
         scan = mounting.scan(raw, self.scans, self.config.name, self._pose_at)
         if not self.connected:

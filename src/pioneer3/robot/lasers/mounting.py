@@ -33,7 +33,7 @@ class Sector(NamedTuple):
 class Mounting:
     """The place of a laser on the robot; `upside_down` it turns clockwise.
 
-    Its scans are stamped too late by its `delay` [s].
+    Its scans are stamped too late by its `delay` [s]; with `None`, by that of the robot's model.
 
     Sectors `masked` are left out, such as posts of the robot itself; in the laser's frame, as
     :attr:`Scan.angles` are, seen from above.
@@ -42,7 +42,7 @@ class Mounting:
     sensor_in_robot: Pose2 = ORIGIN
     upside_down: bool = False
     masked: tuple[Sector, ...] = ()
-    delay: float = 0.0
+    delay: float | None = None
 
     def scan(self, raw: RawScan, sequence: int, name: str, pose_at: PoseAt) -> Scan:
         """Return the scan of the robot for the readings of its laser."""

@@ -48,12 +48,11 @@ class LaserSpec:
 
     def mounting_on(self, model: RobotModel | None) -> Mounting:
         """Return its place on a robot of this model; on no robot it is the origin."""
-        found = self.mounting
-        if found is None:
-            mount = model.laser if model else None
-            found = mounting_of(mount) if mount else Mounting()
+        usual = mounting_of(model.laser) if model and model.laser else Mounting()
+        found = self.mounting or usual
         return replace(
             found,
+            delay=usual.delay if found.delay is None else found.delay,
             upside_down=found.upside_down or self.inverted,
             masked=found.masked + self.masked,
         )
@@ -141,6 +140,7 @@ def own_laser(text: str, spec: LaserSpec, model: RobotModel) -> OwnLaser:
             theta=place.sensor_in_robot.theta,
             upside_down=place.upside_down,
             masked=tuple((sector.first, sector.last) for sector in place.masked),
+            delay=place.delay or 0.0,
         ),
     )
 

@@ -1,5 +1,6 @@
 """Lasers as people write them on a command line."""
 
+from dataclasses import replace
 from math import pi, radians
 
 import pytest
@@ -13,6 +14,7 @@ from pioneer3.robot.lasers.mounting import Mounting, Sector
 from pioneer3.robot.lasers.spec import (
     LaserSpec,
     mounting_of,
+    own_laser,
     parse_laser,
     parse_lasers,
     parse_mask,
@@ -153,8 +155,21 @@ def test_its_place_is_that_of_the_model_unless_given() -> None:
     found = LaserSpec(url="/dev/a").mounting_on(model)
     assert found == mounting_of(model.laser)
     given = Mounting(sensor_in_robot=Pose2(1.0))
-    assert LaserSpec(url="/dev/a", mounting=given).mounting_on(model) == given
+    found = LaserSpec(url="/dev/a", mounting=given).mounting_on(model)
+    assert found == replace(given, delay=0.0)
     assert LaserSpec(url="/dev/a").mounting_on(None) == Mounting()
+
+
+def test_a_delay_holds_wherever_the_laser_is_put() -> None:
+    model = load_model("p3at-sh")
+    assert model.laser is not None
+    late = replace(model, laser=replace(model.laser, delay=0.05))
+    spec, *_ = parse_lasers(["/dev/a"], ["0.1,0,2"])
+    placed = spec.mounting_on(late)
+    assert (placed.sensor_in_robot.x, placed.delay) == (0.1, 0.05)
+    own = replace(spec, mounting=mounting_of(model.laser))
+    assert own.mounting_on(late).delay == 0.0
+    assert own_laser("/dev/a", spec, late).mount.delay == 0.05
 
 
 def test_masks_add_to_those_of_the_model() -> None:
