@@ -124,7 +124,7 @@ async def show_while(
         if not json and not listens and sys.stdout.isatty():
             write_line("")
     if not json and (now := robot.snapshot) is not None:
-        write_line(f"done: {_place(now)}")
+        write_line(f"done: {_place(robot, now)}")
 
 
 async def _obey_keys(robot: "Driven", pressed: list[str]) -> None:
@@ -158,12 +158,14 @@ def line(robot: "Driven") -> str:
         return lost(robot)
     twist = now.odometry.twist
     words = "; ".join(robot.arbiter.told) or str(robot.why_not_moving() or "")
-    return f"{twist.v:z5.2f} m/s {degrees(twist.w):z4.0f}°/s  {_place(now)}  {words}"
+    return f"{twist.v:z5.2f} m/s {degrees(twist.w):z4.0f}°/s  {_place(robot, now)}  {words}"
 
 
-def _place(now: "Snapshot") -> str:
-    pose = now.odometry.robot_in_odom
-    return f"x{pose.x:z6.2f} y{pose.y:z6.2f} {degrees(pose.theta):z4.0f}°"
+def _place(robot: "Driven", now: "Snapshot") -> str:
+    pose, odom_in_map, on = now.odometry.robot_in_odom, robot.odom_in_map, ""
+    if odom_in_map is not None:
+        pose, on = odom_in_map @ pose, "map "
+    return f"{on}x{pose.x:z6.2f} y{pose.y:z6.2f} {degrees(pose.theta):z4.0f}°"
 
 
 def lost(robot: "Driven") -> str:

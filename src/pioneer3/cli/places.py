@@ -52,7 +52,7 @@ async def require_place(navigator: "Navigator", command: str, *, looks: bool) ->
     elif not await navigator.find():
         raise MotionError(
             f"{command}: it is not sure where the robot is: {navigator.estimate.reason}; without "
-            "--start it is looked for where it was last, and at home: give --start PLACE or "
-            "--start X,Y,HEADING; or have it found: --start unknown, or --look-around if it stands "
-            "near the place"
+            "--start it is looked for where it was last, and at the map's home: give --start PLACE "
+            "or --start X,Y,HEADING; or have it found: --start unknown, or --look-around if it "
+            "stands near the place"
         )

@@ -9,6 +9,7 @@ from pioneer3.behaviors.action import Stack
 from pioneer3.behaviors.actions.sensing import BLIND
 from pioneer3.behaviors.surroundings import Buffer, Echo
 from pioneer3.errors import DeviceError, LinkError
+from pioneer3.geometry import Pose2
 from pioneer3.robot.explain import Reason, advised
 from pioneer3.robot.limits import finite
 from pioneer3.robot.supervisor import RobotInfo
@@ -39,6 +40,11 @@ class Driven(Protocol):
     def snapshot(self) -> Snapshot | None:
         """The latest snapshot, or `None` while the link is lost."""
         return self.supervisor.snapshot
+
+    @property
+    def odom_in_map(self) -> Pose2 | None:
+        """Pose of odometry's frame on the map; `None` where it is not surely known."""
+        return None
 
     async def snapshots(
         self, seconds: float = inf, patience: float = LOST_AFTER

@@ -9,7 +9,7 @@ from pioneer3.behaviors.action import Stack
 from pioneer3.behaviors.actions import Hold, Move, Turn
 from pioneer3.behaviors.modes import goto
 from pioneer3.errors import CommandError, MotionError
-from pioneer3.geometry import wrap
+from pioneer3.geometry import Pose2, wrap
 from pioneer3.nav.settings import AS_SHIPPED
 from pioneer3.robot.devices import Devices, PictureSource
 from pioneer3.robot.devices.laser import LaserSource
@@ -65,6 +65,11 @@ class Robot(Driven):
     def supervisor(self) -> Supervisor:
         """Keeps the robot connected."""
         return self._supervisor
+
+    @property
+    def odom_in_map(self) -> Pose2 | None:
+        """Pose of odometry's frame on the map; `None` where it is not surely known."""
+        return self.navigator.sure_odom_in_map if self.navigator else None
 
     @property
     def laser(self) -> LaserSource:

@@ -1,6 +1,8 @@
 """Numbers as programs and people read them."""
 
-from math import inf, nan
+from math import inf, nan, pi
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
@@ -36,3 +38,14 @@ async def test_a_robot_that_hardly_moves_backwards_does_not_have_minus_zero() ->
         async for _ in robot.snapshots(0.4):
             assert "-0.00" not in line(robot)
             assert " -0°" not in line(robot)
+
+
+async def test_a_place_is_told_on_the_map_while_that_is_sure() -> None:
+    async with SimulatedRobot() as sim, connect_async(sim.open) as robot:
+        knows: Any = SimpleNamespace(sure_odom_in_map=Pose2(5.0, 2.0, pi / 2))
+        robot.navigator = knows
+        assert "map x  5.00 y  2.00   90°" in line(robot)
+        knows.sure_odom_in_map = None
+        assert "map" not in line(robot)
+        assert "x  0.00 y  0.00    0°" in line(robot)
+        robot.navigator = None
