@@ -17,6 +17,7 @@ from benchmarks.nav_judge import trajectory_errors
 from benchmarks.nav_mapping import IMPROVE, MAPS, RANGES, Run, ready
 from benchmarks.table import Row
 from pioneer3.geometry import ORIGIN, Pose2
+from pioneer3.maps import LineMap
 from pioneer3.nav.beams import beams_of
 from pioneer3.sim.body import Body
 
@@ -77,10 +78,14 @@ class Meddler:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pushed:
-    """A drive with a push, and what came of it: RMSE [m], remarks, processor time [ms]."""
+    """A drive with a push, and what came of it: RMSE [m], remarks, processor time [ms].
+
+    `alone` is the RMSE of the same drive without it, where that with it is large.
+    """
 
     what: str
     rmse: float
+    alone: float
     remarks: tuple[str, ...]
     live: float
     beside: float
@@ -89,24 +94,36 @@ class Pushed:
     def of(cls, seed: int) -> "Pushed | None":
         """Return what comes of a seed; `None` where its map is not here."""
         name, far = MAPS[seed % len(MAPS)], RANGES[seed // len(MAPS) % len(RANGES)]
-        line_map, meddler, run = map_of(name), Meddler(seed), Run()
+        line_map, meddler, alone = map_of(name), Meddler(seed), 0.0
         if line_map is None:
             return None
-        seen_all = drive(name, line_map, SECONDS, seed, Conditions(far=far), meddled=meddler)
-        for number, seen in enumerate(seen_all, start=1):
-            run.add(beams_of(seen.scan), seen.robot_in_world)
-            if number % IMPROVE == 0:
-                run.improve()
-        run.improve()
-        errors = trajectory_errors(run.poses, run.truth)
+        rmse, run = _mapped(name, line_map, seed, far, meddler)
+        if rmse > RMSE:
+            alone, _ = _mapped(name, line_map, seed, far, None)
         what = f"{meddler.kind} of {meddler.way:.2f} m, {degrees(meddler.turn):.0f} degrees"
         return cls(
             what=f"{name}, {far:g} m, seed {seed}: {what}",
-            rmse=float(np.sqrt((errors**2).mean())),
+            rmse=rmse,
+            alone=alone,
             remarks=run.mapper.remarks(),
             live=max(run.live),
             beside=max(run.beside),
         )
+
+
+def _mapped(
+    name: str, line_map: LineMap, seed: int, far: float, meddler: Meddler | None
+) -> tuple[float, Run]:
+    """Return the RMSE of a map [m], and how it was made."""
+    run = Run()
+    seen_all = drive(name, line_map, SECONDS, seed, Conditions(far=far), meddled=meddler)
+    for number, seen in enumerate(seen_all, start=1):
+        run.add(beams_of(seen.scan), seen.robot_in_world)
+        if number % IMPROVE == 0:
+            run.improve()
+    run.improve()
+    errors = trajectory_errors(run.poses, run.truth)
+    return float(np.sqrt((errors**2).mean())), run
 
 
 def rows(pushes: int = PUSHES, first: int = 0) -> Iterator[Row]:
@@ -123,6 +140,7 @@ def rows(pushes: int = PUSHES, first: int = 0) -> Iterator[Row]:
     for each in done:
         if each.rmse > RMSE:
             told = "said" if each.remarks else "not said"
+            told += f", without it {100 * each.alone:.1f}"
             yield Row(f"{each.what}: RMSE, {told}", 100 * each.rmse, "cm", None)
     most = f"{len(done)} pushes: maps within {100 * RMSE:g} cm"
     yield Row(most, len(right), "", RIGHT * len(done), more_is_better=True)

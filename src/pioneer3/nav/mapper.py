@@ -244,6 +244,9 @@ class Mapper:
         if self._way_of_scan + self._turn_of_scan > key.way + key.turn:
             # nothing that walks along with the robot is to take it with it in small steps
             prior = prior.joined(expected_pose(self._here, odometry, sigma, sigma_theta))
+        if self._survey.edges and self._survey.edges[-1].missed:
+            # who lifts or pushes it may do so still, while its wheels turn in vain
+            prior = Prior(prior.pose, SLIPPED * prior.information)
         way, turn = search_window(odometry, sigma, sigma_theta)
         if wide := way > WIDE_WAY or turn > WIDE_TURN:
             guess = self._submap.search(cloud.points, guess, way, turn)

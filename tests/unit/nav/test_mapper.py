@@ -205,6 +205,24 @@ def test_wheels_that_turn_in_vain_are_told_once() -> None:
     assert "once unnoticed" in mapper.remarks()[0]
 
 
+def test_wheels_that_turn_in_vain_after_a_lift_are_not_believed() -> None:
+    rng = np.random.default_rng(1)
+    walls = [[-6.0, -1.2, 14.0, -1.2], [-6.0, 1.2, 14.0, 1.2]]
+    for x in (-5.0 + np.cumsum(rng.uniform(0.6, 1.4, 18))).tolist():  # pillars
+        walls += [[x, 1.2, x, 1.1], [x, 1.1, x + 0.4, 1.1], [x + 0.4, 1.1, x + 0.4, 1.2]]
+    way = [Pose2(0.1 * number) for number in range(12)]
+    lifted = Pose2(way[-1].x, 0.1, 0.7)
+    true = [*way, *[lifted] * 6, *(lifted @ Pose2(0.05 * number) for number in range(1, 11))]
+    rolled = [0.1 * number for number in range(12)]
+    rolled += [1.1 + 0.08 * number for number in range(6)]
+    rolled += [1.5 + 0.05 * number for number in range(1, 11)]
+    mapper = Mapper()
+    for place, metres in zip(true, rolled, strict=True):
+        odometry, corridor = Pose2(metres), np.array(walls)
+        here = mapper.add(look(corridor, place, odometry, noise=0.005, rng=rng, count=181))
+    assert hypot(here.x - true[-1].x, here.y - true[-1].y) < 0.03
+
+
 def test_a_piece_that_nothing_joins_is_told() -> None:
     mapper, elsewhere = Mapper(), HALL[:4] * 0.7
     for number in range(12):
