@@ -1,4 +1,4 @@
-"""The middleware of ROS 1: topics, services, parameters and time, by rospy's public functions."""
+"""The middleware of ROS 1: topics, services, parameters and time, by rospy."""
 
 import sys
 from collections.abc import Callable, Sequence
@@ -17,6 +17,7 @@ from pioneer3.ros.definitions import DEFINITIONS
 from pioneer3.ros.node.driving_parameters import DrivingParameters
 from pioneer3.ros.node.middleware import QUEUE, Lose, Receive, Sender, Unsubscribe
 from pioneer3.ros.node.parameters import NodeParameters
+from pioneer3.ros.ros1.connection import DirectConnection
 from pioneer3.ros.ros1.reconfigure import Reconfigure
 
 LOOK_AROUND: Final = 0.1
@@ -89,10 +90,7 @@ def message_class(type_name: str) -> Any:
 
 
 class RospyPublisher:
-    """A `rospy.Publisher`.
-
-    With a bounded queue, rospy gives each connection a thread, and drops the oldest message where
-    one is full: no subscriber holds up another. Without a bound it would block the publisher.
+    """A `rospy.Publisher` whose connections are each a :class:`DirectConnection`.
 
     It is `subscribed` while anybody subscribes.
     """
@@ -110,6 +108,10 @@ class RospyPublisher:
                 tcp_nodelay=True,
                 subscriber_listener=self,
             )
+            impl = self._publisher.impl
+            add = impl.add_connection
+            impl.add_connection = lambda transport: add(DirectConnection(transport, queue))
+            impl.set_queue_size(None)  # else rospy wraps them once more
         self._count()
 
     def peer_subscribe(self, name: str, publish: object, publish_to_it: object) -> None:
