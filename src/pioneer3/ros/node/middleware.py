@@ -124,5 +124,9 @@ class Middleware(Outlet, Topics, Protocol):
     def on_shutdown(self, call: Callable[[], None]) -> None:
         """Call `call`, in any thread, when somebody shuts the node down."""
 
-    def mismatches(self) -> Sequence[str]:
-        """Return a sentence for each endpoint of others that cannot talk to one of ours."""
+    @property
+    def mismatches(self) -> Callable[[], Sequence[str]] | None:
+        """Returns a sentence for each endpoint of others that cannot talk to one of ours.
+
+        `None` where the middleware logs them by itself.
+        """

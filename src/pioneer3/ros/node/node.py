@@ -1,7 +1,7 @@
 """A robot as a ROS node; `ros1` and `ros2` run it over their middleware."""
 
 import asyncio
-from collections.abc import AsyncGenerator, Callable, Iterable, Mapping
+from collections.abc import AsyncGenerator, Callable, Iterable, Mapping, Sequence
 from contextlib import aclosing, suppress
 from dataclasses import replace
 from functools import partial
@@ -118,7 +118,7 @@ class RobotNode:
                 self._publishing.publish_device(PictureUpdate, self._images, self._picture_update),
                 self._follow_link(),
                 self._repeat_loss(),
-                self._watch_others(),
+                *([self._watch_others(look)] if (look := self._middleware.mismatches) else []),
             ):
                 await self._ended.wait()
         finally:
@@ -233,11 +233,11 @@ class RobotNode:
             stamp=self._stamp(image.stamp),
         )
 
-    async def _watch_others(self) -> None:
+    async def _watch_others(self, look: Callable[[], Sequence[str]]) -> None:
         """Log endpoints of other nodes that cannot talk to this one, once each."""
         told: set[str] = set()
         while True:
-            self._unheard = tuple(await asyncio.to_thread(self._middleware.mismatches))
+            self._unheard = tuple(await asyncio.to_thread(look))
             for sentence in self._unheard:
                 if sentence not in told:
                     told.add(sentence)

@@ -10,7 +10,7 @@ from xmlrpc.client import ServerProxy
 
 LOOK: Final = 2.0
 """Pause between two looks at the master [s]; each costs it, and the node, a millisecond."""
-SURVEY_EVERY: Final = 2
+SURVEY_EVERY: Final = 5
 """Looks between two at the types of topics and at our parameters: these lists are long."""
 
 

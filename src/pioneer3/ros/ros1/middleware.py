@@ -7,8 +7,8 @@ from functools import cache, partial
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
-from threading import Event, Lock, Thread
-from time import sleep, time
+from threading import Lock
+from time import time
 from typing import Any, Final
 
 from pioneer3.errors import ConfigError
@@ -20,8 +20,6 @@ from pioneer3.ros.node.parameters import NodeParameters
 from pioneer3.ros.ros1.connection import DirectConnection
 from pioneer3.ros.ros1.reconfigure import Reconfigure
 
-LOOK_AROUND: Final = 0.1
-"""Whether publishers are still there is looked at so often [s]."""
 DESCRIPTION: Final = "robot_description"
 """The parameter in which rviz looks for the robot's description."""
 PLACES: Final = (
@@ -184,8 +182,8 @@ class RospyTopics:
         self, name: str, type_name: str, receive: Receive, *, queue: int, left: Lose | None = None
     ) -> Unsubscribe:
         """Call `receive` in a thread of the connection."""
+        full = self._once(name)
         senders: dict[int, Sender] = {}
-        sent = Event()
 
         def received(message: Any) -> None:
             header = message._connection_header
@@ -193,16 +191,17 @@ class RospyTopics:
                 latched = header.get("latching") == "1"
                 sender = Sender(header.get("callerid", ""), header, latched)
                 senders[id(header)] = sender
-                sent.set()
+                if left is not None:
+                    _tell_end(full, header, partial(ended, sender))
             receive(message, sender)
 
-        full = self._once(name)
+        def ended(sender: Sender) -> None:
+            if senders.pop(id(sender.connection), None) is not None and left is not None:
+                left(sender)
+
         subscriber = self._rospy.Subscriber(
             full, message_class(type_name), received, queue_size=queue, tcp_nodelay=True
         )
-        if left is not None:
-            watch = partial(_watch, subscriber, sent, senders, left)
-            Thread(target=watch, name=f"publishers of {full}", daemon=True).start()
         return subscriber.unregister  # type: ignore[no-any-return]
 
 
@@ -236,27 +235,33 @@ def _is_known(name: str) -> bool:
     return True
 
 
-def _watch(
-    subscriber: Any, sent: Event, senders: dict[int, Sender], left: Callable[[Sender], None]
-) -> None:
-    """Tell which senders are gone, of which rospy tells nobody, until the subscriber ends.
+def _tell_end(topic: str, header: object, tell: Callable[[], None]) -> None:
+    """Have the end of a connection told, of which rospy tells nobody, unless this node ends it.
 
-    A connection that is lost stays in rospy's list without a socket, and has another header once it
-    is back. Nothing is looked at until somebody has `sent`.
+    rospy makes a connection anew that has failed: it has another header then.
     """
-    sent.wait()
-    while (topic := subscriber.impl) is not None and topic.connections is not None:
-        known = set(senders)  # before the connections: a new one may send at any moment
-        there = {id(each.header) for each in topic.connections if each.socket is not None}
-        for gone in known - there:
-            left(senders.pop(gone))
-        sleep(LOOK_AROUND)
+    from rospy.impl.registration import get_topic_manager
+
+    def before(call: Callable[..., object], *arguments: object) -> object:
+        if not impl.closed:
+            tell()
+        return call(*arguments)
+
+    impl = get_topic_manager().get_subscriber_impl(topic)
+    for connection in impl.connections if impl else ():
+        if connection.header is header:
+            connection.set_cleanup_callback(partial(before, connection.cleanup_cb))
+            connection._reconnect = partial(before, connection._reconnect)
+            if not connection.done:
+                return
+    tell()
 
 
 class RospyMiddleware(RospyTopics):
     """All that a node needs; `rospy.init_node` comes first."""
 
     serves = True
+    mismatches = None
 
     def __init__(self) -> None:
         super().__init__()
@@ -322,7 +327,3 @@ class RospyMiddleware(RospyTopics):
     def warn(self, sentence: str) -> None:
         """Log a warning."""
         self._rospy.logwarn(sentence)
-
-    def mismatches(self) -> Sequence[str]:
-        """Return nothing: rospy itself logs publishers of other types."""
-        return ()
