@@ -27,6 +27,7 @@ from pioneer3.robot import explain
 from pioneer3.robot.assemble import Assembler
 from pioneer3.robot.correction import TwistCorrection
 from pioneer3.robot.explain import IDLE_OFF, IDLE_ON, PRESSED, Reason, allowed
+from pioneer3.robot.lasers.driver import OPEN_PATIENCE, RETRY
 from pioneer3.robot.lasers.mounting import Mounting
 from pioneer3.ros.node.services import Services
 from pioneer3.runtime.recording import recorded
@@ -209,6 +210,23 @@ def test_velocities_of_a_robot_whose_own_odometry_is_corrected_are_compared_too(
     (found,) = verify(open_log(tmp_path / "b.mcap"))
     assert found.difference is not None
     assert found.difference.field == "sent"
+
+
+def test_a_laser_that_was_opened_some_time_after_the_log_began_has_its_scans(
+    tmp_path: Path,
+) -> None:
+    async def drive() -> None:
+        async with SimulatedRobot() as sim, LaserUnit(sim, "utm-30lx") as unit:
+            with recorded(path, asyncio.get_running_loop().time) as log:
+                await asyncio.sleep(OPEN_PATIENCE + 0.1 * RETRY)
+                async with connect_async(sim.open, lasers=[unit.spec()], record=log) as robot:
+                    await robot.laser.reading()
+
+    path = tmp_path / "late.mcap"
+    asyncio.run(drive())
+    (found,) = verify(open_log(path))
+    assert found.difference is None
+    assert found.scans > 0
 
 
 @pytest.mark.parametrize("name", ["urg-04lx", "lms-200"])

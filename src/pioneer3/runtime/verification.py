@@ -215,6 +215,7 @@ def _lasers(log: RunLog, prefix: str) -> Iterator[_Laser]:
                 name=name,
                 protocol=protocol,
                 settings=msgspec.json.decode(texts["settings"], type=ScanSettings),
+                open_patience=None,  # the log tells when it was opened
                 time_offset=msgspec.json.decode(texts.get("time_offset", "0"), type=float),
             )
             yield _Laser(config, msgspec.json.decode(texts["mounting"], type=Mounting), scans)

@@ -52,7 +52,7 @@ class LaserConfig:
     """A laser of some `name` in scans, frames and messages, and how to use it.
 
     Its language, the `protocol`, is found out if it is `None`; the offset is added to the times of
-    scans [s].
+    scans [s]. Its link is waited for as long as `open_patience` [s], for ever if that is `None`.
     """
 
     url: str
@@ -61,6 +61,7 @@ class LaserConfig:
     protocol: LaserProtocol | None = None
     settings: ScanSettings = AS_DELIVERED
     patience: Patience = USUAL
+    open_patience: float | None = OPEN_PATIENCE
     time_offset: float = 0.0
 
 
@@ -198,11 +199,12 @@ class LaserDriver:
                 feed.close()
 
     async def _serve_once(self) -> None:
+        url, patience = self.config.url, self.config.open_patience
         try:
-            async with asyncio.timeout(OPEN_PATIENCE):
+            async with asyncio.timeout(patience):
                 link = await self.config.open()
         except TimeoutError:
-            raise LinkError(f"{self.config.url}: no answer within {OPEN_PATIENCE:g} s") from None
+            raise LinkError(f"{url}: no answer within {patience:g} s") from None
         self.speeds = link.speeds
         client = self._client(link.speeds, link.round_trip)
         try:
