@@ -3,6 +3,7 @@
 import os
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from functools import partial
 from itertools import groupby
 from typing import IO, Any, Final, cast
@@ -14,6 +15,7 @@ from pioneer3.log.differences import best_step
 from pioneer3.log.rows import fields_of, pack_rows
 from pioneer3.log.topics import (
     COLUMNS,
+    END,
     PIECES,
     STEADY,
     TOTALS,
@@ -36,6 +38,8 @@ SAME_STEP: Final = 10
 """Messages of one laser's bytes in a row with the same step of differences."""
 MOST_CHANNELS: Final = 4096
 """Channels of one file, of which each value of a steady field has one; MCAP counts to 65535."""
+CLOSED: Final = -1
+"""No descriptor: another file may have that of one that is closed."""
 
 
 class _Sink:
@@ -56,6 +60,14 @@ class _Sink:
 
     def flush(self) -> None:
         self.good = self.size
+
+    def rewind(self) -> None:
+        os.ftruncate(self.descriptor, self.good)
+        self.size = os.lseek(self.descriptor, self.good, os.SEEK_SET)
+
+    def close(self) -> None:
+        descriptor, self.descriptor = self.descriptor, CLOSED
+        os.close(descriptor)
 
 
 class McapFile:
@@ -138,18 +150,30 @@ class McapFile:
         """Bring what is written to the disk, for a loss of power."""
         SYNC(self._sink.descriptor)
 
-    def finish(self) -> None:
-        """Write the index, and close the file."""
-        self.add_metadata(TOTALS, totals(self._counts, self._ended))
-        self._writer.finish()  # type: ignore[no-untyped-call]
-        os.close(self._sink.descriptor)
-
-    def abandon(self) -> None:
-        """Close the file after a failure; what was flushed stays, and no more."""
+    def finish(self, why: str = "") -> None:
+        """Write the reason for the end, if there is one, and the index; close the file."""
         try:
-            os.ftruncate(self._sink.descriptor, self._sink.good)
+            self._end(why)
+            self.add_metadata(TOTALS, totals(self._counts, self._ended))
+            self._writer.finish()  # type: ignore[no-untyped-call]
+        except OSError:
+            self.abandon(why)
+            raise
+        self._sink.close()
+
+    def abandon(self, why: str = "") -> None:
+        """Close the file after a failure: what was flushed stays, with the reason if it fits."""
+        try:
+            self._sink.rewind()
+            with suppress(OSError):
+                self._end(why)
+            self._sink.rewind()
         finally:
-            os.close(self._sink.descriptor)
+            self._sink.close()
+
+    def _end(self, why: str) -> None:
+        if why:
+            self.add_metadata(END, {"why": why})
 
     def _channel(self, topic: LogTopic[Any], told: dict[str, str]) -> int:
         """Return the channel of a topic with some metadata."""

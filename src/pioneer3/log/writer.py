@@ -30,7 +30,7 @@ from pioneer3.errors import ConfigError
 from pioneer3.log.command_line import started, without_secrets
 from pioneer3.log.folder import is_recording_off, logs_folder, room_for_logs
 from pioneer3.log.target import LogTarget, NamedFile, UserFolder
-from pioneer3.log.topics import END, EVENT, GOES_ON, PROGRAM, LogEvent, LogTopic
+from pioneer3.log.topics import EVENT, GOES_ON, PROGRAM, LogEvent, LogTopic
 
 if TYPE_CHECKING:
     from pioneer3.log.mcap import McapFile
@@ -254,9 +254,9 @@ class LogWriter:
         self._file.flush()
         most = self._target.most
         if most is not None and (self._file.size >= most or self._file.is_crowded):
-            self._file.add_metadata(END, {"why": GOES_ON})
-            self._file.finish()
-            self._open()
+            before = self._file
+            self._open()  # where that fails, the file before tells it
+            before.finish(GOES_ON)
 
     def _sync(self) -> None:
         assert self._file is not None
@@ -266,8 +266,7 @@ class LogWriter:
         assert self._file is not None
         self._take()
         self._file.flush()
-        self._file.add_metadata(END, {"why": self._why})
-        self._file.finish()
+        self._file.finish(self._why)
 
     def _fail(self, error: Exception) -> None:
         reason = (isinstance(error, OSError) and error.strerror) or repr(error)
@@ -276,7 +275,7 @@ class LogWriter:
         self._queue.clear()
         if self._file is not None:
             with suppress(OSError):
-                self._file.abandon()
+                self._file.abandon(without_secrets(f"the recording ended: {reason}"))
             log.warning("%s: the recording has ended, and nothing else: %s", self.path, reason)
         else:
             log.warning("%s: nothing is recorded: %s", self.path, reason)

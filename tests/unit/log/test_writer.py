@@ -142,6 +142,29 @@ def test_a_full_disk_ends_the_log_with_one_line_and_keeps_what_was_there(
     kept = [each.data for each in open_log(path).messages()]
     assert kept == sent[: len(kept)]
     assert len(kept) > 10
+    assert open_log(path).info().end == "the recording ended: File too large"
+
+
+def test_where_the_next_file_cannot_be_opened_the_last_one_tells_it_and_no_other_file_suffers(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    target = UserFolder(tmp_path / "logs", "drive", 100_000, time.time)
+    log = LogWriter(target, time.monotonic)
+    until(lambda: log.files)
+    others: list[int] = []
+
+    def refused(target: UserFolder) -> int:
+        others.append(os.open(tmp_path / "other", os.O_CREAT | os.O_RDWR))
+        raise PermissionError(1, "Operation not permitted")
+
+    monkeypatch.setattr(UserFolder, "open", refused)
+    log.put(BYTES, os.urandom(20_000))
+    until(lambda: log.failure)
+    log.close("done")
+    (other,) = others
+    assert os.fstat(other).st_size == 0  # is still open
+    os.close(other)
+    assert open_log(log.files[0]).info().end == "the recording ended: Operation not permitted"
 
 
 def test_a_folder_that_cannot_be_made_is_told_once(
