@@ -274,10 +274,6 @@ PARTS: Mapping[str, Part] = {
         },
     ),
     "tests/browser": Part("the real page in Chromium", NONE, packages=("web",)),
-    "tests/browser/test_book.py": Part(
-        "the pages are looked at where the book was touched",
-        {"test_every_link_and_anchor_of_the_book_leads_somewhere": "dead links, after any change"},
-    ),
     "tests/browser/test_page.py": Part(
         "the page drives and stops",
         {
@@ -376,16 +372,11 @@ PARTS: Mapping[str, Part] = {
         {"test_actionlibs_clients_go_to_places": "goals"},
         packages=("ros",),
     ),
-    "tests/ros1/test_bridge.py": Part(
-        "the bridge beside a real master",
-        {"test_programs_of_ros2_drive_and_read_a_robot_in_ros1[dds]": "the joint"},
-        packages=("ros",),
-    ),
     "tests/ros2": Part("nodes as processes on real DDS and Zenoh", NONE, packages=("ros",)),
     "tests/ros2/test_node.py": Part(
         "a node on each middleware",
         {
-            "test_every_topic_of_the_table_comes_with_its_type_and_qos": "it publishes",
+            "test_every_topic_of_the_table_comes_with_its_type_and_qos[dds]": "it publishes",
             "test_commands_drive_and_silence_stops": "it obeys, and stops",
             "test_the_end_of_the_node_stops_the_robot_and_leaves_the_graph": "a way out",
         },

@@ -175,8 +175,12 @@ async def test_wheels_that_stall_in_the_open_are_held() -> None:
         ("p3dx-sh", 7, slips, Cause.SLIPS),
         pytest.param("p3at-sh", 4, holds, Cause.HELD, marks=pytest.mark.thorough),
         ("p3at-sh", 1, drags(1.25, 1), Cause.RIGHT_DRAGS),
-        ("p3at-sh", 3, drags(1.0, 1), Cause.RIGHT_DRAGS),
-        ("p3at-sh", 5, drags(1.0, 1), Cause.RIGHT_DRAGS),
+        *(
+            pytest.param(
+                "p3at-sh", seed, drags(1.0, 1), Cause.RIGHT_DRAGS, marks=pytest.mark.thorough
+            )
+            for seed in (3, 5)
+        ),
     ],
 )
 async def test_faults_of_robots_with_mass_are_named(

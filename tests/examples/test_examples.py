@@ -87,6 +87,7 @@ def test_the_code_in_the_readme_runs(url: str) -> None:
     assert run(blocks[0]).endswith(") Nothing is asked of it.\n")
 
 
+@pytest.mark.thorough  # it drives for long
 def test_the_code_about_notebooks_runs_but_for_its_views() -> None:
     with simulator() as url:  # at home: it drives 1.3 m
         blocks = blocks_of("docs/how-to/notebook.md", url)

@@ -81,7 +81,9 @@ def bits(said: Any) -> Any:
     return np.asarray(said).tobytes()
 
 
-@pytest.mark.parametrize(("physics", "number"), [("planar", 60), ("mujoco", 12)])
+@pytest.mark.parametrize(
+    ("physics", "number"), [("planar", 60), pytest.param("mujoco", 12, marks=pytest.mark.thorough)]
+)
 def test_a_copy_goes_on_as_its_original_and_neither_changes_the_other(
     physics: Physics, number: int
 ) -> None:

@@ -118,7 +118,8 @@ def test_a_client_returns_the_same_scans_in_any_pieces(kind: str, seed: int) -> 
 def test_no_scan_with_any_one_bit_flipped_is_accepted(kind: str) -> None:
     rig, client, (scan, following, *_) = scanning(KINDS[kind])
     (wanted,) = measured(client.receive(following, rig.now))
-    for bit in range(len(scan) * 8):
+    bits = range(len(scan) * 8)
+    for bit in Random(kind).sample(bits, examples(len(bits))):
         raw = bytearray(scan)
         raw[bit // 8] ^= 1 << bit % 8
         refused = client.refused

@@ -14,6 +14,8 @@ from pioneer3.gym import Reward, Task
 ROOT = Path(__file__).parents[3]
 PAGE = (ROOT / "docs/how-to/learn.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
+LEARNS = "mean reward"
+"""A line of the code that learns for some seconds."""
 
 
 def run(code: str) -> "subprocess.CompletedProcess[str]":
@@ -40,12 +42,18 @@ def test_without_a_clone_pip_brings_the_extra(tmp_path: Path) -> None:
     assert '"gymnasium>=1.1"' in done.stderr
 
 
-@pytest.mark.parametrize("code", BLOCKS, ids=range(len(BLOCKS)))
+@pytest.mark.parametrize(
+    "code",
+    [
+        pytest.param(code, id=str(number), marks=pytest.mark.thorough if LEARNS in code else ())
+        for number, code in enumerate(BLOCKS)
+    ],
+)
 def test_the_code_of_the_page_runs(code: str) -> None:
     done = run(code)
     assert done.returncode == 0, done.stderr
     rewards = [float(value) for value in re.findall(r"mean reward (\S+)", done.stdout)]
-    assert bool(rewards) == ("mean reward" in code)
+    assert bool(rewards) == (LEARNS in code)
     if rewards:
         assert rewards[-1] > rewards[0] + 2, "nothing was learnt"
 

@@ -120,8 +120,19 @@ def way(model: RobotModel, text: str) -> list[tuple[float, float, float]]:
     return places
 
 
-@pytest.mark.parametrize("read", [from_urdf, from_sdf])
-@pytest.mark.parametrize("model", TYPES, ids=lambda model: model.name)
+@pytest.mark.parametrize(
+    ("model", "read"),
+    [
+        pytest.param(
+            model,
+            read,
+            id=f"{model.name}-{read.__name__}",
+            marks=() if is_urdf == model.name.startswith("p3") else pytest.mark.thorough,
+        )
+        for model in TYPES
+        for is_urdf, read in ((True, from_urdf), (False, from_sdf))
+    ],
+)
 def test_a_robot_of_every_format_drives_to_the_same_place(
     model: RobotModel, read: Callable[[RobotModel], ET.Element]
 ) -> None:

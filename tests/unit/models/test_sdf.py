@@ -80,6 +80,7 @@ def sdf_check(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return program
 
 
+@pytest.mark.thorough  # a program is compiled for it
 def test_gazebos_library_accepts_each_robot_without_a_word(sdf_check: Path, tmp_path: Path) -> None:
     robots = [(model, bumpers) for model in EVERY for bumpers in (None, (5, 5))]
     files = [tmp_path / f"{model.name}-{bumpers}.sdf" for model, bumpers in robots]

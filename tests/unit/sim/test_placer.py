@@ -266,7 +266,10 @@ MAPS: list[str | Path] = ["empty", *shipped_maps()]
 MAPS += sorted(Path(__file__).parents[4].glob("shared/maps/*.map"))
 
 
-@pytest.mark.parametrize("count", [5, 20])
+@pytest.mark.parametrize(
+    "count",
+    [5, pytest.param(20, marks=pytest.mark.thorough)],  # of the same types
+)
 @pytest.mark.parametrize("name", MAPS, ids=lambda name: Path(name).name)
 def test_every_robot_of_several_can_turn_and_drive_a_metre(name: str | Path, count: int) -> None:
     line_map = empty_map() if name == "empty" else load_map(name)

@@ -18,6 +18,7 @@ from pioneer3.sim.server.pacer import TICK, Pacer
 from pioneer3.sim.server.simulation import PIECES_APART, Simulation
 from pioneer3.sim.world import World
 from pioneer3.tasks import running
+from tests.combinations import examples
 from tests.support import wall_at
 
 SCAN = b"\x02\x80\xd6\x02\xb0"
@@ -135,7 +136,7 @@ async def test_a_host_hears_the_answer_to_what_it_asks_between_scans(baud: int) 
     bench = Bench("lms-200", Pacer())
     async with running(bench.simulation.run()):
         await bench.stream(baud, 1.0)
-        for _ in range(20):
+        for _ in range(examples(20)):
             before = len(bench.host.data)
             await bench.send(telegram(CommandCode.STATUS), 2.003)
             answer = bench.host.data[before:]
