@@ -3,6 +3,7 @@
 from contextlib import AbstractAsyncContextManager
 from typing import Any, cast
 
+from pioneer3.geometry import Pose2
 from pioneer3.navigation.notebook import LiveView, after_failed_cells, leave
 from pioneer3.robot.supervisor import RobotInfo
 from pioneer3.runtime.blocking import BlockingConnection
@@ -33,6 +34,11 @@ class BlockingRobot(BlockingConnection):
     def snapshot(self) -> Snapshot | None:
         """The latest snapshot, or `None` while the link is lost."""
         return cast("Snapshot | None", self._read("snapshot"))
+
+    @property
+    def odom_in_map(self) -> Pose2 | None:
+        """Pose of odometry's frame on the map; `None` where it is not surely known."""
+        return cast("Pose2 | None", self._read("odom_in_map"))
 
     @property
     def devices(self) -> Any:
