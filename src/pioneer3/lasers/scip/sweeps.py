@@ -2,12 +2,14 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import chain
+from itertools import chain, islice
 from typing import Final, TypeVar
+
+import numpy as np
 
 from pioneer3.lasers.device import Sweep
 from pioneer3.lasers.scip.scans import ECHO, MAX_VALUE, WIDE_RANGE, Format
-from pioneer3.lasers.scip.wire import LINE, encode_values, to_lines
+from pioneer3.lasers.scip.wire import LINE, encode_values, encode_words, to_lines
 from pioneer3.models.lasers import LaserModel, Steps
 
 WHITE: Final = 3000
@@ -16,6 +18,8 @@ LONGEST_SHORT_VALUE: Final = (1 << 12) - 1
 """The most that two characters carry [mm]."""
 NOT_MEASURED: Final = 0
 """Value of steps outside the field."""
+WORD: Final = np.dtype(">u4")
+"""Values before they become characters."""
 _Value = TypeVar("_Value")
 
 
@@ -56,15 +60,16 @@ def data_lines(
         codes = Codes(min(codes.nothing, LONGEST_SHORT_VALUE), codes.near)
     distances = values_of(sweep.ranges, steps.shortest, longest, codes)
     distances = _with_margins(distances, steps, start, end, NOT_MEASURED)
-    lights = [0] * len(distances)
+    lights: Sequence[int] = [0] * len(distances)
     if format_.intensities:
         lights = _with_margins(intensities_of(sweep), steps, start, end, 0)
     picks = _picks(distances, steps.shortest, cluster)
     if format_.multi_echo:
-        echoes = [[distance] for distance in distances]
+        echoes: Sequence[list[int]] = [[distance] for distance in distances]
         if sweep.echoes:
-            found = [values_of(step, steps.shortest, longest, codes) for step in sweep.echoes]
-            found = [step or [codes.nothing] for step in found]
+            ranges = [*chain.from_iterable(sweep.echoes)]
+            left = iter(values_of(ranges, steps.shortest, longest, codes))
+            found = [[*islice(left, len(step))] or [codes.nothing] for step in sweep.echoes]
             echoes = _with_margins(found, steps, start, end, [NOT_MEASURED])
         text = b"".join([_echo_text(echoes[at], lights[at], format_) for at in picks])
     elif format_.intensities:
@@ -73,23 +78,18 @@ def data_lines(
         )
     else:
         chosen = distances if cluster == 1 else [distances[at] for at in picks]
-        text = encode_values(chosen, format_.width)
+        text = encode_words(np.asarray(chosen, dtype=WORD).tobytes(), format_.width)
     if summed:
         return to_lines(text)
     return b"".join([text[at : at + LINE] + b"\n" for at in range(0, len(text), LINE)])
 
 
-def values_of(ranges: Sequence[float], shortest: int, longest: int, codes: Codes) -> list[int]:
+def values_of(ranges: Sequence[float], shortest: int, longest: int, codes: Codes) -> Sequence[int]:
     """Return distances [mm] or codes for `ranges` [m]."""
+    metres = np.asarray(ranges, dtype=np.float64)
     near, far = (shortest - 0.5) / 1000, (longest + 0.5) / 1000
-    if ranges and near <= min(ranges) and max(ranges) < far:
-        return [*map(int, [metres * 1000 + 0.5 for metres in ranges])]
-    return [
-        int(metres * 1000 + 0.5)
-        if near <= metres < far
-        else (codes.near if metres < near else codes.nothing)
-        for metres in ranges
-    ]
+    values = np.where(metres < far, np.floor(metres * 1000 + 0.5), codes.nothing)
+    return np.where(metres < near, codes.near, values).astype(np.uint32).data
 
 
 def intensities_of(sweep: Sweep) -> list[int]:
@@ -98,8 +98,8 @@ def intensities_of(sweep: Sweep) -> list[int]:
 
 
 def _with_margins(
-    values: list[_Value], steps: Steps, start: int, end: int, margin: _Value
-) -> list[_Value]:
+    values: Sequence[_Value], steps: Steps, start: int, end: int, margin: _Value
+) -> Sequence[_Value]:
     """Return the values of the steps from `start` to `end`, of which the laser has some."""
     if start >= steps.first and end <= steps.last:
         return values[start - steps.first : end - steps.first + 1]

@@ -202,7 +202,7 @@ class SimulatedLaser:
             Sweep(
                 turn=turn,
                 began=self._began,
-                ranges=ranges.tolist(),
+                ranges=ranges.data,
                 intensities=intensities.data,  # most devices tell none
             ),
             ended,
