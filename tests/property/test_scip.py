@@ -1,6 +1,7 @@
 """Whatever the line does, a SCIP client returns the scans that were sent, and nothing else."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import pairwise
 from random import Random
 
@@ -9,9 +10,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pioneer3.lasers.client import Event, Measured, ScanSettings
+from pioneer3.lasers.device import MirrorTurn, Sweep
 from pioneer3.lasers.scip.client import ScipClient
 from pioneer3.lasers.scip.device import ScipDevice
 from pioneer3.lasers.scip.scans import FORMATS, decode
+from pioneer3.lasers.scip.sweeps import codes_of, data_lines
 from pioneer3.lasers.scip.timing import WRAP, ScipClock
 from pioneer3.lasers.scip.wire import (
     AnswerReader,
@@ -189,3 +192,29 @@ def test_the_laser_clock_goes_on_behind_its_24_bits(start: int, ahead: list[int]
     for milliseconds in ahead:
         total += milliseconds
         assert clock.unwrap((start + total) % WRAP) - first == pytest.approx(total / 1000)
+
+
+@pytest.mark.parametrize("reach", [(0.05, 3.0), (0.0, 3.0), (0.05, 35.0)])  # codes in two of them
+@pytest.mark.parametrize("letters", ["MD", "MS", "ME", "ND"])
+def test_millimetres_that_are_known_change_no_byte(
+    letters: str, reach: tuple[float, float]
+) -> None:
+    steps, random = UTM.steps, Random(1)
+    assert steps is not None
+    ranges = [random.uniform(*reach) for _ in range(steps.first, steps.last + 1)]
+    known = [int(metres * 1000 + 0.5) for metres in ranges]
+    turn = MirrorTurn(first=0.0, step=0.1, count=len(ranges), beam_time=0.0, period=0.025)
+    plain = Sweep(turn=turn, began=0.0, ranges=ranges, intensities=[0.5] * len(ranges))
+    sent = (
+        data_lines(
+            sweep,
+            FORMATS[letters],
+            steps,
+            codes_of(UTM, steps),
+            start=steps.first,
+            end=steps.last,
+            cluster=3,
+        )
+        for sweep in (plain, replace(plain, millimetres=known))
+    )
+    assert len({*sent}) == 1

@@ -33,7 +33,8 @@ class Sweep:
     `ranges`, shape (count,), are in [m], with the errors of the laser; `inf` where nothing came
     back. `intensities`, likewise, are shares of the light of a perfect matt white wall, more for
     reflectors, 0 where nothing came back. `echoes` are all of each reading [m], the nearest first,
-    shape (count, up to 3); empty where there is never more than one.
+    shape (count, up to 3); empty where there is never more than one. `millimetres` are the ranges,
+    rounded; empty where they are not known yet.
     """
 
     turn: MirrorTurn
@@ -41,6 +42,7 @@ class Sweep:
     ranges: Sequence[float]
     intensities: Sequence[float]
     echoes: Sequence[tuple[float, ...]] = ()
+    millimetres: Sequence[int] = ()
 
 
 class DeviceConnection(Protocol):

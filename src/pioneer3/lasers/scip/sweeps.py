@@ -2,14 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import chain, islice
+from itertools import chain
 from typing import Final, TypeVar
-
-import numpy as np
 
 from pioneer3.lasers.device import Sweep
 from pioneer3.lasers.scip.scans import ECHO, MAX_VALUE, WIDE_RANGE, Format
-from pioneer3.lasers.scip.wire import LINE, encode_values, encode_words, to_lines
+from pioneer3.lasers.scip.wire import LINE, encode_values, to_lines
 from pioneer3.models.lasers import LaserModel, Steps
 
 WHITE: Final = 3000
@@ -18,8 +16,6 @@ LONGEST_SHORT_VALUE: Final = (1 << 12) - 1
 """The most that two characters carry [mm]."""
 NOT_MEASURED: Final = 0
 """Value of steps outside the field."""
-WORD: Final = np.dtype(">u4")
-"""Values before they become characters."""
 _Value = TypeVar("_Value")
 
 
@@ -58,7 +54,9 @@ def data_lines(
     if format_.width == 2:
         longest = min(longest, LONGEST_SHORT_VALUE)
         codes = Codes(min(codes.nothing, LONGEST_SHORT_VALUE), codes.near)
-    distances = values_of(sweep.ranges, steps.shortest, longest, codes)
+    distances: Sequence[int] = sweep.millimetres
+    if not distances or min(distances) < steps.shortest or max(distances) > longest:
+        distances = values_of(sweep.ranges, steps.shortest, longest, codes)
     distances = _with_margins(distances, steps, start, end, NOT_MEASURED)
     lights: Sequence[int] = [0] * len(distances)
     if format_.intensities:
@@ -67,9 +65,8 @@ def data_lines(
     if format_.multi_echo:
         echoes: Sequence[list[int]] = [[distance] for distance in distances]
         if sweep.echoes:
-            ranges = [*chain.from_iterable(sweep.echoes)]
-            left = iter(values_of(ranges, steps.shortest, longest, codes))
-            found = [[*islice(left, len(step))] or [codes.nothing] for step in sweep.echoes]
+            found = [values_of(step, steps.shortest, longest, codes) for step in sweep.echoes]
+            found = [step or [codes.nothing] for step in found]
             echoes = _with_margins(found, steps, start, end, [NOT_MEASURED])
         text = b"".join([_echo_text(echoes[at], lights[at], format_) for at in picks])
     elif format_.intensities:
@@ -78,18 +75,21 @@ def data_lines(
         )
     else:
         chosen = distances if cluster == 1 else [distances[at] for at in picks]
-        text = encode_words(np.asarray(chosen, dtype=WORD).tobytes(), format_.width)
+        text = encode_values(chosen, format_.width)
     if summed:
         return to_lines(text)
     return b"".join([text[at : at + LINE] + b"\n" for at in range(0, len(text), LINE)])
 
 
-def values_of(ranges: Sequence[float], shortest: int, longest: int, codes: Codes) -> Sequence[int]:
+def values_of(ranges: Sequence[float], shortest: int, longest: int, codes: Codes) -> list[int]:
     """Return distances [mm] or codes for `ranges` [m]."""
-    metres = np.asarray(ranges, dtype=np.float64)
     near, far = (shortest - 0.5) / 1000, (longest + 0.5) / 1000
-    values = np.where(metres < far, np.floor(metres * 1000 + 0.5), codes.nothing)
-    return np.where(metres < near, codes.near, values).astype(np.uint32).data
+    return [
+        int(metres * 1000 + 0.5)
+        if near <= metres < far
+        else (codes.near if metres < near else codes.nothing)
+        for metres in ranges
+    ]
 
 
 def intensities_of(sweep: Sweep) -> list[int]:

@@ -77,17 +77,12 @@ def unseal(line: bytes) -> bytes | None:
 
 def encode_values(values: Sequence[int], width: int) -> bytes:
     """Return each of `values` as `width` characters of six bits, the highest first."""
-    return encode_words(pack(f">{len(values)}I", *values), width)
-
-
-def encode_words(words: bytes, width: int) -> bytes:
-    """Return values, each of which has four bytes, as :func:`encode_values` does."""
-    count = len(words) // 4
-    low = bytearray(3 * count)
+    words = pack(f">{len(values)}I", *values)
+    low = bytearray(3 * len(values))
     for place in range(3):
         low[place::3] = words[place + 1 :: 4]
     fours = b2a_base64(low, newline=False).translate(FROM_BASE64)
-    text = bytearray(width * count)
+    text = bytearray(width * len(values))
     for place in range(width):
         text[place::width] = fours[4 - width + place :: 4]
     return bytes(text)

@@ -9,6 +9,8 @@ nothing.
 from collections.abc import Callable
 from math import inf
 
+import numpy as np
+
 from pioneer3.errors import LinkError
 from pioneer3.lasers.device import LaserDevice, MirrorTurn, Sweep
 from pioneer3.links.hosts import url_of
@@ -24,6 +26,8 @@ SWITCHED_ON = 60.0
 """A laser has been on for so long when it comes into the world [s]: all have started by then."""
 SAID = 1.0
 """Its words at the start have left by so long ago [s]; no host hears them."""
+FARTHEST = 1e6
+"""In place of what did not come back, in whole millimetres [m]."""
 SLACK = 1e-6
 """Times are sums of ticks, and rounded [s]."""
 
@@ -195,6 +199,7 @@ class SimulatedLaser:
         turn leave from its end on even so, those that have left by now at once.
         """
         ranges, intensities = self._scanner.readings()
+        millimetres = np.floor(np.clip(ranges, 0.0, FARTHEST) * 1000 + 0.5).astype(np.uint32)
         ended = self._began + (turn.count - 1) * turn.beam_time
         self._next = self._began + turn.period
         self.exchange(ended)  # what is sent before the turn leaves before it
@@ -204,6 +209,7 @@ class SimulatedLaser:
                 began=self._began,
                 ranges=ranges.data,
                 intensities=intensities.data,  # most devices tell none
+                millimetres=millimetres.data,
             ),
             ended,
         )
