@@ -213,7 +213,7 @@ def test_millimetres_that_are_known_change_no_byte(
             codes_of(UTM, steps),
             start=steps.first,
             end=steps.last,
-            cluster=3,
+            cluster=1,
         )
         for sweep in (plain, replace(plain, millimetres=known))
     )
