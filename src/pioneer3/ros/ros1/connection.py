@@ -52,4 +52,6 @@ class DirectConnection:
                     data = self._waiting.popleft() if self._waiting else b""
                     self._blocked = bool(data)
         except OSError:
-            self._transport.close()  # which removes it from the publisher
+            with self._lock:
+                self._blocked = False  # the next message finds it closed, and rospy removes it
+            self._transport.close()

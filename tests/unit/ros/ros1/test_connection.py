@@ -69,9 +69,12 @@ def test_a_slow_subscriber_that_leaves_is_closed(
 ) -> None:
     ours, theirs = ends
     transport = Transport(ours)
-    DirectConnection(transport, 1).write_data(bytes(LARGE))
+    connection = DirectConnection(transport, 1)
+    connection.write_data(bytes(LARGE))
     theirs.close()
     assert transport.closed.wait(PATIENCE)
+    with pytest.raises(BrokenPipeError):  # so that rospy removes it
+        connection.write_data(b"more")
 
 
 def test_a_lost_connection_raises(ends: tuple[socket.socket, socket.socket]) -> None:
