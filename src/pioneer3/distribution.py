@@ -7,7 +7,6 @@ import os
 import shutil
 import sys
 from collections.abc import Iterator, Sequence
-from importlib import metadata
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Final
@@ -28,6 +27,8 @@ NOT_SHIPPED: Final = frozenset({"__pycache__"})
 
 def version() -> str:
     """Return the version of the distribution."""
+    from importlib import metadata  # loads slowly, and most programs never ask
+
     return metadata.version(NAME)
 
 
@@ -57,7 +58,7 @@ def added_by(extra: str) -> list[str]:
     """Return what an extra needs on this computer, one requirement for each package."""
     from packaging.requirements import Requirement
 
-    lines = (Requirement(line) for line in metadata.requires(NAME) or ())
+    lines = (Requirement(line) for line in _requires(NAME))
     return [
         f"{line.name}{line.specifier}"
         for line in lines
@@ -72,7 +73,7 @@ def requirements(name: str, extras: Sequence[str] = ()) -> list[str]:
     from packaging.requirements import Requirement
 
     found = []
-    for line in metadata.requires(name) or ():
+    for line in _requires(name):
         requirement = Requirement(line)
         marker = requirement.marker
         if marker is None or any(marker.evaluate({"extra": extra}) for extra in ("", *extras)):
@@ -83,7 +84,13 @@ def requirements(name: str, extras: Sequence[str] = ()) -> list[str]:
 
 def required_anywhere() -> list[str]:
     """Return the requirements without extras, on any computer, with their markers."""
-    return [line for line in metadata.requires(NAME) or () if "extra ==" not in line]
+    return [line for line in _requires(NAME) if "extra ==" not in line]
+
+
+def _requires(name: str) -> Sequence[str]:
+    from importlib import metadata
+
+    return metadata.requires(name) or ()
 
 
 def find_uv() -> str | None:
@@ -107,6 +114,8 @@ def own_files() -> Iterator[tuple[str, Path]]:
 
 def own_metadata() -> Iterator[tuple[str, str]]:
     """Yield the name and the text of each file that tells installers of this distribution."""
+    from importlib import metadata
+
     distribution = metadata.distribution(NAME)
     for name in ("METADATA", "entry_points.txt"):
         yield name, distribution.read_text(name) or ""

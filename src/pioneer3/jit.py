@@ -18,7 +18,6 @@ from contextlib import contextmanager, suppress
 from functools import cache, cached_property, wraps
 from hashlib import sha256
 from importlib import import_module
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from tempfile import TemporaryFile
 from threading import Lock
@@ -191,6 +190,8 @@ def fast(function: Callable[P, R], kept: KernelCache) -> Callable[P, R]:
 @cache
 def numba_version() -> str:
     """Return the version of numba, empty where it is not installed; without importing it."""
+    from importlib.metadata import PackageNotFoundError, version  # loads slowly
+
     try:
         return version("numba")
     except PackageNotFoundError:

@@ -49,7 +49,10 @@ def test_importing_the_package_loads_nothing_heavy() -> None:
 
 
 def test_a_program_that_connects_loads_no_numpy_before_it_needs_arrays() -> None:
-    assert "numpy" not in loaded_after("from pioneer3 import connect")
+    connected = (
+        "import pioneer3.navigation.connect, pioneer3.navigation.simulator, pioneer3.log.mcap"
+    )
+    assert loaded_after(connected).isdisjoint({"numpy", "pioneer3.maps", "pioneer3.sim.worldfile"})
 
 
 def test_the_door_to_logs_loads_nothing_heavy_before_it_is_opened() -> None:

@@ -7,8 +7,6 @@ alike this way, too, and a chunk has them side by side.
 
 from typing import Final
 
-import numpy as np
-
 STEPS: Final = (2, 3)
 """Sizes of a reading of lasers [bytes]."""
 WIDEST: Final = 8
@@ -19,6 +17,8 @@ SAMPLE: Final = 16384
 
 def differences(data: bytes, step: int) -> bytes:
     """Return bytes as differences."""
+    import numpy as np  # loads slowly, and a robot without a laser needs none of it
+
     whole = np.frombuffer(data, np.uint8)
     result = whole.copy()
     result[step:] -= whole[:-step]
@@ -33,6 +33,8 @@ def sums(data: bytes, step: int) -> bytes:
     """
     if step < 1:
         raise ValueError(f"differences over {step} bytes")
+    import numpy as np
+
     rows = -(-len(data) // step)
     padded = np.zeros((rows, step), np.uint8)
     padded.reshape(-1)[: len(data)] = np.frombuffer(data, np.uint8)

@@ -31,6 +31,7 @@ from pioneer3.log.chunks import (
 )
 from pioneer3.log.cut import MAGIC, data_records
 from pioneer3.log.folder import SUFFIX, is_being_written, is_pinned
+from pioneer3.log.rows import unpack_rows
 from pioneer3.log.topics import (
     COLUMNS,
     END,
@@ -370,8 +371,6 @@ def _messages_of(record: LogRecord) -> Iterator[LogMessage]:
         for at, piece in unpack_pieces(record.time, data):
             yield LogMessage(at, topic, piece)
     elif COLUMNS in told:
-        from pioneer3.log.rows import unpack_rows  # numpy loads slowly
-
         for at, row in unpack_rows(record.time, data, told[COLUMNS].encode()):
             yield LogMessage(at, topic, row, part)
     else:

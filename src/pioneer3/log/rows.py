@@ -8,22 +8,23 @@ import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from enum import IntEnum
 from itertools import accumulate, chain, pairwise, repeat
-from math import copysign, inf, isfinite
+from math import copysign, inf, isfinite, nan
 from operator import attrgetter
 from struct import pack
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import msgspec
-import numpy as np
-from numpy.typing import NDArray
 
 from pioneer3.log.differences import differences, joined_planes, planes, sums
-from pioneer3.log.scans import packed_ranges
 from pioneer3.log.topics import AS_THEY_ARE, with_texts
 from pioneer3.state import Scan
 from pioneer3.units import MM
 
-NO_NUMBERS: Final = (np.inf, -np.inf, np.nan)
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+NO_NUMBERS: Final = (inf, -inf, nan)
 """Values that the whole numbers behind the greatest one stand for."""
 LARGEST: Final = 2.0**53
 """Whole numbers are exact up to it."""
@@ -79,6 +80,8 @@ def fields_of(messages: Sequence[Any]) -> dict[str, Values]:
     names = type(messages[0]).__dataclass_fields__
     fields: dict[str, Values] = {name: [*map(attrgetter(name), messages)] for name in names}
     if isinstance(messages[0], Scan):
+        from pioneer3.log.scans import packed_ranges  # numpy loads slowly
+
         fields |= packed_ranges(fields.pop("ranges"))
     return fields
 
@@ -203,6 +206,8 @@ def _values(kind: int, *parts: Any, rows: int) -> Values:
                     numbers[whole == number] = value
             return numbers.tolist()  # type: ignore[no-any-return]
         case Kind.FLOATS, bytes(data):
+            import numpy as np
+
             numbers = np.frombuffer(joined_planes(data, EXACT), "<f8")
             shape = (rows,) if len(numbers) == rows else (rows, -1)
             return numbers.reshape(shape).tolist()  # type: ignore[no-any-return]
@@ -214,10 +219,12 @@ def _values(kind: int, *parts: Any, rows: int) -> Values:
     raise ValueError(f"a column of kind {kind}")
 
 
-def _whole(first: Any, size: int, data: bytes, rows: int) -> NDArray[np.int64]:
+def _whole(first: Any, size: int, data: bytes, rows: int) -> "NDArray[np.int64]":
     """Return the whole numbers of a column."""
     if size not in SIZES:
         raise ValueError(f"whole numbers of {size} bytes")
+    import numpy as np  # loads slowly, and writing needs none of it
+
     begin = np.array(first, np.int64)
     steps = np.frombuffer(joined_planes(data, size), f"<i{size}")
     added = steps.reshape(begin.size, rows - 1).T.reshape(rows - 1, *begin.shape)

@@ -13,6 +13,7 @@ from typing import Any, Final, Generic, TypeVar
 
 import msgspec
 
+from pioneer3.log.differences import differences, joined_planes, planes, sums
 from pioneer3.state import Scan, Snapshot
 
 T = TypeVar("T")
@@ -157,8 +158,6 @@ def pack_pieces(
     steps = [after - before for before, after in pairwise([0, *ticks])]
     joined, step = b"".join(parts), 0
     if len(joined) >= LASER_BYTES:
-        from pioneer3.log.differences import differences, planes  # numpy loads slowly
-
         step = step_of(joined)
         joined = planes(differences(joined, step), step) if step else joined
     return msgspec.msgpack.encode(Pieces(steps, [*map(len, parts)], joined, step, tick, step))
@@ -175,8 +174,6 @@ def unpack_pieces(time: int, data: bytes) -> Iterator[tuple[int, bytes]]:
     if len(told.times) != len(sizes) or sum(sizes) != len(joined) or min(sizes, default=0) < 0:
         raise ValueError("the sizes of pieces do not fit")
     if told.step:
-        from pioneer3.log.differences import joined_planes, sums
-
         joined = joined_planes(joined, told.planes) if told.planes else joined
         joined = sums(joined, told.step)
     at = 0

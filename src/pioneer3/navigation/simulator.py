@@ -6,19 +6,21 @@ from contextlib import suppress
 from functools import lru_cache
 from math import radians
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from pioneer3.arcos.commands import RequestMode, RequestSimStat, SimCtrl, SimOperation
 from pioneer3.arcos.reports import MapChanged, Report, SimStat
 from pioneer3.errors import CommandError, ConfigError
 from pioneer3.geometry import Pose2, wrap
 from pioneer3.links.urls import split_host
-from pioneer3.maps import LineMap, shipped_maps
 from pioneer3.robot.supervisor import is_simulator
 from pioneer3.runtime.robot import Robot
-from pioneer3.sim.relief import Relief
-from pioneer3.sim.worldfile import WorldFile, file_in, load_world, shipped_worlds
 from pioneer3.tasks import running
 from pioneer3.units import MM
+
+if TYPE_CHECKING:  # most programs ask for the pose alone
+    from pioneer3.maps import LineMap
+    from pioneer3.sim.relief import Relief
 
 LOCAL = "localhost"
 
@@ -98,7 +100,7 @@ MAP_PATIENCE = 2.0
 REMEDY = "give the map with --map (in Python: line_map=)"
 
 
-async def map_of_simulator(robot: Robot) -> LineMap:
+async def map_of_simulator(robot: Robot) -> "LineMap":
     """Return the map that the simulator at the other end of the link names.
 
     Raises:
@@ -120,21 +122,21 @@ async def map_of_simulator(robot: Robot) -> LineMap:
         raise ConfigError(f"the map of the simulator: {error}; {REMEDY}") from None
 
 
-def known_map(name: str) -> tuple[LineMap, Relief]:
+def known_map(name: str) -> "tuple[LineMap, Relief]":
     """Return the map that ships under `name`, or lies in the working folder, and its heights.
 
     Raises:
         ConfigError: There is none, or it cannot be read.
     """
+    from pioneer3.maps import shipped_maps
+    from pioneer3.sim.worldfile import file_in, load_world, shipped_worlds
+
     stem = name.removesuffix(".map")
     if stem in {"empty", *shipped_maps(), *shipped_worlds()}:
-        return _with_relief(load_world(stem))
-    path = next((p for e in ENDINGS if (p := file_in(Path(), stem + e))), None)
-    if path is None:
+        world = load_world(stem)
+    elif path := next((p for e in ENDINGS if (p := file_in(Path(), stem + e))), None):
+        world = load_world(path)
+    else:
         raise ConfigError(f"there is no map {stem[:40]!r} here")
-    return _with_relief(load_world(path))
-
-
-def _with_relief(world: WorldFile) -> tuple[LineMap, Relief]:
     line_map = world.line_map()
     return line_map, world.relief(line_map)

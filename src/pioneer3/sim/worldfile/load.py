@@ -6,10 +6,7 @@ from pathlib import Path
 from pioneer3.errors import ConfigError
 from pioneer3.maps import LineMap, shipped_maps
 from pioneer3.maps.load import FOREIGN_WORLDS, looks_like_map
-from pioneer3.sim.worldfile.gazebo import read_gazebo
-from pioneer3.sim.worldfile.gazebo_text import LARGEST_SDF
 from pioneer3.sim.worldfile.spec import WorldFile
-from pioneer3.sim.worldfile.stage import read_stage
 from pioneer3.sim.worldfile.toml import is_world, read_world
 from pioneer3.text import read_bytes, shown
 
@@ -51,6 +48,10 @@ def load_world(name_or_path: str | Path) -> WorldFile:
 
 def read_foreign(path: Path) -> WorldFile:
     """Read a world of Gazebo, which is XML or ends in `.sdf`, or else of Stage."""
+    from pioneer3.sim.worldfile.gazebo import read_gazebo
+    from pioneer3.sim.worldfile.gazebo_text import LARGEST_SDF
+    from pioneer3.sim.worldfile.stage import read_stage
+
     start = read_bytes(path, LARGEST_SDF, "world")[:1000].lstrip(b"\xef\xbb\xbf \t\r\n")
     is_sdf = start.startswith(b"<") or path.suffix.lower() == ".sdf"
     return read_gazebo(path) if is_sdf else read_stage(path)
