@@ -127,10 +127,14 @@ class Simulation:
             LinkError: This machine has no more of them.
         """
         paths = []
-        for port in self.ports:
-            listener = PtyListener(port)
-            port.listeners.append(listener)
-            paths.append(listener.path)
+        try:
+            for port in self.ports:
+                listener = PtyListener(port)
+                port.listeners.append(listener)
+                paths.append(listener.path)
+        except LinkError:
+            self.close()
+            raise
         return paths
 
     def attach(self, firmware: Firmware) -> RobotPort:
