@@ -1,8 +1,9 @@
 """TOML files read into frozen dataclasses and written from them; errors name their line.
 
-A dataclass is a table, its fields are the keys, and msgspec checks their types. A `Meta` in an
-`Annotated` type says the range, and in its `extra` words for errors: `expected` for a wrong value,
-and `missing`. A :class:`FieldForm` there is for a field that files have in another form.
+A dataclass, or the `Struct` of a message, is a table, its fields are the keys, and msgspec checks
+their types. A `Meta` in an `Annotated` type says the range, and in its `extra` words for errors:
+`expected` for a wrong value, and `missing`. A :class:`FieldForm` there is for a field that files
+have in another form.
 
 An error is one line of text: the file, the line, the key, the problem and a hint.
 """
@@ -10,7 +11,7 @@ An error is one line of text: the file, the line, the key, the problem and a hin
 import re
 import tomllib
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import MISSING, Field, dataclass, fields, is_dataclass
+from dataclasses import MISSING, dataclass, fields, is_dataclass
 from difflib import get_close_matches
 from enum import Enum
 from functools import cache
@@ -20,6 +21,7 @@ from types import UnionType
 from typing import Annotated, Any, Final, TypeVar, Union, get_args, get_origin, get_type_hints
 
 import msgspec
+from msgspec import structs
 
 from pioneer3.errors import ConfigError
 from pioneer3.names import printable
@@ -152,14 +154,14 @@ def converted(
             advice = nearest(_keys_by_field(kind).get(name, name), known)
             raise source.wrong(_below(place, named), f"unknown key, {advice}")
     values = {}
-    for field, hint, key in _keyed(kind):
+    for field, usual, hint, key in _keyed(kind):
         at = _below(place, key.name)
         if key.spread:
             own = {name: table[name] for name in keys(key.type) if name in table}
-            values[field.name] = key.read(converted(source, own, key.type, place))
+            values[field] = key.read(converted(source, own, key.type, place))
         elif key.name in table:
-            values[field.name] = key.read(_value(source, at, table[key.name], key.type or hint))
-        elif field.default is MISSING and field.default_factory is MISSING:
+            values[field] = key.read(_value(source, at, table[key.name], key.type or hint))
+        elif usual is MISSING:
             raise source.wrong(at, _extra(hint, "missing") or "missing, add it")
     try:
         return kind(**values)
@@ -174,17 +176,16 @@ def keys(kind: type[Any]) -> tuple[str, ...]:
 
 def _keys_by_field(kind: type[Any]) -> dict[str, str]:
     found: dict[str, str] = {}
-    for field, _, key in _keyed(kind):
-        found |= _keys_by_field(key.type) if key.spread else {field.name: key.name}
+    for name, _, _, key in _keyed(kind):
+        found |= _keys_by_field(key.type) if key.spread else {name: key.name}
     return found
 
 
 def table_of(value: object) -> dict[str, Any]:
     """Return the table that a dataclass is; defaults are left out."""
     table: dict[str, Any] = {}
-    for field, _, key in _keyed(type(value)):
-        item = getattr(value, field.name)
-        usual = field.default if field.default_factory is MISSING else field.default_factory()
+    for field, usual, _, key in _keyed(type(value)):
+        item = getattr(value, field)
         if key.spread:
             table |= table_of(key.write(item))
         elif item is not None and item != usual:
@@ -210,21 +211,37 @@ def nearest(name: str, known: Iterable[str]) -> str:
     return f"did you mean {close[0]}?" if close else f"known are {', '.join(names)}"
 
 
-def _keyed(kind: Any) -> tuple[tuple[Field[Any], Any, FieldForm], ...]:
-    """Return the fields of a dataclass that files have, each with its type and key."""
+def _keyed(kind: Any) -> tuple[tuple[str, Any, Any, FieldForm], ...]:
+    """Return the fields of a dataclass that files have, each with its default, type and key."""
     return _found(kind)
 
 
 @cache
-def _found(kind: Any) -> tuple[tuple[Field[Any], Any, FieldForm], ...]:
+def _found(kind: Any) -> tuple[tuple[str, Any, Any, FieldForm], ...]:
     hints = get_type_hints(kind, include_extras=True)
     found = []
-    for field in fields(kind):
-        notes = getattr(hints[field.name], "__metadata__", ())
-        key = next((note for note in notes if isinstance(note, FieldForm)), FieldForm(field.name))
-        if field.init and (key.name or key.spread):
-            found.append((field, hints[field.name], key))
+    for name, usual in _defaults(kind):
+        notes = getattr(hints[name], "__metadata__", ())
+        key = next((note for note in notes if isinstance(note, FieldForm)), FieldForm(name))
+        if key.name or key.spread:
+            found.append((name, usual, hints[name], key))
     return tuple(found)
+
+
+def _defaults(kind: Any) -> Iterator[tuple[str, Any]]:
+    """Yield the fields that a table can give, each with its default, if only `MISSING`."""
+    if not is_dataclass(kind):  # a message of a robot
+        for each in structs.fields(kind):
+            yield each.name, MISSING if each.required else each.default
+        return
+    for field in fields(kind):
+        if field.init:
+            made = field.default_factory
+            yield field.name, field.default if made is MISSING else made()
+
+
+def _is_table(kind: object) -> bool:
+    return is_dataclass(kind) or hasattr(kind, "__struct_fields__")
 
 
 def _below(place: str, key: str) -> str:
@@ -245,11 +262,11 @@ def _key_above_tables(lines: list[str], quoted: str) -> int | None:
 def _value(source: Source, place: str, value: object, hint: Any) -> Any:
     """Return a value as the type `hint`: a table, a list of tables, or what msgspec knows."""
     choices = _alternatives(hint)
-    table: Any = next(filter(is_dataclass, choices), None)
+    table: Any = next(filter(_is_table, choices), None)
     if table and isinstance(value, dict):
         return converted(source, value, table, place)
     item = next((get_args(each)[0] for each in choices if get_origin(each) is tuple), None)
-    if any(map(is_dataclass, _alternatives(item))):
+    if any(map(_is_table, _alternatives(item))):
         if isinstance(value, list):
             return tuple(
                 _value(source, f"{place}[{index}]", each, item) for index, each in enumerate(value)
@@ -351,7 +368,7 @@ def _said(value: object) -> str:
 
 def _plain(value: object) -> object:
     """Return a value as TOML's types have it."""
-    if is_dataclass(value):
+    if _is_table(value):
         return table_of(value)
     if isinstance(value, tuple):
         return [_plain(each) for each in value]

@@ -278,7 +278,11 @@ def table(latency: float) -> str:
 
 
 def _counts(session: Session) -> str:
-    names = {Sip: "SIP", SimLaserExtended: "laser", reports.Config: "CONFIG"}
+    names: dict[type[Report], str] = {
+        Sip: "SIP",
+        SimLaserExtended: "laser",
+        reports.Config: "CONFIG",
+    }
     counts = [f"{session.kinds[kind]} {name}" for kind, name in names.items()]
     others = session.kinds.keys() - names.keys() - {reports.SyncEcho, reports.SyncIdentity}
     return ", ".join(counts + [f"{session.kinds[kind]} {kind.__name__}" for kind in others])

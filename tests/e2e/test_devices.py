@@ -8,6 +8,7 @@ from math import degrees, inf, isinf, pi, radians
 from typing import Literal
 
 import pytest
+from msgspec import structs
 
 from pioneer3.arcos import commands, reports
 from pioneer3.arcos.commands import Command, GripperAction, RequestMode, SimLaserMode, Tcm2Mode
@@ -356,7 +357,7 @@ class TestLaser:
             driver.supervisor.info = replace(
                 info,
                 identity=replace(info.identity, name="lab 3"),
-                config=replace(info.config, serial_number="1234"),
+                config=structs.replace(info.config, serial_number="1234"),
             )
             with pytest.raises(DeviceError, match="name that port with --laser"):
                 await driver.devices.laser.reading()
@@ -477,9 +478,9 @@ class TestBuiltIn:
             )
             info = driver.info
             assert info.config is not None
-            none = replace(info.config, front_bumpers=0, rear_bumpers=0, has_front_sonar=0)
+            none = structs.replace(info.config, front_bumpers=0, rear_bumpers=0, has_front_sonar=0)
             bare = replace(info.model, front_bumpers=0, rear_bumpers=0)
-            config = replace(none, has_rear_sonar=0)
+            config = structs.replace(none, has_rear_sonar=0)
             driver.supervisor.info = replace(info, config=config, model=bare)
             assert driver.devices.bumpers.there is False
             assert driver.devices.sonars.there is False

@@ -5,6 +5,7 @@ from dataclasses import replace
 from math import radians
 
 import pytest
+from msgspec import structs
 
 from pioneer3.arcos import commands
 from pioneer3.arcos.reports import Sip
@@ -191,9 +192,7 @@ def touch_in_front(robot: SimulatedRobot) -> None:
     say = robot.firmware.information
 
     def information(now: float) -> Sip:
-        sip = say(now)
-        changed = {name: getattr(sip, name) for name in Sip.__dataclass_fields__ if name != "ID"}
-        return Sip(**{**changed, "right_stall_front_bumpers": 1 << 3})
+        return structs.replace(say(now), right_stall_front_bumpers=1 << 3)
 
     robot.firmware.information = information  # type: ignore[method-assign]
 

@@ -1,10 +1,10 @@
 """Whatever bytes come in, nothing raises and nothing is lost; what goes out comes back."""
 
-from dataclasses import fields
 from enum import IntFlag
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from msgspec.structs import fields
 
 from pioneer3.arcos import commands, lists, reports, wire
 from pioneer3.arcos.commands.arguments import Argument, Bits, Latin1, Prefixed, String

@@ -5,15 +5,19 @@ its firmware and of other devices may tell anything. Numbers stay. Bytes of no f
 """
 
 from collections import deque
-from dataclasses import replace
 from typing import Any, Final
+
+from msgspec.structs import replace
 
 from pioneer3.arcos import reports
 from pioneer3.arcos.packet import HEADER, checksum
 
 GIVEN_UP: Final = 2 * 10**9
 """After such a silence [ns] no driver waits for the rest of a frame."""
-NAMED: Final = {reports.SyncIdentity: ("name",), reports.Config: ("name", "serial_number")}
+NAMED: Final[dict[type[reports.Report], tuple[str, ...]]] = {
+    reports.SyncIdentity: ("name",),
+    reports.Config: ("name", "serial_number"),
+}
 """Reports with names, and their fields."""
 KEPT: Final = (
     *(reports.Sip, reports.SyncEcho, reports.LinkLost, reports.Encoders, reports.GyroRates),

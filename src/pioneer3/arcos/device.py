@@ -16,9 +16,10 @@ Rules:
 Facts: protocol.md 1.3, 2.1, 2.4, 2.5, 2.7, facts.md 12.
 """
 
-from dataclasses import dataclass
 from enum import Enum, auto
 from math import inf
+
+from msgspec import Struct
 
 from pioneer3.arcos import commands, reports
 from pioneer3.arcos.commands import Command
@@ -37,30 +38,25 @@ class SessionPhase(Enum):
     OPEN = auto()
 
 
-@dataclass(frozen=True, slots=True)
-class SessionOpened:
+class SessionOpened(Struct, frozen=True):
     """The host sent OPEN: reports may flow."""
 
 
-@dataclass(frozen=True, slots=True)
-class SessionClosed:
+class SessionClosed(Struct, frozen=True):
     """The host sent CLOSE: everything stops."""
 
 
-@dataclass(frozen=True, slots=True)
-class Commanded:
+class Commanded(Struct, frozen=True):
     """The host sent a command."""
 
     command: Command
 
 
-@dataclass(frozen=True, slots=True)
-class WatchdogExpired:
+class WatchdogExpired(Struct, frozen=True):
     """The host has been silent for too long."""
 
 
-@dataclass(frozen=True, slots=True)
-class WatchdogFed:
+class WatchdogFed(Struct, frozen=True):
     """The host sends again."""
 
 

@@ -1,15 +1,15 @@
 """The timing, the states and the events of a host's session."""
 
-from dataclasses import dataclass
 from enum import Enum
+
+from msgspec import Struct
 
 from pioneer3.arcos import reports
 from pioneer3.arcos.reports import Report
 from pioneer3.state import Identity
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Timing:
+class Timing(Struct, frozen=True, kw_only=True):
     """Waiting times of the host [s].
 
     Attributes:
@@ -45,22 +45,19 @@ class SessionState(Enum):
     CLOSED = 4
 
 
-@dataclass(frozen=True, slots=True)
-class SpeedWanted:
+class SpeedWanted(Struct, frozen=True):
     """The caller must set the link to `baud` before it sends :meth:`Host.outgoing`."""
 
     baud: int
 
 
-@dataclass(frozen=True, slots=True)
-class Opened:
+class Opened(Struct, frozen=True):
     """The handshake finished."""
 
     identity: Identity
 
 
-@dataclass(frozen=True, slots=True)
-class Configured:
+class Configured(Struct, frozen=True):
     """CONFIG arrived, or `None`: the robot did not send it in time. Once a session.
 
     `trusted` is false for a CONFIG whose checksum was wrong, but twice the same.
@@ -70,15 +67,13 @@ class Configured:
     trusted: bool = True
 
 
-@dataclass(frozen=True, slots=True)
-class ReportReceived:
+class ReportReceived(Struct, frozen=True):
     """Any other report arrived."""
 
     report: Report
 
 
-@dataclass(frozen=True, slots=True)
-class Lost:
+class Lost(Struct, frozen=True):
     """The session is over; `reason` is a sentence for a person."""
 
     reason: str

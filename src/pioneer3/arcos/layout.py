@@ -2,8 +2,7 @@
 
 The fields are annotated with the kinds of :mod:`pioneer3.arcos.wire`, in wire order::
 
-    @dataclass(frozen=True, slots=True)
-    class Encoders:
+    class Encoders(Report, frozen=True):
         ID: ClassVar[int] = 0x90
         left_counts: S32
         right_counts: S32
@@ -15,9 +14,11 @@ Fields with a default may be missing at the end of a packet: reading stops there
 defaults, writing stops at the first `None`. `Rest` takes all bytes that are left.
 """
 
-from dataclasses import MISSING, dataclass, fields, is_dataclass
 from functools import cache
-from typing import Any, TypeVar, get_args, get_type_hints
+from typing import Any, ClassVar, TypeVar, get_args, get_type_hints
+
+from msgspec import Struct
+from msgspec.structs import fields
 
 from pioneer3.arcos.wire import AllThatIsLeft, Reader, WireKind
 from pioneer3.errors import CommandError
@@ -25,8 +26,19 @@ from pioneer3.errors import CommandError
 T = TypeVar("T")
 
 
-@dataclass(frozen=True, slots=True)
-class Slot:
+class Command(Struct, frozen=True):
+    """A message from a host to a robot."""
+
+    ID: ClassVar[int]
+
+
+class Report(Struct, frozen=True):
+    """A message from a robot to its host."""
+
+    ID: ClassVar[int]
+
+
+class Slot(Struct, frozen=True):
     """One field of a layout."""
 
     name: str
@@ -57,13 +69,10 @@ def _compiled(cls: type) -> tuple[Slot, ...]:
 
 
 def _fields(cls: Any) -> list[tuple[str, bool]]:
-    """Return the names of the fields of a dataclass or `NamedTuple`, and which have a default."""
-    if not is_dataclass(cls):
-        return [(name, name in cls._field_defaults) for name in cls._fields]
-    return [
-        (each.name, each.default is not MISSING or each.default_factory is not MISSING)
-        for each in fields(cls)
-    ]
+    """Return the names of the fields of a `Struct` or `NamedTuple`, and which have a default."""
+    if issubclass(cls, Struct):
+        return [(each.name, not each.required) for each in fields(cls)]
+    return [(name, name in cls._field_defaults) for name in cls._fields]
 
 
 def _kind(hint: object) -> WireKind:

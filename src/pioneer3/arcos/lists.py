@@ -1,19 +1,19 @@
 """Kinds that hold several values: sequences and records."""
 
+import struct
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cache, partial
 from itertools import chain
-from struct import Struct, error, pack
 from typing import Any
+
+from msgspec import Struct
 
 from pioneer3.arcos.layout import read_fields, write_fields
 from pioneer3.arcos.wire import Integer, IntegerKind, Reader, WireKind, latin1
 from pioneer3.errors import CommandError
 
 
-@dataclass(frozen=True, slots=True)
-class Record:
+class Record(Struct, frozen=True):
     """A nested message of class `cls`, without an id of its own."""
 
     cls: type
@@ -27,8 +27,7 @@ class Record:
         write_fields(value, out)
 
 
-@dataclass(frozen=True, slots=True)
-class Repeated:
+class Repeated(Struct, frozen=True):
     """A tuple of `item` up to the end of the packet, or of exactly `length`."""
 
     item: WireKind
@@ -50,8 +49,7 @@ class Repeated:
             self.item.write(item, out)
 
 
-@dataclass(frozen=True, slots=True)
-class Counted:
+class Counted(Struct, frozen=True):
     """A number, and that many of `item`."""
 
     count: IntegerKind
@@ -72,8 +70,7 @@ class Counted:
             self.item.write(item, out)
 
 
-@dataclass(frozen=True, slots=True)
-class SizedRecords:
+class SizedRecords(Struct, frozen=True):
     """How many records of `cls`, the bytes that each one takes (`size` by default), the records."""
 
     cls: type
@@ -100,8 +97,7 @@ def sequence(value: object) -> tuple[object, ...] | list[object]:
     return value
 
 
-@dataclass(frozen=True, slots=True)
-class CountedStructs:
+class CountedStructs(Struct, frozen=True):
     """A byte, and that many records of `cls`, a `NamedTuple` whose fields have letters `format`.
 
     The same bytes as `Counted(Integer(1), Record(cls))`, seven times faster (:mod:`struct`).
@@ -120,21 +116,20 @@ class CountedStructs:
         records: Sequence[Any] = sequence(value)
         try:
             if set(map(type, records)) <= {self.cls}:
-                data = pack("<" + self.format * len(records), *chain.from_iterable(records))
+                data = struct.pack("<" + self.format * len(records), *chain.from_iterable(records))
                 out += bytes([len(records)]) + data
                 return
-        except (ValueError, error):
+        except (ValueError, struct.error):
             pass
         Counted(Integer(1), Record(self.cls)).write(value, out)  # it says the reason
 
 
 @cache
-def _record(letters: str) -> Struct:
-    return Struct(f"<{letters}")
+def _record(letters: str) -> struct.Struct:
+    return struct.Struct(f"<{letters}")
 
 
-@dataclass(frozen=True, slots=True)
-class CountedText:
+class CountedText(Struct, frozen=True):
     """A number, and that many latin-1 letters."""
 
     count: IntegerKind

@@ -5,10 +5,11 @@ CommandError, which names the value and the range. All numbers are little-endian
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from enum import IntEnum, IntFlag
 from math import isfinite
 from typing import Annotated, Protocol
+
+from msgspec import Struct
 
 from pioneer3.errors import CommandError
 
@@ -66,8 +67,7 @@ def checked(value: object, kind: IntegerKind) -> int:
     return int(value)
 
 
-@dataclass(frozen=True, slots=True)
-class Integer:
+class Integer(Struct, frozen=True):
     """`size` bytes, two's complement if `signed`."""
 
     size: int
@@ -88,8 +88,7 @@ class Integer:
         out += checked(value, self).to_bytes(self.size, "little", signed=self.signed)
 
 
-@dataclass(frozen=True, slots=True)
-class PacketId:
+class PacketId(Struct, frozen=True):
     """The id of a packet that may have any of a few, as its first field."""
 
     choices: tuple[int, ...]
@@ -106,16 +105,14 @@ class PacketId:
         out.append(self.choices[self.choices.index(value)])
 
 
-@dataclass(frozen=True, slots=True)
-class Unit:
+class Unit(Struct, frozen=True):
     """The unit of an integer on the wire: `to_si(raw)` and its inverse `to_raw(si)`."""
 
     to_si: Callable[[float], float]
     to_raw: Callable[[float], float]
 
 
-@dataclass(frozen=True, slots=True)
-class Scaled:
+class Scaled(Struct, frozen=True):
     """An SI value, rounded once to the integer that `kind` carries."""
 
     kind: IntegerKind
@@ -135,8 +132,7 @@ class Scaled:
         self.kind.write(round(raw), out)
 
 
-@dataclass(frozen=True, slots=True)
-class Enumerated:
+class Enumerated(Struct, frozen=True):
     """A member of `choices`; an integer that is none does not decode."""
 
     kind: IntegerKind
@@ -154,8 +150,7 @@ class Enumerated:
         self.kind.write(member, out)
 
 
-@dataclass(frozen=True, slots=True)
-class Switch:
+class Switch(Struct, frozen=True):
     """A bool: any integer but 0 reads as true, 1 is written for it."""
 
     kind: IntegerKind
@@ -176,8 +171,7 @@ def latin1(value: object) -> bytes:
     return value.encode("latin-1")
 
 
-@dataclass(frozen=True, slots=True)
-class NulTerminated:
+class NulTerminated(Struct, frozen=True):
     """A text of latin-1 letters, ended by a NUL."""
 
     def read(self, reader: Reader) -> str:
@@ -190,8 +184,7 @@ class NulTerminated:
         out += data + b"\0"
 
 
-@dataclass(frozen=True, slots=True)
-class AllThatIsLeft:
+class AllThatIsLeft(Struct, frozen=True):
     """Every byte up to the end of the packet."""
 
     def read(self, reader: Reader) -> bytes:

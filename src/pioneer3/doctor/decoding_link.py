@@ -2,16 +2,13 @@
 
 import asyncio
 from collections.abc import Callable
-from dataclasses import fields
 from enum import Flag
-from typing import TYPE_CHECKING, cast
+
+from msgspec.structs import fields
 
 from pioneer3.arcos.packet import PacketReader
 from pioneer3.arcos.reports import Report, SonarReading, from_payload, to_payload
 from pioneer3.links import Link
-
-if TYPE_CHECKING:
-    from _typeshed import DataclassInstance
 
 Listener = Callable[[float, Report], None]
 """Takes the time of arrival [s, monotonic] and a report."""
@@ -52,10 +49,7 @@ class DecodingLink:
 
 def described(report: Report) -> str:
     """Return `report` in one line: its id, its class and the fields that are set."""
-    shown = {
-        field.name: getattr(report, field.name)
-        for field in fields(cast("DataclassInstance", report))
-    }
+    shown = {field.name: getattr(report, field.name) for field in fields(report)}
     is_set = {name: value for name, value in shown.items() if value not in (None, b"", ())}
     carried = " ".join(f"{name}={_shown(value)}" for name, value in is_set.items())
     return f"{to_payload(report)[0]:#04x} {type(report).__name__} {carried}".rstrip()

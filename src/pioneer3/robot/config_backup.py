@@ -6,13 +6,15 @@ of :class:`~pioneer3.arcos.reports.Config`. The folder is `~/.local/state/pionee
 
 import re
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from itertools import count
 from math import degrees
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Final
+
+from msgspec.structs import fields, replace
 
 from pioneer3.arcos import commands
 from pioneer3.arcos.commands import Command, named

@@ -1,8 +1,7 @@
 """What reports hold, keep and refuse."""
 
-from dataclasses import replace
-
 import pytest
+from msgspec.structs import replace
 
 from pioneer3.arcos import reports as r
 from pioneer3.errors import CommandError

@@ -1,6 +1,6 @@
 """A relay between fake ports and a real device, in time that the test moves."""
 
-from dataclasses import replace
+from msgspec.structs import replace
 
 from pioneer3.arcos import commands, reports
 from pioneer3.arcos.commands import Command

@@ -4,6 +4,7 @@ from dataclasses import replace
 from io import StringIO
 
 import pytest
+from msgspec import structs
 from rich.console import Console
 
 from pioneer3.arcos.reports import Config
@@ -37,7 +38,7 @@ def shown(robot: RobotInfo) -> str:
 
 
 def test_robot_and_simulator_are_told_apart_in_capitals() -> None:
-    simulated = replace(ROBOT, config=replace(CONFIG, serial_number="SIM"))
+    simulated = replace(ROBOT, config=structs.replace(CONFIG, serial_number="SIM"))
     assert " ROBOT " in shown(ROBOT).splitlines()[0]
     assert " SIMULATOR " in shown(simulated).splitlines()[0]
 

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import pytest
+from msgspec import structs
 
 from pioneer3.arcos.reports import Config
 from pioneer3.doctor.diagnose import diagnose, exit_code
@@ -123,7 +124,7 @@ def test_no_configuration_and_one_with_a_wrong_checksum_are_warnings() -> None:
 def test_the_rate_is_measured_against_the_cycle_in_the_configuration(
     reports: int, cycle_ms: int, level: Level
 ) -> None:
-    config = replace(CONFIG, sip_cycle_ms=cycle_ms)
+    config = structs.replace(CONFIG, sip_cycle_ms=cycle_ms)
     facts = replace(FACTS, info=replace(INFO, config=config), heard=replace(HEARD, reports=reports))
     assert the("reports", facts).level is level
 

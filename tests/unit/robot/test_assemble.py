@@ -4,6 +4,7 @@ from dataclasses import replace
 from math import hypot, inf, isnan, pi
 
 import pytest
+from msgspec import structs
 
 from pioneer3.arcos.reports import Config, Fault, Sip, SipFlag, SonarReading
 from pioneer3.geometry import ORIGIN, Pose2
@@ -186,13 +187,13 @@ def test_motor_and_stall_bits_are_told_apart_from_bumpers() -> None:
 
 
 def test_bumpers_are_counted_by_config_where_it_says_so() -> None:
-    config = replace(CONFIG, front_bumpers=3, rear_bumpers=0)
+    config = structs.replace(CONFIG, front_bumpers=3, rear_bumpers=0)
     bumpers = snapshot(Sip(), config).bumpers
     assert (len(bumpers.front), len(bumpers.rear)) == (3, 5)
 
 
 def test_inputs_become_volts_radians_and_degrees() -> None:
-    sip = replace(full(analog=255, temperature_celsius=40, digital_in=5), compass_raw=45)
+    sip = structs.replace(full(analog=255, temperature_celsius=40, digital_in=5), compass_raw=45)
     inputs = snapshot(sip).inputs
     assert inputs.analog == pytest.approx(5.0)
     assert inputs.compass == pytest.approx(pi / 2)

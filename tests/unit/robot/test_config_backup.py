@@ -1,10 +1,11 @@
 """Backups of CONFIG: files that cannot leave their folder, and the commands that restore them."""
 
-from dataclasses import fields, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
+from msgspec import structs
 
 from pioneer3.arcos import commands
 from pioneer3.arcos.reports import Config
@@ -59,7 +60,7 @@ def robot(name: str = "rosie", config: Config = CONFIG) -> RobotInfo:
 
 def filled(config: Config, value: int) -> Config:
     every: Any = dict.fromkeys(SETTINGS, value)
-    return replace(config, **every)
+    return structs.replace(config, **every)
 
 
 def test_a_backup_is_read_as_it_was_written() -> None:
@@ -73,7 +74,7 @@ def test_a_backup_is_read_as_it_was_written() -> None:
 
 @pytest.mark.parametrize("name", ["../../x", "/etc/passwd", "a\0b", "..", "\x1b[2J", "é" * 300, ""])
 def test_no_name_leaves_the_folder(name: str) -> None:
-    hostile = replace(CONFIG, serial_number=name)
+    hostile = structs.replace(CONFIG, serial_number=name)
     path = save_backup(robot(name, hostile), hostile, NOON)
     assert path.parent == backups_folder()
     assert user_backups() == [path]
@@ -85,7 +86,7 @@ def test_no_name_leaves_the_folder(name: str) -> None:
 
 def test_two_of_one_second_are_two_and_the_newest_counts() -> None:
     first, second = (
-        save_backup(robot(), replace(CONFIG, accel_mm_s2=accel), NOON) for accel in (1, 2)
+        save_backup(robot(), structs.replace(CONFIG, accel_mm_s2=accel), NOON) for accel in (1, 2)
     )
     assert user_backups() == [first, second]
     newest = find_backup("rosie")
@@ -119,7 +120,7 @@ def test_a_file_that_is_no_backup_is_an_error(text: str, tmp_path: Path) -> None
 
 
 def test_only_what_differs_is_sent_and_only_what_a_host_may_set() -> None:
-    present = replace(CONFIG, decel_mm_s2=1500, drift_factor_8192nds=0, watchdog_ms=0)
+    present = structs.replace(CONFIG, decel_mm_s2=1500, drift_factor_8192nds=0, watchdog_ms=0)
     assert dict(restoring(CONFIG, present, MODEL)) == {
         "decel_mm_s2": commands.SetA(-400 * MM),
         "drift_factor_8192nds": commands.DriftFactor(-65),
@@ -128,7 +129,7 @@ def test_only_what_differs_is_sent_and_only_what_a_host_may_set() -> None:
 
 def test_numbers_of_encoders_in_its_own_file_count_before_those_of_a_backup() -> None:
     own = replace(MODEL, encoders=EncoderNumbers(ticks_mm=140, rev_count=22500))
-    present = replace(CONFIG, ticks_per_mm=150, rev_count_ticks=1, drift_factor_8192nds=7)
+    present = structs.replace(CONFIG, ticks_per_mm=150, rev_count_ticks=1, drift_factor_8192nds=7)
     assert dict(restoring(with_encoders(CONFIG, own), present, own)) == {
         "ticks_per_mm": commands.TicksMM(140),
         "rev_count_ticks": commands.RevCount(22500),
@@ -171,10 +172,10 @@ def test_a_robot_that_must_not_be_sent_speeds_is_not() -> None:
 
 def test_a_value_beyond_the_protocol_is_told_before_anything_is_sent() -> None:
     with pytest.raises(CommandError, match="accel_mm_s2 = 60000 of the backup"):
-        list(restoring(replace(CONFIG, accel_mm_s2=60000), CONFIG, MODEL))
+        list(restoring(structs.replace(CONFIG, accel_mm_s2=60000), CONFIG, MODEL))
 
 
 def test_defaults_are_fields_of_config_within_their_ranges() -> None:
     usual = defaults_of(MODEL)
-    assert set(usual) <= {field.name for field in fields(Config)}
+    assert set(usual) <= {field.name for field in structs.fields(Config)}
     assert usual["decel_mm_s2"] == round(MODEL.deceleration * 1000)

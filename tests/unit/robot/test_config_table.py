@@ -1,6 +1,6 @@
 """The one table of what CONFIG means."""
 
-from dataclasses import fields
+from msgspec.structs import fields
 
 from pioneer3.arcos.reports import Config
 from pioneer3.robot.config_table import GROUPS, NOT_SENT, explained

@@ -5,6 +5,7 @@ from math import inf, nan, radians
 from typing import Any
 
 import pytest
+from msgspec import structs
 
 from pioneer3.arcos.reports import Config
 from pioneer3.errors import CommandError, ConfigError
@@ -52,13 +53,13 @@ def test_without_config_the_models_maxima_hold() -> None:
 def test_config_lowers_the_maxima_and_zero_says_nothing(
     top: int, current: int, speed: float
 ) -> None:
-    config = replace(CONFIG, speed_top_mm_s=top, speed_max_mm_s=current)
+    config = structs.replace(CONFIG, speed_top_mm_s=top, speed_max_mm_s=current)
     model = replace(MODEL, max_speed=1.2)
     assert limits_for(model, config).max_speed == pytest.approx(speed)
 
 
 def test_acceleration_is_the_robots_own_up_to_its_top() -> None:
-    config = replace(CONFIG, accel_mm_s2=500, accel_top_mm_s2=400, rotation_accel_deg_s2=50)
+    config = structs.replace(CONFIG, accel_mm_s2=500, accel_top_mm_s2=400, rotation_accel_deg_s2=50)
     limits = limits_for(MODEL, config)
     assert limits.acceleration == pytest.approx(0.4)
     assert limits.turn_acceleration == pytest.approx(radians(50))

@@ -261,11 +261,11 @@ def test_extra_reports_come_once_or_with_every_cycle(
     def count(seconds: float) -> int:
         return sum(isinstance(report, kind) for report in bench.wait(seconds))
 
-    bench.say(request_(RequestMode.ONCE))  # type: ignore[call-arg]
+    bench.say(request_(RequestMode.ONCE))
     assert count(1.0) == 1
-    bench.say(request_(RequestMode.STREAM))  # type: ignore[call-arg]
+    bench.say(request_(RequestMode.STREAM))
     assert count(1.0) == 10
-    bench.say(request_(RequestMode.STOP))  # type: ignore[call-arg]
+    bench.say(request_(RequestMode.STOP))
     assert count(1.0) == 0
 
 

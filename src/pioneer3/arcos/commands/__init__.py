@@ -23,7 +23,6 @@ from pioneer3.arcos.commands import arguments, devices, driving, simulators
 from pioneer3.arcos.commands.arguments import *
 from pioneer3.arcos.commands.codec import (
     NUMBERS,
-    Command,
     Unknown,
     every_command,
     from_payload,
@@ -35,6 +34,7 @@ from pioneer3.arcos.commands.codec import (
 from pioneer3.arcos.commands.devices import *
 from pioneer3.arcos.commands.driving import *
 from pioneer3.arcos.commands.simulators import *
+from pioneer3.arcos.layout import Command
 
 __all__ = [
     "NUMBERS",

@@ -18,10 +18,11 @@ ARIA's arguments are signed 16-bit numbers, so a quantity without sign ends at 3
 a plain number for which the robot uses all 16 bits.
 """
 
-from dataclasses import dataclass
 from enum import IntEnum
 from math import degrees, radians
 from typing import Annotated
+
+from msgspec import Struct
 
 from pioneer3.arcos.wire import (
     AllThatIsLeft,
@@ -61,8 +62,7 @@ def put_argument(value: int, out: bytearray) -> None:
     out += abs(value).to_bytes(2, "little")
 
 
-@dataclass(frozen=True, slots=True)
-class Argument:
+class Argument(Struct, frozen=True):
     """One integer argument between `low` and `high`."""
 
     low: int
@@ -78,8 +78,7 @@ class Argument:
         put_argument(checked(value, self), out)
 
 
-@dataclass(frozen=True, slots=True)
-class Bits:
+class Bits(Struct, frozen=True):
     """Some bits of an integer argument that several fields share, a two's complement if `signed`.
 
     `shift` is the number of the lowest bit; `continues` says that the field before this one belongs
@@ -117,8 +116,7 @@ class Bits:
         put_argument(word - 0x10000 if word & 0x8000 else word, out)
 
 
-@dataclass(frozen=True, slots=True)
-class String:
+class String(Struct, frozen=True):
     """A string argument; `tail` follows it uncounted."""
 
     content: WireKind
@@ -144,8 +142,7 @@ class String:
         out += bytes([STRING, len(data)]) + data + self.tail
 
 
-@dataclass(frozen=True, slots=True)
-class Latin1:
+class Latin1(Struct, frozen=True):
     """The content of a string, as text."""
 
     def read(self, reader: Reader) -> str:
@@ -155,8 +152,7 @@ class Latin1:
         out += latin1(value)
 
 
-@dataclass(frozen=True, slots=True)
-class Prefixed:
+class Prefixed(Struct, frozen=True):
     """A value after a type byte without meaning: any is read, `prefix` is written."""
 
     kind: WireKind

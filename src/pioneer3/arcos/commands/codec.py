@@ -1,23 +1,16 @@
 """Commands to payloads and back."""
 
-from dataclasses import dataclass, field, make_dataclass
-from functools import cache
-from typing import ClassVar, Final, Protocol
+from typing import Any, ClassVar, Final
+
+from msgspec import defstruct
 
 from pioneer3.arcos.commands import devices, driving, simulators
 from pioneer3.arcos.commands.table import DEVICES, DRIVING, OLD_SIMULATOR, UNKNOWN, CommandRow
-from pioneer3.arcos.layout import pack, unpack
+from pioneer3.arcos.layout import Command, pack, unpack
 from pioneer3.arcos.wire import U8, Rest
 
 
-class Command(Protocol):
-    """A message from a host to a robot: a dataclass of this package."""
-
-    ID: ClassVar[int]
-
-
-@dataclass(frozen=True, slots=True)
-class Unknown:
+class Unknown(Command, frozen=True):
     """A command without a class here, or with arguments that do not decode.
 
     `number` is `None` if there was not a single byte.
@@ -28,16 +21,27 @@ class Unknown:
     arguments: Rest = b""
 
 
-_ROWS: Final = {row.name: row for row in (*DRIVING, *DEVICES, *OLD_SIMULATOR)}
-NUMBERS: Final = {name: row.number for name, row in _ROWS.items()}
+def _from_row(row: CommandRow) -> type[Command]:
+    """Return the class of a line of the table."""
+    arguments = [
+        (argument, kind, b"") if row.arguments is UNKNOWN else (argument, kind)
+        for argument, kind in row.arguments.items()
+    ]
+    doc = f"{row.meaning} (ARCOS {row.number}, {row.name})."
+    members = {"ID": row.number, "__doc__": doc}
+    cls: Any = defstruct(
+        row.name, arguments, bases=(Command,), module=__name__, namespace=members, frozen=True
+    )
+    return cls  # type: ignore[no-any-return]
+
+
+_FROM_ROWS: Final = {row.name: _from_row(row) for row in (*DRIVING, *DEVICES, *OLD_SIMULATOR)}
+NUMBERS: Final = {name: cls.ID for name, cls in _FROM_ROWS.items()}
 """Numbers of the commands in the table, by name."""
 
 MOTION: Final = {bytes([number]) for number in (4, 8, 9, 11, 12, 13, 21, 22, 32, 110)}
 """Numbers of the commands that can move the robot: ENABLE, MOVE, ROTATE, VEL, HEAD, DHEAD, RVEL,
 DCHEAD, VEL2 and LATVEL (protocol.md 3.1)."""
-
-Meaning = type[Command] | CommandRow
-
 
 _WRITTEN: Final[tuple[type[Command], ...]] = tuple(
     member
@@ -45,47 +49,29 @@ _WRITTEN: Final[tuple[type[Command], ...]] = tuple(
     for name in module.__all__
     if hasattr(member := getattr(module, name), "ID")
 )
-_OLD: Final[dict[int, Meaning]] = {
-    **{row.number: row for row in OLD_SIMULATOR},
+_OLD: Final[dict[int, type[Command]]] = {
+    **{row.number: _FROM_ROWS[row.name] for row in OLD_SIMULATOR},
     **{cls.ID: cls for cls in simulators.OLD},
 }
-_MEANINGS: Final[dict[int, Meaning]] = {
-    **{row.number: row for row in (*DRIVING, *DEVICES)},
+_MEANINGS: Final[dict[int, type[Command]]] = {
+    **{row.number: _FROM_ROWS[row.name] for row in (*DRIVING, *DEVICES)},
     **{cls.ID: cls for cls in _WRITTEN if cls not in simulators.OLD},
 }
 
 
-@cache
-def _from_row(name: str) -> type[Command]:
-    """Return the class of a line of the table. It takes 1 ms to make, so it is made when asked."""
-    row = _ROWS[name]
-    arguments = [
-        (argument, kind, field(default=b"")) if row.arguments is UNKNOWN else (argument, kind)
-        for argument, kind in row.arguments.items()
-    ]
-    doc = f"{row.meaning} (ARCOS {row.number}, {row.name})."
-    members = {"ID": row.number, "__module__": __name__, "__doc__": doc}
-    return make_dataclass(row.name, arguments, namespace=members, frozen=True, slots=True)
-
-
-def _class_of(meaning: Meaning) -> type[Command]:
-    return _from_row(meaning.name) if isinstance(meaning, CommandRow) else meaning
-
-
 def named(name: str, *values: object) -> Command:
     """Return the command of the table that is called `name`, with its arguments in wire order."""
-    return _from_row(name)(*values)
+    return _FROM_ROWS[name](*values)
 
 
-@cache
 def every_command() -> tuple[type[Command], ...]:
     """Return every command class but :class:`Unknown`."""
-    return (*_WRITTEN, *map(_from_row, _ROWS))
+    return (*_WRITTEN, *_FROM_ROWS.values())
 
 
 def is_old(cls: type[Command]) -> bool:
     """Whether only old simulators give this meaning to the number of `cls`."""
-    return cls in map(_class_of, _OLD.values())
+    return cls in _OLD.values()
 
 
 def to_payload(command: Command) -> bytes:
@@ -112,6 +98,6 @@ def from_payload(payload: bytes, *, simulator: bool = False) -> Command:
     meaning = _OLD.get(number) if simulator else None
     meaning = meaning or _MEANINGS.get(number)
     try:
-        return unpack(_class_of(meaning), arguments) if meaning else Unknown(number, arguments)
+        return unpack(meaning, arguments) if meaning else Unknown(number, arguments)
     except (EOFError, ValueError):
         return Unknown(number, arguments)

@@ -1,8 +1,9 @@
 """Sensors, inputs and outputs, gripper, serial ports, sounds and batteries (protocol.md 3.2)."""
 
-from dataclasses import dataclass
 from enum import IntEnum
 from typing import Annotated, ClassVar
+
+from msgspec import Struct
 
 from pioneer3.arcos.commands.arguments import (
     POSITIVE,
@@ -20,6 +21,7 @@ from pioneer3.arcos.commands.arguments import (
     String,
     Word,
 )
+from pioneer3.arcos.layout import Command
 from pioneer3.arcos.lists import Record, Repeated
 from pioneer3.arcos.wire import U8, Enumerated, Integer, Scaled, Switch
 
@@ -59,8 +61,7 @@ __all__ = [
 ]
 
 
-@dataclass(frozen=True, slots=True)
-class Sonar:
+class Sonar(Command, frozen=True):
     """Switch sonar on or off (ARCOS 28, SONAR).
 
     `array` is 1..4, on firmware that tells arrays apart; 0 means all of them.
@@ -71,8 +72,7 @@ class Sonar:
     array: Annotated[int, Bits(1, 3, continues=True)] = 0
 
 
-@dataclass(frozen=True, slots=True)
-class Polling:
+class Polling(Command, frozen=True):
     """Set the order in which sonars fire (ARCOS 3, POLLING).
 
     `numbers` are those of the transducers; here the first one is 1.
@@ -82,8 +82,7 @@ class Polling:
     numbers: Annotated[tuple[int, ...], String(Repeated(Integer(1)))]
 
 
-@dataclass(frozen=True, slots=True)
-class BumpStall:
+class BumpStall(Command, frozen=True):
     """Choose which bumpers count as a stall (ARCOS 44, BUMPSTALL)."""
 
     ID: ClassVar[int] = 44
@@ -99,24 +98,21 @@ class GyroMode(IntEnum):
     ONLY = 2
 
 
-@dataclass(frozen=True, slots=True)
-class Gyro:
+class Gyro(Command, frozen=True):
     """Choose the correction of the heading (ARCOS 58, GYRO)."""
 
     ID: ClassVar[int] = 58
     mode: Annotated[GyroMode, Enumerated(WORD, GyroMode)]
 
 
-@dataclass(frozen=True, slots=True)
-class GyroCW:
+class GyroCW(Command, frozen=True):
     """Calibrate the gyro for clockwise turns [raw] (ARCOS 38, GyroCW)."""
 
     ID: ClassVar[int] = 38
     calibration: Word
 
 
-@dataclass(frozen=True, slots=True)
-class GyroCCW:
+class GyroCCW(Command, frozen=True):
     """Calibrate the gyro for counter-clockwise turns [raw] (ARCOS 39, GyroCCW)."""
 
     ID: ClassVar[int] = 39
@@ -136,40 +132,35 @@ class Tcm2Mode(IntEnum):
     SOFT_RESET = 7
 
 
-@dataclass(frozen=True, slots=True)
-class Tcm2:
+class Tcm2(Command, frozen=True):
     """Control the compass module (ARCOS 45, TCM2)."""
 
     ID: ClassVar[int] = 45
     mode: Annotated[Tcm2Mode, Enumerated(WORD, Tcm2Mode)]
 
 
-@dataclass(frozen=True, slots=True)
-class JoyInfo:
+class JoyInfo(Command, frozen=True):
     """Ask for the joystick (ARCOS 17, JOYINFO)."""
 
     ID: ClassVar[int] = 17
     how: RequestModeCode
 
 
-@dataclass(frozen=True, slots=True)
-class RequestEncoders:
+class RequestEncoders(Command, frozen=True):
     """Ask for the encoder counts (ARCOS 19, ENCODER)."""
 
     ID: ClassVar[int] = 19
     how: RequestModeCode
 
 
-@dataclass(frozen=True, slots=True)
-class IoRequest:
+class IoRequest(Command, frozen=True):
     """Ask for the states of all inputs and outputs (ARCOS 40, IOREQUEST)."""
 
     ID: ClassVar[int] = 40
     how: RequestModeCode
 
 
-@dataclass(frozen=True, slots=True)
-class DigOut:
+class DigOut(Command, frozen=True):
     """Set those digital outputs that `mask` selects to the bits of `values` (ARCOS 30, DIGOUT)."""
 
     ID: ClassVar[int] = 30
@@ -177,8 +168,7 @@ class DigOut:
     values: Low
 
 
-@dataclass(frozen=True, slots=True)
-class SetPbioPort:
+class SetPbioPort(Command, frozen=True):
     """Switch an output of the controller, port 11 being laser power (ARCOS 31, SETPBIOPORT)."""
 
     ID: ClassVar[int] = 31
@@ -186,8 +176,7 @@ class SetPbioPort:
     on: LowOn
 
 
-@dataclass(frozen=True, slots=True)
-class AdSel:
+class AdSel(Command, frozen=True):
     """Choose the analog `port` that the standard report carries (ARCOS 35, ADSEL)."""
 
     ID: ClassVar[int] = 35
@@ -210,80 +199,70 @@ class GripperAction(IntEnum):
     LIFT_CARRY = 17
 
 
-@dataclass(frozen=True, slots=True)
-class Gripper:
+class Gripper(Command, frozen=True):
     """Move the gripper (ARCOS 33, GRIPPER)."""
 
     ID: ClassVar[int] = 33
     action: Annotated[GripperAction, Enumerated(WORD, GripperAction)]
 
 
-@dataclass(frozen=True, slots=True)
-class GripperVal:
+class GripperVal(Command, frozen=True):
     """Set how long PRESSURE or LIFT_CARRY last [s] (ARCOS 36, GRIPPERVAL)."""
 
     ID: ClassVar[int] = 36
     duration: Annotated[float, Scaled(POSITIVE, TWENTY_MS)]
 
 
-@dataclass(frozen=True, slots=True)
-class GripperPacRequest:
+class GripperPacRequest(Command, frozen=True):
     """Ask for the state of the gripper (ARCOS 37, GRIPPERPACREQUEST)."""
 
     ID: ClassVar[int] = 37
     how: RequestModeCode
 
 
-@dataclass(frozen=True, slots=True)
-class Tty2:
+class Tty2(Command, frozen=True):
     """Send `data` out of serial port AUX1 (ARCOS 42, TTY2)."""
 
     ID: ClassVar[int] = 42
     data: Data
 
 
-@dataclass(frozen=True, slots=True)
-class Tty3:
+class Tty3(Command, frozen=True):
     """Send `data` out of serial port AUX2 (ARCOS 66, TTY3)."""
 
     ID: ClassVar[int] = 66
     data: Data
 
 
-@dataclass(frozen=True, slots=True)
-class Tty4:
+class Tty4(Command, frozen=True):
     """Send `data` out of serial port AUX3 (ARCOS 60, TTY4)."""
 
     ID: ClassVar[int] = 60
     data: Data
 
 
-@dataclass(frozen=True, slots=True)
-class GetAux:
+class GetAux(Command, frozen=True):
     """Ask for `count` bytes received on AUX1; 0 forgets them (ARCOS 43, GETAUX)."""
 
     ID: ClassVar[int] = 43
     count: Word
 
 
-@dataclass(frozen=True, slots=True)
-class GetAux2:
+class GetAux2(Command, frozen=True):
     """Ask for `count` bytes received on AUX2; 0 forgets them (ARCOS 67, GETAUX2)."""
 
     ID: ClassVar[int] = 67
     count: Word
 
 
-@dataclass(frozen=True, slots=True)
-class GetAux3:
+class GetAux3(Command, frozen=True):
     """Ask for `count` bytes received on AUX3; 0 forgets them (ARCOS 61, GETAUX3)."""
 
     ID: ClassVar[int] = 61
     count: Word
 
 
-@dataclass(frozen=True, slots=True)
-class Tone:
+class Tone(Struct, frozen=True):
     """One tone of SAY.
 
     `half_cycle` is half the period of the wave [raw]; the greater, the lower; 0 is silence.
@@ -293,48 +272,42 @@ class Tone:
     half_cycle: U8
 
 
-@dataclass(frozen=True, slots=True)
-class Say:
+class Say(Command, frozen=True):
     """Play up to 20 tones one after the other (ARCOS 15, SAY)."""
 
     ID: ClassVar[int] = 15
     tones: Annotated[tuple[Tone, ...], String(Repeated(Record(Tone)), limit=40)]
 
 
-@dataclass(frozen=True, slots=True)
-class RequestBatteryInfo:
+class RequestBatteryInfo(Command, frozen=True):
     """Ask for the batteries' own measurements (ARCOS 62, BATTERYINFO)."""
 
     ID: ClassVar[int] = 62
     how: RequestModeCode
 
 
-@dataclass(frozen=True, slots=True)
-class SafetyStateInfo:
+class SafetyStateInfo(Command, frozen=True):
     """Ask for the safety state; MTX (ARCOS 214, SAFETY_STATE_INFO)."""
 
     ID: ClassVar[int] = 214
     how: RequestModeCode
 
 
-@dataclass(frozen=True, slots=True)
-class BatTest:
+class BatTest(Command, frozen=True):
     """Pretend a battery of `voltage` [V]; 0 ends it (ARCOS 250, BATTEST)."""
 
     ID: ClassVar[int] = 250
     voltage: Decivolts
 
 
-@dataclass(frozen=True, slots=True)
-class DigTempTest:
+class DigTempTest(Command, frozen=True):
     """Pretend a high motor temperature (ARCOS 251, DIGTEMPTEST)."""
 
     ID: ClassVar[int] = 251
     on: On
 
 
-@dataclass(frozen=True, slots=True)
-class SpoofAnalogTemp:
+class SpoofAnalogTemp(Command, frozen=True):
     """Pretend a motor temperature [degrees Celsius]; -128 ends it (ARCOS 252)."""
 
     ID: ClassVar[int] = 252

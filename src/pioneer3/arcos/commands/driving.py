@@ -1,6 +1,5 @@
 """Session, motion and limits (protocol.md 3.1): forward and counter-clockwise are positive."""
 
-from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
 from pioneer3.arcos.commands.arguments import (
@@ -17,6 +16,7 @@ from pioneer3.arcos.commands.arguments import (
     SignedMillis,
     Word,
 )
+from pioneer3.arcos.layout import Command
 from pioneer3.arcos.wire import Integer, Scaled
 
 __all__ = [
@@ -48,8 +48,7 @@ __all__ = [
 _S16 = Integer(2, signed=True)
 
 
-@dataclass(frozen=True, slots=True)
-class Pulse:
+class Pulse(Command, frozen=True):
     """Do nothing but restart the watchdog (ARCOS 0, PULSE; SYNC0 before the session is open).
 
     ARIA's SETLATV has number 0 too, with an argument that is ignored.
@@ -58,8 +57,7 @@ class Pulse:
     ID: ClassVar[int] = 0
 
 
-@dataclass(frozen=True, slots=True)
-class Open:
+class Open(Command, frozen=True):
     """Start the reports (ARCOS 1, OPEN; SYNC1 without argument before the session is open).
 
     Robots ignore `argument`; ARIA sends 1, Player none.
@@ -69,8 +67,7 @@ class Open:
     argument: Number = 1
 
 
-@dataclass(frozen=True, slots=True)
-class Close:
+class Close(Command, frozen=True):
     """Stop everything and wait for SYNC0 (ARCOS 2, CLOSE; SYNC2 while shaking hands).
 
     Robots ignore `argument`; ARIA sends 1, Player none.
@@ -80,47 +77,41 @@ class Close:
     argument: Number = 1
 
 
-@dataclass(frozen=True, slots=True)
-class RequestConfig:
+class RequestConfig(Command, frozen=True):
     """Ask for one configuration report (ARCOS 18, CONFIG)."""
 
     ID: ClassVar[int] = 18
     argument: Number = 1
 
 
-@dataclass(frozen=True, slots=True)
-class Enable:
+class Enable(Command, frozen=True):
     """Give the motors power or take it away (ARCOS 4, ENABLE)."""
 
     ID: ClassVar[int] = 4
     on: On
 
 
-@dataclass(frozen=True, slots=True)
-class Vel:
+class Vel(Command, frozen=True):
     """Drive at `speed` [m/s] (ARCOS 11, VEL)."""
 
     ID: ClassVar[int] = 11
     speed: SignedMillis
 
 
-@dataclass(frozen=True, slots=True)
-class RVel:
+class RVel(Command, frozen=True):
     """Turn at `rate` [rad/s] (ARCOS 21, RVEL)."""
 
     ID: ClassVar[int] = 21
     rate: SignedDegrees
 
 
-@dataclass(frozen=True, slots=True)
-class Stop:
+class Stop(Command, frozen=True):
     """Brake to a stand with the set decelerations (ARCOS 29, STOP)."""
 
     ID: ClassVar[int] = 29
 
 
-@dataclass(frozen=True, slots=True)
-class EStop:
+class EStop(Command, frozen=True):
     """Stop with the greatest deceleration (ARCOS 55, ESTOP).
 
     Robots ignore `argument`; ARIA sends 0 or 1, the manual has none.
@@ -130,16 +121,14 @@ class EStop:
     argument: Number = 1
 
 
-@dataclass(frozen=True, slots=True)
-class QStop:
+class QStop(Command, frozen=True):
     """Stop with the greatest deceleration: AMRISim's second number (ARCOS 57, QSTOP)."""
 
     ID: ClassVar[int] = 57
     argument: Number = 1
 
 
-@dataclass(frozen=True, slots=True)
-class Vel2:
+class Vel2(Command, frozen=True):
     """Set the speed of each wheel (ARCOS 32, VEL2).
 
     Speeds are -128..127, in units of the model's Vel2Divisor (P2, P3: 20 mm/s).
@@ -150,40 +139,35 @@ class Vel2:
     right_units: SignedLow
 
 
-@dataclass(frozen=True, slots=True)
-class Rotate:
+class Rotate(Command, frozen=True):
     """Turn at `rate` [rad/s]: the old synonym of RVEL (ARCOS 9, ROTATE)."""
 
     ID: ClassVar[int] = 9
     rate: SignedDegrees
 
 
-@dataclass(frozen=True, slots=True)
-class Move:
+class Move(Command, frozen=True):
     """Drive `distance` [m] straight, within the limits of SETV and SETA (ARCOS 8, MOVE)."""
 
     ID: ClassVar[int] = 8
     distance: SignedMillis
 
 
-@dataclass(frozen=True, slots=True)
-class Head:
+class Head(Command, frozen=True):
     """Turn to the absolute `heading` [rad] of the odometry (ARCOS 12, HEAD)."""
 
     ID: ClassVar[int] = 12
     heading: SignedDegrees
 
 
-@dataclass(frozen=True, slots=True)
-class DHead:
+class DHead(Command, frozen=True):
     """Turn by `angle` [rad] (ARCOS 13, DHEAD)."""
 
     ID: ClassVar[int] = 13
     angle: SignedDegrees
 
 
-@dataclass(frozen=True, slots=True)
-class SetO:
+class SetO(Command, frozen=True):
     """Set the odometry (ARCOS 7, SETO).
 
     Robots take no arguments and set it to zero. AMRISim also takes a pose [m, rad], with zero in
@@ -196,24 +180,21 @@ class SetO:
     heading: Annotated[float, Scaled(_S16, DEGREES)] | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class SetV:
+class SetV(Command, frozen=True):
     """Limit the translational speed to `speed` [m/s]; MOVE uses it too (ARCOS 6, SETV)."""
 
     ID: ClassVar[int] = 6
     speed: Millis
 
 
-@dataclass(frozen=True, slots=True)
-class SetRV:
+class SetRV(Command, frozen=True):
     """Limit the rotational speed to `rate` [rad/s] (ARCOS 10, SETRV)."""
 
     ID: ClassVar[int] = 10
     rate: Degrees
 
 
-@dataclass(frozen=True, slots=True)
-class SetA:
+class SetA(Command, frozen=True):
     """Set the translational acceleration or deceleration (ARCOS 5, SETA).
 
     A negative value [m/s^2] is the deceleration, and leaves the acceleration.
@@ -223,8 +204,7 @@ class SetA:
     acceleration: SignedMillis
 
 
-@dataclass(frozen=True, slots=True)
-class SetRA:
+class SetRA(Command, frozen=True):
     """Set the rotational acceleration or deceleration (ARCOS 23, SETRA).
 
     A negative value [rad/s^2] is the deceleration, and leaves the acceleration.
@@ -234,24 +214,21 @@ class SetRA:
     acceleration: SignedDegrees
 
 
-@dataclass(frozen=True, slots=True)
-class RevCount:
+class RevCount(Command, frozen=True):
     """Set by how many `ticks` the encoders differ after half a turn (ARCOS 88, REVCOUNT)."""
 
     ID: ClassVar[int] = 88
     ticks: Word
 
 
-@dataclass(frozen=True, slots=True)
-class DriftFactor:
+class DriftFactor(Command, frozen=True):
     """Set the correction of the left encoder [1/8192 of its count] (ARCOS 89, DRIFTFACTOR)."""
 
     ID: ClassVar[int] = 89
     correction: Number
 
 
-@dataclass(frozen=True, slots=True)
-class TicksMM:
+class TicksMM(Command, frozen=True):
     """Set the encoder ticks per millimetre of wheel travel (ARCOS 93, TICKSMM)."""
 
     ID: ClassVar[int] = 93

@@ -5,7 +5,6 @@ simulated lasers with 35 to 38. A `laser` of `None` is the first one; angles [ra
 from straight ahead.
 """
 
-from dataclasses import dataclass
 from enum import IntEnum
 from typing import Annotated, ClassVar
 
@@ -23,6 +22,7 @@ from pioneer3.arcos.commands.arguments import (
     RequestModeCode,
     SignedDegrees,
 )
+from pioneer3.arcos.layout import Command
 from pioneer3.arcos.lists import CountedText
 from pioneer3.arcos.wire import U8, Enumerated, Integer, Rest, Scaled
 
@@ -73,8 +73,7 @@ class SimOperation(IntEnum):
     SNAPSHOT = 8
 
 
-@dataclass(frozen=True, slots=True)
-class SimSetPose:
+class SimSetPose(Command, frozen=True):
     """Move the simulated robot, and leave its odometry (ARCOS 224, SIM_SET_POSE).
 
     The pose is that in the map [m, rad], its heading in whole degrees.
@@ -86,23 +85,20 @@ class SimSetPose:
     heading: Annotated[float, Scaled(_S32, DEGREES)]
 
 
-@dataclass(frozen=True, slots=True)
-class SimReset:
+class SimReset(Command, frozen=True):
     """Put robot and odometry back to the start (ARCOS 225, SIM_RESET)."""
 
     ID: ClassVar[int] = 225
 
 
-@dataclass(frozen=True, slots=True)
-class SimModelConfig:
+class SimModelConfig(Command, frozen=True):
     """Describe the robot's model; arguments unknown (ARCOS 226, SIM_MODEL_CONFIG)."""
 
     ID: ClassVar[int] = 226
     arguments: Rest = b""
 
 
-@dataclass(frozen=True, slots=True)
-class SimLrfEnable:
+class SimLrfEnable(Command, frozen=True):
     """Switch the simulated laser (ARCOS 230, SIM_LRF_ENABLE)."""
 
     ID: ClassVar[int] = 230
@@ -110,8 +106,7 @@ class SimLrfEnable:
     laser: U8 | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class SimLrfSetFovStart:
+class SimLrfSetFovStart(Command, frozen=True):
     """Set where the scan begins (ARCOS 231, SIM_LRF_SET_FOV_START)."""
 
     ID: ClassVar[int] = 231
@@ -119,8 +114,7 @@ class SimLrfSetFovStart:
     laser: U8 | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class SimLrfSetFovEnd:
+class SimLrfSetFovEnd(Command, frozen=True):
     """Set where the scan ends (ARCOS 232, SIM_LRF_SET_FOV_END)."""
 
     ID: ClassVar[int] = 232
@@ -128,8 +122,7 @@ class SimLrfSetFovEnd:
     laser: U8 | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class SimLrfSetRes:
+class SimLrfSetRes(Command, frozen=True):
     """Set the angle between two readings (ARCOS 233, SIM_LRF_SET_RES).
 
     `step` [rad] is in hundredths of a degree; received numbers up to 5 are whole degrees.
@@ -140,8 +133,7 @@ class SimLrfSetRes:
     laser: U8 | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class SimCtrl:
+class SimCtrl(Command, frozen=True):
     """Control the simulator itself (ARCOS 236, SIM_CTRL).
 
     `text` is the name of the map to load, or a line for the log.
@@ -152,64 +144,56 @@ class SimCtrl:
     text: Annotated[str, CountedText(Integer(2))] | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class RequestSimStat:
+class RequestSimStat(Command, frozen=True):
     """Ask for the state of the simulation (ARCOS 237, SIM_STAT)."""
 
     ID: ClassVar[int] = 237
     how: RequestModeCode = RequestMode.ONCE
 
 
-@dataclass(frozen=True, slots=True)
-class SimMessage:
+class SimMessage(Command, frozen=True):
     """Show `text` in the simulator's window (ARCOS 238, SIM_MESSAGE)."""
 
     ID: ClassVar[int] = 238
     text: Message
 
 
-@dataclass(frozen=True, slots=True)
-class SimExit:
+class SimExit(Command, frozen=True):
     """End the simulator with exit `code` (ARCOS 239, SIM_EXIT)."""
 
     ID: ClassVar[int] = 239
     code: Number
 
 
-@dataclass(frozen=True, slots=True)
-class OldLaser:
+class OldLaser(Command, frozen=True):
     """Switch the simulated laser (ARCOS 35 of simulators)."""
 
     ID: ClassVar[int] = 35
     mode: Annotated[SimLaserMode, Enumerated(WORD, SimLaserMode)]
 
 
-@dataclass(frozen=True, slots=True)
-class OldLaserStart:
+class OldLaserStart(Command, frozen=True):
     """Set where the scan begins [rad], from straight ahead (ARCOS 36 of simulators)."""
 
     ID: ClassVar[int] = 36
     angle: SignedDegrees
 
 
-@dataclass(frozen=True, slots=True)
-class OldLaserEnd:
+class OldLaserEnd(Command, frozen=True):
     """Set where the scan ends [rad], from straight ahead (ARCOS 37 of simulators)."""
 
     ID: ClassVar[int] = 37
     angle: SignedDegrees
 
 
-@dataclass(frozen=True, slots=True)
-class OldLaserStep:
+class OldLaserStep(Command, frozen=True):
     """Set the angle between two readings [rad] (ARCOS 38 of simulators)."""
 
     ID: ClassVar[int] = 38
     step: Annotated[float, Scaled(WORD, CENTIDEGREES)]
 
 
-@dataclass(frozen=True, slots=True)
-class OldMessage:
+class OldMessage(Command, frozen=True):
     """Show a text; three bytes of code come before it (ARCOS 59 of simulators)."""
 
     ID: ClassVar[int] = 59

@@ -16,10 +16,10 @@ codec       reports to payloads and back: reading and writing again gives the sa
 
 # Each module's own __all__ is the one list of its names; repeating them here would be a second.
 # ruff: noqa: F403
+from pioneer3.arcos.layout import Report
 from pioneer3.arcos.reports import devices, session, simulators, sip
 from pioneer3.arcos.reports.codec import (
     ALL,
-    Report,
     UnknownReport,
     from_payload,
     numbers,

@@ -1,24 +1,16 @@
 """Reports to payloads and back: reading and writing again gives the same bytes."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cache
-from typing import ClassVar, Final, Protocol
+from typing import ClassVar, Final
 
-from pioneer3.arcos.layout import layout, pack, unpack
+from pioneer3.arcos.layout import Report, layout, pack, unpack
 from pioneer3.arcos.reports import devices, session, simulators
 from pioneer3.arcos.reports.sip import SIP_NUMBERS, Sip, read_sip, write_sip
 from pioneer3.arcos.wire import U8, PacketId, Rest
 
 
-class Report(Protocol):
-    """A message from a robot to its host: a dataclass of this package."""
-
-    ID: ClassVar[int]
-
-
-@dataclass(frozen=True, slots=True)
-class UnknownReport:
+class UnknownReport(Report, frozen=True):
     """A packet without a class here, or with data that do not decode.
 
     `number` is `None` if there was not a single byte.

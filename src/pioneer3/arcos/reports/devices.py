@@ -1,9 +1,11 @@
 """Sensors, gripper, serial ports, batteries, arm, safety and texts (protocol.md 5.2 to 5.12)."""
 
-from dataclasses import dataclass
 from enum import IntFlag
 from typing import Annotated, ClassVar
 
+from msgspec import Struct
+
+from pioneer3.arcos.layout import Report
 from pioneer3.arcos.lists import Counted, Record, Repeated, SizedRecords
 from pioneer3.arcos.wire import S8, S16, S32, U8, U16, Enumerated, Integer, PacketId, Rest, Text
 
@@ -37,8 +39,7 @@ _U16 = Integer(2)
 AUX_NUMBERS = (0xB0, 0xB8, 0xC8)
 
 
-@dataclass(frozen=True, slots=True)
-class Encoders:
+class Encoders(Report, frozen=True):
     """Encoder counts (0x90), as an answer to ENCODER."""
 
     ID: ClassVar[int] = 0x90
@@ -47,8 +48,7 @@ class Encoders:
     extra: Rest = b""
 
 
-@dataclass(frozen=True, slots=True)
-class Io:
+class Io(Report, frozen=True):
     """All inputs and outputs (0xF0), as an answer to IOREQUEST.
 
     Attributes:
@@ -64,8 +64,7 @@ class Io:
     extra: Rest = b""
 
 
-@dataclass(frozen=True, slots=True)
-class GyroSample:
+class GyroSample(Struct, frozen=True):
     """One sample of the gyro, 25 ms after the one before.
 
     Attributes:
@@ -77,8 +76,7 @@ class GyroSample:
     temperature_raw: U8
 
 
-@dataclass(frozen=True, slots=True)
-class GyroRates:
+class GyroRates(Report, frozen=True):
     """Samples of a gyro that the host corrects the heading with (0x98)."""
 
     ID: ClassVar[int] = 0x98
@@ -86,8 +84,7 @@ class GyroRates:
     extra: Rest = b""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Compass:
+class Compass(Report, frozen=True, kw_only=True):
     """The TCM2 compass (0xC0).
 
     Attributes:
@@ -115,8 +112,7 @@ class Compass:
     extra: Rest = b""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Joystick:
+class Joystick(Report, frozen=True, kw_only=True):
     """The joystick at the robot (0xF8), as an answer to JOYINFO.
 
     Attributes:
@@ -136,8 +132,7 @@ class Joystick:
     extra: Rest = b""
 
 
-@dataclass(frozen=True, slots=True)
-class IrRing:
+class IrRing(Report, frozen=True):
     """A ring of 91 infrared range finders (0x10).
 
     Attributes:
@@ -151,8 +146,7 @@ class IrRing:
     extra: Rest = b""
 
 
-@dataclass(frozen=True, slots=True)
-class Imu:
+class Imu(Report, frozen=True):
     """An inertial sensor (0x9A), undecoded: only an example of ARIA reads it."""
 
     ID: ClassVar[int] = 0x9A
@@ -172,8 +166,7 @@ class GripperSwitch(IntFlag):
     GRIP_MOVING = 1 << 7
 
 
-@dataclass(frozen=True, slots=True)
-class GripperState:
+class GripperState(Report, frozen=True):
     """The gripper (0xE0), as an answer to GRIPPERPACREQUEST.
 
     Attributes:
@@ -189,8 +182,7 @@ class GripperState:
     extra: Rest = b""
 
 
-@dataclass(frozen=True, slots=True)
-class SerialAux:
+class SerialAux(Report, frozen=True):
     """Bytes received on an auxiliary serial port, as an answer to GETAUX.
 
     Attributes:
@@ -208,8 +200,7 @@ class SerialAux:
         return AUX_NUMBERS.index(self.number) + 1
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SmartBattery:
+class SmartBattery(Struct, frozen=True, kw_only=True):
     """One battery that measures itself; `extra` are bytes without a known meaning."""
 
     flags1: U8
@@ -220,8 +211,7 @@ class SmartBattery:
     extra: Rest = b""
 
 
-@dataclass(frozen=True, slots=True)
-class BatteryInfo:
+class BatteryInfo(Report, frozen=True):
     """The batteries' own measurements (0xFA), as an answer to BATTERYINFO."""
 
     ID: ClassVar[int] = 0xFA
@@ -229,8 +219,7 @@ class BatteryInfo:
     extra: Rest = b""
 
 
-@dataclass(frozen=True, slots=True)
-class ArmStatus:
+class ArmStatus(Report, frozen=True):
     """The arm's state (0xA0), as an answer to ARM_STATUS.
 
     Attributes:
@@ -246,8 +235,7 @@ class ArmStatus:
     extra: Rest = b""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ArmJoint:
+class ArmJoint(Struct, frozen=True, kw_only=True):
     """One joint of the arm, in servo positions."""
 
     speed_raw: U8
@@ -258,8 +246,7 @@ class ArmJoint:
     ticks_per_90_degrees: U8
 
 
-@dataclass(frozen=True, slots=True)
-class ArmInfo:
+class ArmInfo(Report, frozen=True):
     """A description of the arm (0xA1), as an answer to ARM_INFO."""
 
     ID: ClassVar[int] = 0xA1
@@ -268,8 +255,7 @@ class ArmInfo:
     extra: Rest = b""
 
 
-@dataclass(frozen=True, slots=True)
-class SafetyState:
+class SafetyState(Report, frozen=True):
     """The safety systems of MTX robots (0xD6), as an answer to SAFETY_STATE_INFO.
 
     Attributes:
@@ -285,16 +271,14 @@ class SafetyState:
     extra: Rest = b""
 
 
-@dataclass(frozen=True, slots=True)
-class SafetyWarning:
+class SafetyWarning(Report, frozen=True):
     """A safety warning of MTX robots (0xD9); no program reads its data."""
 
     ID: ClassVar[int] = 0xD9
     data: Rest = b""
 
 
-@dataclass(frozen=True, slots=True)
-class FirmwareText:
+class FirmwareText(Report, frozen=True):
     """Text for debugging (0xD3)."""
 
     ID: ClassVar[int] = 0xD3
@@ -302,16 +286,14 @@ class FirmwareText:
     extra: Rest = b""
 
 
-@dataclass(frozen=True, slots=True)
-class Playlist:
+class Playlist(Report, frozen=True):
     """Names of sounds (0xD0), as an answer to PLAYLIST, undecoded: no program reads them."""
 
     ID: ClassVar[int] = 0xD0
     data: Rest = b""
 
 
-@dataclass(frozen=True, slots=True)
-class LaserLog:
+class LaserLog(Report, frozen=True):
     """Data of ARIA's laser logger (0x96), undecoded."""
 
     ID: ClassVar[int] = 0x96

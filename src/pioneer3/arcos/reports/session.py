@@ -1,8 +1,8 @@
 """Handshake, configuration and the end of a session (protocol.md 2.1, 2.4, 5.1)."""
 
-from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
+from pioneer3.arcos.layout import Report
 from pioneer3.arcos.wire import S8, S16, U8, U16, U32, PacketId, Rest, Text
 
 __all__ = [
@@ -16,8 +16,7 @@ SYNC_NUMBERS = (0, 1, 2)
 LINK_LOST_NUMBERS = (0xFE, 0xFF)
 
 
-@dataclass(frozen=True, slots=True)
-class SyncEcho:
+class SyncEcho(Report, frozen=True):
     """Echo of a SYNC (0, 1; AMRISim also 2).
 
     Attributes:
@@ -28,8 +27,7 @@ class SyncEcho:
     number: Annotated[int, PacketId(SYNC_NUMBERS)]
 
 
-@dataclass(frozen=True, slots=True)
-class SyncIdentity:
+class SyncIdentity(Report, frozen=True):
     """The answer to SYNC2 (2): the robot's identity.
 
     Attributes:
@@ -45,8 +43,7 @@ class SyncIdentity:
     extra: Rest = b""
 
 
-@dataclass(frozen=True, slots=True)
-class LinkLost:
+class LinkLost(Report, frozen=True):
     """The end of the session (0xFE, 0xFF).
 
     Attributes:
@@ -58,8 +55,7 @@ class LinkLost:
     extra: Rest = b""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Config:
+class Config(Report, frozen=True, kw_only=True):
     """The settings of the firmware (0x20), as an answer to CONFIG.
 
     Fields are `None` where the packet ends before; older firmware ends early. `top` names a hard

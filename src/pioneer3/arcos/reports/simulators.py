@@ -1,9 +1,11 @@
 """Reports that only simulators send (protocol.md 5.13)."""
 
-from dataclasses import dataclass
 from enum import IntFlag
 from typing import Annotated, ClassVar, NamedTuple
 
+from msgspec import Struct
+
+from pioneer3.arcos.layout import Report
 from pioneer3.arcos.lists import Counted, CountedStructs, Record
 from pioneer3.arcos.wire import S8, S16, S32, U8, U16, U32, Enumerated, Flag, Integer, Rest, Text
 
@@ -23,8 +25,7 @@ _U16 = Integer(2)
 _U32 = Integer(4)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SimLaser:
+class SimLaser(Report, frozen=True, kw_only=True):
     """A part of a laser sweep (0x60).
 
     Attributes:
@@ -54,8 +55,7 @@ class LaserReading(NamedTuple):
     reserved: U16 = 0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SimLaserExtended:
+class SimLaserExtended(Report, frozen=True, kw_only=True):
     """A part of a laser sweep with reflectances (0x61).
 
     Attributes:
@@ -83,8 +83,7 @@ class SimFlag(IntFlag):
     HAS_ODOMETRY_ERROR = 1 << 2
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SimStat:
+class SimStat(Report, frozen=True, kw_only=True):
     """The state of the simulation (0x62), as an answer to SIM_STAT.
 
     Attributes:
@@ -123,8 +122,7 @@ class SimStat:
     extra: Rest = b""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SimDevice:
+class SimDevice(Struct, frozen=True, kw_only=True):
     """A simulated device."""
 
     name: Text
@@ -133,8 +131,7 @@ class SimDevice:
     status: U32
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SimInfo:
+class SimInfo(Report, frozen=True, kw_only=True):
     """The simulator and its devices (0x63), as an answer to SIM_CTRL 6.
 
     Attributes:
@@ -152,8 +149,7 @@ class SimInfo:
     extra: Rest = b""
 
 
-@dataclass(frozen=True, slots=True)
-class MapChanged:
+class MapChanged(Report, frozen=True):
     """Another map was loaded (0x66).
 
     Attributes:

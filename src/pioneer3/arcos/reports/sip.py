@@ -5,14 +5,15 @@ RangeConvFactor. Bytes are read and written by hand here: a simulator writes tho
 per second.
 """
 
-from dataclasses import dataclass
+import struct
 from enum import IntFlag
 from functools import partial
 from itertools import chain
 from operator import attrgetter
-from struct import Struct, calcsize, error, iter_unpack, pack
+from struct import calcsize, error, iter_unpack, pack
 from typing import ClassVar, Final, NamedTuple
 
+from pioneer3.arcos.layout import Report
 from pioneer3.arcos.wire import Integer, checked
 from pioneer3.errors import CommandError
 
@@ -99,8 +100,7 @@ class SonarReading(NamedTuple):
     range_raw: int
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Sip:
+class Sip(Report, frozen=True, kw_only=True):
     """The standard report (0x32 stopped, 0x33 moving).
 
     The fields from `analog_port` on are `None` where the packet ends before; it may end before
@@ -202,8 +202,8 @@ TAIL: Final = (
 """Names and :mod:`struct` letters in wire order (protocol.md 4.2)."""
 
 
-def _struct(fields: tuple[tuple[str, str], ...]) -> Struct:
-    return Struct("<" + "".join(letter for _, letter in fields))
+def _struct(fields: tuple[tuple[str, str], ...]) -> struct.Struct:
+    return struct.Struct("<" + "".join(letter for _, letter in fields))
 
 
 _HEAD: Final = _struct(HEAD)

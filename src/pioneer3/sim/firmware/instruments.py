@@ -1,12 +1,12 @@
 """The contents of the standard report, measured by the controller (protocol.md 4)."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 from itertools import compress
 from math import degrees
 from typing import Final
 
 import numpy as np
+from msgspec.structs import replace
 
 from pioneer3.arcos import commands
 from pioneer3.arcos.commands import Command

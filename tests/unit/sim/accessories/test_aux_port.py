@@ -40,8 +40,8 @@ def test_each_port_has_its_commands_and_its_report(
 ) -> None:
     aux = SimulatedAuxPort(port, Echo())
     for other, _, its_tty, its_getaux in PORTS:
-        assert aux.obey(its_tty(b"abc"), 0.0) == (other == port)  # type: ignore[call-arg]
-        assert aux.obey(its_getaux(2), 0.0) == (other == port)  # type: ignore[call-arg]
+        assert aux.obey(its_tty(b"abc"), 0.0) == (other == port)
+        assert aux.obey(its_getaux(2), 0.0) == (other == port)
     assert list(answers(aux, 0.4)) == []
     assert list(answers(aux, 0.5)) == [reports.SerialAux(number, b"ab")]
     assert list(answers(aux, 0.6)) == []
