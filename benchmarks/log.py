@@ -10,8 +10,9 @@ import asyncio
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Iterator, Sequence
+from contextlib import AsyncExitStack, ExitStack, contextmanager
+from functools import partial
 from math import radians
 from pathlib import Path
 from random import Random
@@ -19,10 +20,14 @@ from statistics import median
 from tempfile import TemporaryDirectory
 from typing import Any
 
+from benchmarks.bench_latency import PAUSES, TimedLink
 from benchmarks.table import Row
 from pioneer3 import connect_async
+from pioneer3.arcos.commands import RVel, to_payload
+from pioneer3.arcos.packet import encode
 from pioneer3.clock import Clock
 from pioneer3.lasers.line import SerialLine
+from pioneer3.links import Link, open_link
 from pioneer3.links.tap import WireRecording
 from pioneer3.log.chunks import CHUNK
 from pioneer3.log.cut import HEADER, data_records
@@ -41,16 +46,16 @@ from pioneer3.sim.worldfile.arguments import WorldOverrides
 LASERS = {"lms-200": (0.5, 20.0), "utm-30lx": (2.0, None)}
 """Lasers of 181 beams at 10 Hz and of 1081 at 40 Hz, each with its bars: more of a core [%], and
 size in an hour [MB]."""
-TURNS = 3
-"""Drives of each kind; the median counts."""
+TURNS = 5
+"""Drives with each laser; the median counts."""
 WARM_UP = 4
 """Chunks until all is loaded."""
 SECONDS = 20.0
 """Length of a drive."""
 LINE_SPEED = 38_400
 """At this speed of its line [baud] the laser of 181 beams sends ten scans a second."""
-COMMANDS = 80
-"""Commands of a turn whose way to the wire is timed."""
+COMMANDS = 200
+"""Commands of each robot whose way to the wire is timed."""
 INDEXED = 180
 """Bytes in the index for each chunk, about."""
 DAY = 86_400
@@ -156,6 +161,7 @@ def rows_of_cost(laser: str, most: float, most_mb: float | None) -> Iterator[Row
             shares.append(100 * share)
             sizes.append(bytes_of_a_second(path) * HOUR / 1e6)
     yield Row(f"log, {laser} at {rate:.0f} scans/s, of a core", median(shares), "%", most)
+    yield Row(f"log, {laser}, of a core, the dearest drive", max(shares), "%", None)
     yield Row(f"log, {laser}, size in an hour", median(sizes), "MB", most_mb)
 
 
@@ -168,41 +174,46 @@ def bytes_of_a_second(path: Path) -> float:
     return (grown / (len(chunks) - 2) + INDEXED) / CHUNK_PERIOD
 
 
-async def to_wire(url: str, record: Path | bool) -> list[float]:
-    """Return how long `drive()` takes until the bytes are with the operating system [s]."""
-    from benchmarks.bench_latency import PAUSES, TimedLink
-    from pioneer3.arcos.commands import RVel, to_payload
-    from pioneer3.arcos.packet import encode
-    from pioneer3.links import Link, open_link
+async def to_wire(urls: Sequence[str], records: Sequence[Path | bool]) -> list[list[float]]:
+    """Return how long `drive()` takes until the bytes are with the operating system [s].
 
+    Robots are driven by turns: what else the computer does at the time holds up each as much.
+    """
     links: list[TimedLink] = []
+    took: list[list[float]] = [[] for _ in urls]
 
-    async def opener() -> Link:
+    async def opened(url: str) -> Link:
         links.append(TimedLink(await open_link(url)))
         return links[-1]
 
-    took, random = [], Random(0)
-    async with connect_async(opener, record=record) as robot:
+    async with AsyncExitStack() as stack:
+        robots = []
+        for url, record in zip(urls, records, strict=True):
+            connection = connect_async(partial(opened, url), record=record)
+            robots.append(await stack.enter_async_context(connection))
+        random = Random(0)
         for number in range(COMMANDS):
-            rate, asked = radians(10 + number % 50) * (1 if number % 2 else -1), time.perf_counter()
-            robot.drive(0.0, rate)
-            await asyncio.sleep(random.uniform(*PAUSES))
+            rate = radians(10 + number % 50) * (1 if number % 2 else -1)
             frame = encode(to_payload(RVel(rate=rate)))
-            took += [w - asked for w, data in links[0].written if w > asked and frame in data][:1]
+            for each in random.sample(range(len(robots)), len(robots)):
+                asked = time.perf_counter()
+                robots[each].drive(0.0, rate)
+                await asyncio.sleep(random.uniform(*PAUSES))
+                written = links[each].written
+                took[each] += [w - asked for w, data in written if w > asked and frame in data][:1]
     return took
 
 
 def rows_of_latency() -> Iterator[Row]:
-    """Yield how much later bytes are on the wire with a log."""
-    logged: list[float] = []
-    without: list[float] = []
-    with serving("lms-200") as (robot, _), TemporaryDirectory() as folder:
-        for turn in range(2 * TURNS):
-            without += asyncio.run(to_wire(robot, False))
-            logged += asyncio.run(to_wire(robot, Path(folder) / f"{turn}.mcap"))
-    yield Row("drive() to the wire without a log, median", median(without) * 1e3, "ms", None)
-    later = 100 * (median(logged) / median(without) - 1)
-    yield Row("drive() to the wire, later with a log, median", later, "%", 5.0)
+    """Yield how much later bytes are on the wire with a log, and how much that figure is off."""
+    with ExitStack() as stack:
+        urls = [stack.enter_context(serving("lms-200"))[0] for _ in range(3)]
+        record = Path(stack.enter_context(TemporaryDirectory())) / "log.mcap"
+        without, again, logged = map(median, asyncio.run(to_wire(urls, (False, False, record))))
+    what = "drive() to the wire"
+    yield Row(f"{what} without a log, median", without * 1e3, "ms", None)
+    yield Row(f"{what}, later with another robot, median", 100 * (again / without - 1), "%", None)
+    yield Row(f"{what}, later with a log, median", 100 * (logged / without - 1), "%", 5.0)
 
 
 def rows_of_reading() -> Iterator[Row]:
@@ -233,14 +244,11 @@ def rows_of_reading() -> Iterator[Row]:
 
 def rows() -> list[Row]:
     """Measure everything of this file."""
+    found = [*rows_of_latency(), *rows_of_reading()]  # first: to measure calls takes time, too
     CALLS.measure(WireRecording, "note")
     for name in ("snapshot", "scan", "decided", "asked", "stands"):
         CALLS.measure(RobotLog, name)
-    return [
-        *(row for laser, bars in LASERS.items() for row in rows_of_cost(laser, *bars)),
-        *rows_of_latency(),
-        *rows_of_reading(),
-    ]
+    return found + [row for laser, bars in LASERS.items() for row in rows_of_cost(laser, *bars)]
 
 
 if __name__ == "__main__":
