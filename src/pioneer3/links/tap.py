@@ -14,6 +14,7 @@ import asyncio
 from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from math import inf
 from pathlib import Path
 from typing import Final, Protocol
@@ -67,26 +68,27 @@ def tapped(opener: Opener, tap: WireTap) -> Opener:
 
 
 class WireRecording:
-    """Puts the bytes of a link into a log, and its events."""
+    """Puts the bytes of a link into a log, and its events.
+
+    Attributes:
+        now: Returns the time for the log [s].
+    """
 
     def __init__(self, log: LogWriter, name: str = ROBOT) -> None:
         self.name = name
+        self.now = log.clock
         self._log = log
         # the driver of a robot tells the time of its bytes: log/verify needs it exactly
         tick = EXACT if name.rpartition("/")[2] == ROBOT else ROUGH
-        self._topics = {
-            way: LogTopic(f"wire/{name}/{end}", bytes, size=OF_CHUNK, tick=tick)
+        self._put = {
+            way: partial(log.put, LogTopic(f"wire/{name}/{end}", bytes, size=OF_CHUNK, tick=tick))
             for way, end in WAYS.items()
         }
-
-    def now(self) -> float:
-        """Return the time for the log [s]."""
-        return self._log.clock()
 
     def note(self, way: str, data: bytes, now: float | None = None) -> None:
         """Put bytes that pass `now`, in the direction :data:`FROM_HOST` or :data:`FROM_ROBOT`."""
         if data:
-            self._log.put(self._topics[way], data, now)
+            self._put[way](data, now)
 
     def remark(self, words: str) -> None:
         """Put an event of the link, in words."""

@@ -86,6 +86,10 @@ class LogTopic(Generic[T]):
         """Whether its messages are written as columns."""
         return self.rows or self.kind in ROWS
 
+    def memory(self, message: Any) -> int:
+        """Return the memory that a message takes [bytes], about."""
+        return self.size + len(message) if self.kind is bytes else self.size
+
     def encode(self, message: Any) -> bytes:
         """Return a message as JSON."""
         made = self.make(message) if self.make else message

@@ -51,6 +51,8 @@ TIDY_PERIOD: Final = 60.0
 """Room is looked for this often [s]."""
 MOST_WAITING: Final = 32 * 1024 * 1024
 """Memory that messages may take which wait for the disk [bytes], about: a minute of a laser."""
+FEW: Final = 256
+"""So many messages may wait before somebody looks how much memory they take."""
 CLOCK_JUMP: Final = 0.5
 """A wall clock that is off by more than before was set [s]."""
 LAST_PATIENCE: Final = 2.0
@@ -92,9 +94,8 @@ class LogWriter:
         self._target, self.clock, self._wall = target, clock, wall
         self._began, self._began_ns = clock(), wall()
         self._set_by = 0.0
-        self._queue: deque[tuple[float, LogTopic[Any], Any, int]] = deque()
-        self._put = self._taken = self._lost = 0
-        self._enough = MOST_WAITING // 4
+        self._queue: deque[tuple[float, LogTopic[Any], Any]] = deque()
+        self._few = FEW
         self._told = 0
         self._wake = threading.Event()
         self._ended = False
@@ -130,11 +131,9 @@ class LogWriter:
         """Take a message of `now` [s, of the clock], which must not change any more."""
         if self._ended:
             return
-        size = topic.size if topic.kind is not bytes else topic.size + len(message)
-        self._queue.append((self.clock() if now is None else now, topic, message, size))
-        self._put += size
-        if self._put > self._enough:
-            self._hurry()
+        self._queue.append((self.clock() if now is None else now, topic, message))
+        if len(self._queue) > self._few:
+            self._look()
 
     def event(self, kind: str, text: str) -> None:
         """Take an event of now, in words, which are told without secrets."""
@@ -159,19 +158,21 @@ class LogWriter:
         self._wake.set()
         self._thread.join(patience)
 
-    def _hurry(self) -> None:
-        """Wake the thread; where it is too slow, drop the oldest messages, and tell it once."""
-        self._wake.set()
-        if self._put - self._taken - self._lost <= MOST_WAITING:
-            return
-        if not self.dropped:
-            log.warning("%s: the disk is too slow to record all: the oldest is lost", self.path)
-        while self._put - self._taken - self._lost > MOST_WAITING // 2:
+    def _look(self) -> None:
+        """Wake the thread if much waits; drop the oldest where it is too slow, and tell it once."""
+        sizes = [topic.memory(message) for _, topic, message in self._queue.copy()]
+        waiting = sum(sizes)
+        if waiting > MOST_WAITING // 4:
+            self._wake.set()
+        if waiting > MOST_WAITING:
+            if not self.dropped:
+                log.warning("%s: the disk is too slow to record all: the oldest is lost", self.path)
             with suppress(IndexError):  # the thread has taken all
-                self._lost += self._queue.popleft()[-1]
-                self.dropped += 1
-                continue
-            return
+                while waiting > MOST_WAITING // 2:
+                    _, topic, message = self._queue.popleft()
+                    waiting -= topic.memory(message)
+                    self.dropped += 1
+        self._few = len(self._queue) * 5 // 4 + FEW
 
     # In the thread
 
@@ -221,11 +222,10 @@ class LogWriter:
         by_topic: dict[str, tuple[LogTopic[Any], list[tuple[int, Any]]]] = {}
         with suppress(IndexError):  # the loop has dropped some
             for _ in range(len(self._queue)):
-                now, topic, message, size = self._queue.popleft()
-                self._taken += size
+                now, topic, message = self._queue.popleft()
                 if topic.is_news(message, now):
                     by_topic.setdefault(topic.name, (topic, []))[1].append((self._ns(now), message))
-        self._enough = self._taken + self._lost + MOST_WAITING // 4
+        self._few = FEW
         for topic, messages in by_topic.values():
             self._file.add(topic, messages)
             if topic.repeated:

@@ -210,6 +210,7 @@ def test_a_disk_that_hangs_holds_nobody_up_and_the_oldest_is_lost_and_counted(
     tmp_path: Path, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(writer, "MOST_WAITING", 10_000)
+    monkeypatch.setattr(writer, "FEW", 8)
     disk = HangingDisk(tmp_path / "slow.mcap")
     log = LogWriter(disk, time.monotonic)
     for number in range(1000):
