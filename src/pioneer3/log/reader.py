@@ -86,7 +86,8 @@ class LogInfo:
     """Facts of a log, without its messages.
 
     Attributes:
-        began: When its first message was taken, and `ended` its last one [ns since 1970].
+        began: When its first message was taken, and `ended` its last one [ns since 1970]; without
+            messages, when the file was written last.
         size: [bytes].
         counts: Messages by topic; `None` where the end is missing, which has them.
         texts: Descriptions by their names, such as `program` and `robot`.
@@ -188,6 +189,8 @@ class RunLog:
             if totals := index.texts.pop(TOTALS, None):
                 counts |= msgspec.json.decode(totals["messages"], type=dict[str, int])
                 index.ended = max(index.ended, int(totals["ended_ns"][:20]))
+        if not index.ended:  # it has no messages
+            index.began = index.ended = path.stat().st_mtime_ns
         return LogInfo(
             path=path,
             began=index.began,

@@ -69,6 +69,16 @@ def test_what_is_put_is_there_in_its_order_and_at_its_time(
     assert path.stat().st_mode & 0o777 == 0o600
 
 
+def test_a_log_without_messages_began_when_it_was_written(tmp_path: Path) -> None:
+    path, before = tmp_path / "a.mcap", time.time_ns()
+    with logged(path):
+        pass
+    (tmp_path / "cut.mcap").write_bytes(path.read_bytes()[:8])
+    for info in (open_log(path).info(), open_log(tmp_path / "cut.mcap").info()):
+        assert abs(info.began - before) < PATIENCE * 1e9
+        assert info.seconds == 0.0
+
+
 def test_several_robots_are_told_by_their_names(tmp_path: Path) -> None:
     path = tmp_path / "a.mcap"
     with logged(path) as log:
