@@ -95,6 +95,7 @@ class Mapper:
         self._progress = Progress()
         self._mounting = LearnedMounting()
         self._pieces, self._moves, self._moved_at = 1, 0, -1
+        self._missed = False
 
     @classmethod
     def of(
@@ -244,7 +245,7 @@ class Mapper:
         if self._way_of_scan + self._turn_of_scan > key.way + key.turn:
             # nothing that walks along with the robot is to take it with it in small steps
             prior = prior.joined(expected_pose(self._here, odometry, sigma, sigma_theta))
-        if self._survey.edges and self._survey.edges[-1].missed:
+        if self._missed:
             # who lifts or pushes it may do so still, while its wheels turn in vain
             prior = Prior(prior.pose, SLIPPED * prior.information)
         way, turn = search_window(odometry, sigma, sigma_theta)
@@ -378,6 +379,7 @@ class Mapper:
         self._survey = Survey(
             (*survey.frames, frame), (*survey.poses, self._here), survey.edges + edges
         )
+        self._missed = any(edge.missed for edge in edges)
         for edge in edges:
             self._note(edge)
         self._recall((*self._recent, number)[-RECENT_FRAMES:])

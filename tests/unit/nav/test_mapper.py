@@ -205,7 +205,8 @@ def test_wheels_that_turn_in_vain_are_told_once() -> None:
     assert "once unnoticed" in mapper.remarks()[0]
 
 
-def test_wheels_that_turn_in_vain_after_a_lift_are_not_believed() -> None:
+@pytest.mark.parametrize("loops", [False, True])
+def test_wheels_that_turn_in_vain_after_a_lift_are_not_believed(*, loops: bool) -> None:
     rng = np.random.default_rng(1)
     walls = [[-6.0, -1.2, 14.0, -1.2], [-6.0, 1.2, 14.0, 1.2]]
     for x in (-5.0 + np.cumsum(rng.uniform(0.6, 1.4, 18))).tolist():  # pillars
@@ -220,6 +221,10 @@ def test_wheels_that_turn_in_vain_after_a_lift_are_not_believed() -> None:
     for place, metres in zip(true, rolled, strict=True):
         odometry, corridor = Pose2(metres), np.array(walls)
         here = mapper.add(look(corridor, place, odometry, noise=0.005, rng=rng, count=181))
+        if loops and any(edge.missed for edge in mapper.survey.edges[-1:]):
+            found = mapper.snapshot.improve()
+            loop = replace(found.edges[-1], loop=True, missed=False)
+            mapper.apply(replace(found, edges=(*found.edges, loop)))
     assert hypot(here.x - true[-1].x, here.y - true[-1].y) < 0.03
 
 
