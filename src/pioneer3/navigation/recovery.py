@@ -8,11 +8,13 @@ import numpy as np
 from pioneer3.arrays import Float
 from pioneer3.behaviors.action import Desire, Situation
 from pioneer3.geometry import Pose2
-from pioneer3.nav.manoeuvre import PROGRESS, Manoeuvre, Search
+from pioneer3.models import RobotModel
+from pioneer3.nav.costs import PASSING_DISTANCE
+from pioneer3.nav.manoeuvre import PROGRESS, Manoeuvre, Search, gaps_at
 from pioneer3.nav.mover import Mover
 from pioneer3.nav.moving import BESIDE
 from pioneer3.nav.planner import CostToGo
-from pioneer3.nav.sightings import STANDING_TIME, Sightings
+from pioneer3.nav.sightings import STANDING_TIME, Sightings, standing
 
 MOVED = 0.2
 """Way below which a robot has not moved [m]; in a manoeuvre, that of a corner as it turns."""
@@ -75,8 +77,9 @@ class Recovery:
             if command and not (self._aside and passed) and still < HELD_UP_TIME:
                 why = "goes aside for somebody" if self._aside else "lines up with a narrow place"
                 return Desire(v=command[0], w=command[1], reason=why)
+            self._aside &= command is None
             self._manoeuvre, self._anchored, still = None, now, 0.0
-        self._aside &= now - self._met < BLOCKED_TIME and still < STANDING_TIME
+        self._aside &= now - self._met < BLOCKED_TIME and still < HELD_UP_TIME
         if self._aside:
             return Desire(v=0.0, w=0.0, reason="lets somebody pass")
         waits = bool(waiting) and blocked and still > BLOCKED_TIME
@@ -87,7 +90,7 @@ class Recovery:
         if self._search is not None and self._search.aside != waits:
             self._search = None
         if self._search is None and may_search and now - self._searched > HELD_UP_TIME / 2:
-            ways = self._ways(waiting, here) if waits else None
+            ways = self._ways(waiting, here, situation.model) if waits else None
             if waits or to_go.at(here.x, here.y) > PROGRESS:
                 self._search = Search(here, situation.model, obstacles, to_go, ways)
             self._searched = now
@@ -111,15 +114,17 @@ class Recovery:
             self._aside, self._anchored = aside, situation.now
         return False
 
-    def _ways(self, people: list[Mover], here: Pose2) -> Float:
-        """Return points on the ways ahead of people, or from them to the robot [m], (K, 2)."""
-        ways = [
-            self.sightings.way_of(
-                (each.x, each.y),
-                each.heading if any(each.heading) else (here.x - each.x, here.y - each.y),
-            )
-            for each in people
-        ]
+    def _ways(self, people: list[Mover], here: Pose2, model: RobotModel) -> Float:
+        """Return points on the ways of people who wait for the robot [m], (K, 2)."""
+        ways = []
+        for each in people:
+            place = each.x, each.y
+            way = self.sightings.way_of(place, each.heading)
+            gaps = gaps_at(here, model, standing(way, 0.0))
+            if not any(each.heading) or gaps.min() >= min(gaps[0], PASSING_DISTANCE):
+                # nobody waits for a robot beside their way: they have turned round
+                way = self.sightings.way_of(place, (here.x - each.x, here.y - each.y))
+            ways.append(way)
         return np.concatenate(ways)
 
     def _waiting(self, here: Pose2, now: float) -> list[Mover]:

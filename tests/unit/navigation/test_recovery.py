@@ -28,10 +28,10 @@ def recovery() -> Recovery:
     return Recovery(Sightings(costs(room())))
 
 
-def meet(recovery: Recovery, x: float, now: float) -> Mover:
-    """Put somebody in front of the robot, who walked towards it and stands."""
+def meet(recovery: Recovery, x: float, now: float, *, ahead: float = -1.0) -> Mover:
+    """Put somebody in front of the robot, who walked towards it, or away from it, and stands."""
     somebody = Mover(
-        x, 3.0, 0.0, 0.0, now, (x + 2.0, 3.0), walks=True, stands=now, heading=(-1.0, 0.0)
+        x, 3.0, 0.0, 0.0, now, (x + 2.0, 3.0), walks=True, stands=now, heading=(ahead, 0.0)
     )
     recovery.sightings.movers.things = [somebody]
     return somebody
@@ -71,6 +71,20 @@ def test_it_waits_for_somebody_then_goes_aside(recovery: Recovery, to_go: CostTo
     waits = found[round(BLOCKED_TIME / DT) + 1 : round(STANDING_TIME / DT)]
     assert set(waits) == {"waits for somebody"}
     assert found[-1] == "goes aside for somebody"
+
+
+def test_who_walked_away_and_stands_wants_back_past_it(recovery: Recovery, to_go: CostToGo) -> None:
+    meet(recovery, 5.8, 0.0, ahead=1.0)
+    assert reasons(recovery, to_go, 0.0, STANDING_TIME + 1.0)[-1] == "goes aside for somebody"
+
+
+def test_a_robot_that_cannot_go_aside_does_not_behave_as_if_it_had(
+    recovery: Recovery, to_go: CostToGo
+) -> None:
+    meet(recovery, 5.8, 0.0)
+    found = reasons(recovery, to_go, 0.0, STANDING_TIME + 2 * HELD_UP_TIME)
+    assert "goes aside for somebody" in found
+    assert found[-1] == "waits for somebody"
 
 
 def test_it_goes_on_as_soon_as_nobody_waits_any_more(recovery: Recovery, to_go: CostToGo) -> None:
