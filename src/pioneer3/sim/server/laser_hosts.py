@@ -149,7 +149,8 @@ class OneHost:
         if not heard or self._slot.closed:
             cable.clear()
         cable.take(host, now)
-        self._look_at_terminal()
+        if self._lasting:
+            self._look_at_terminal()
         if host is not None and host.full:
             return
         understands = host is not None and self._understands(host)
