@@ -63,7 +63,8 @@ PLAINLY = 0.2
 """Share of a scan by which it fits better where odometry is called wrong; or half of what does not
 fit by odometry."""
 SLIPPED = 0.01
-"""Share of its information that odometry has where a scan says otherwise."""
+"""Share of its information that odometry has where a scan says otherwise, and such a scan has for
+the map."""
 TORN_WAY = 1e-4 * UNKNOWN_WAY
 """Information of a way that odometry missed."""
 
@@ -354,7 +355,10 @@ class Mapper:
         number = len(self._survey.frames)
         step = self._survey.poses[-1].inverse() @ self._here
         missed = expected.squared_error(self._here) > NEAR_ODOMETRY
-        edge = Edge(number - 1, number, step, certainty(match, known), missed=missed)
+        information = certainty(match, known)
+        if missed:  # scans while it is pushed are skewed, and loops will know better
+            information = SLIPPED * information
+        edge = Edge(number - 1, number, step, information, missed=missed)
         self._keep(KeyFrame.of(beams, cloud, self._way, self._turn), (edge,))
 
     def _continue(self, beams: Beams, cloud: Cloud) -> None:

@@ -179,6 +179,8 @@ def test_a_robot_that_was_lifted_and_turned_is_found_at_once() -> None:
     mapper, true = moved_unnoticed([move @ place for place in reversed(ROUND[25:45])])
     assert off(mapper, true) < 0.05
     assert mapper.pieces == 1
+    weight = {edge.missed: edge.information[0, 0] for edge in mapper.survey.edges if not edge.loop}
+    assert weight[True] < 0.1 * weight[False]
     assert "once unnoticed; the scans show" in mapper.remarks()[0]
     assert Mapper.of(mapper.state).remarks() == mapper.remarks()
 
