@@ -6,6 +6,7 @@ from math import degrees, hypot, pi, radians
 from pathlib import Path
 
 import pytest
+from msgspec import structs
 
 from pioneer3.arcos import commands
 from pioneer3.errors import ConfigError
@@ -185,7 +186,7 @@ async def test_a_controller_that_tells_no_such_numbers_is_sent_none(model: str) 
     own = calibrate(WRONG, like=model)
     own.write_text(own.read_text() + ENCODERS)
     sim = robot_with(WRONG, model)
-    untold = replace(sim.firmware._configuration(), ticks_per_mm=0)
+    untold = structs.replace(sim.firmware._configuration(), ticks_per_mm=0)
     sim.firmware._configuration = lambda: untold  # type: ignore[method-assign]
     async with sim, connect_async(sim.open) as driver:
         await driver.move(0.3)
@@ -200,7 +201,7 @@ async def test_the_file_of_another_robot_is_refused() -> None:
         pass  # a simulated one may stand for it
     sim = robot_with(WRONG)
     whole = sim.firmware._configuration()
-    sim.firmware._configuration = lambda: replace(whole, serial_number="48")  # type: ignore[method-assign]
+    sim.firmware._configuration = lambda: structs.replace(whole, serial_number="48")  # type: ignore[method-assign]
     async with sim:
         with pytest.raises(ConfigError, match=r"serial number '47', not of this one, '48'"):
             async with connect_async(sim.open):
