@@ -29,8 +29,7 @@ from pioneer3.clock import Clock
 from pioneer3.lasers.line import SerialLine
 from pioneer3.links import Link, open_link
 from pioneer3.links.tap import WireRecording
-from pioneer3.log.chunks import CHUNK
-from pioneer3.log.cut import HEADER, data_records
+from pioneer3.log.cut import CHUNK, HEADER, data_records
 from pioneer3.log.folder import create
 from pioneer3.log.index import LogIndex
 from pioneer3.log.mcap import McapFile

@@ -12,6 +12,7 @@ from playwright.sync_api import Page, expect
 from pioneer3.log.index import LogIndex
 from pioneer3.log.target import UserFolder
 from pioneer3.log.writer import LogWriter
+from pioneer3.models import load_model
 from pioneer3.runtime.recording import RobotLog
 from pioneer3.web.logs import PageLogs
 from pioneer3.web.page import Page as WebPage
@@ -196,7 +197,7 @@ def test_logs_are_saved_listed_and_replayed_from_the_page(
         product.web.logs = PageLogs(product.web.clients, tmp_path)
         writer = LogWriter(UserFolder(tmp_path, "run", 10**9, time.time), clock)
         product.web.clients.log = writer
-        RobotLog(writer).snapshot(snapshot(0.0))
+        RobotLog(writer).snapshot(snapshot(0.0), load_model("p3dx-sh"))
         return writer
 
     drive(tmp_path / "2026-03-01T09-30-00Z-drive.mcap")

@@ -13,13 +13,14 @@ from pioneer3.cli.log_verify import verify as verify_command
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Twist2
 from pioneer3.lasers.client import RawScan
+from pioneer3.links import Link
 from pioneer3.log.excerpt import write_excerpt
 from pioneer3.log.folder import create
 from pioneer3.log.index import LogIndex
 from pioneer3.log.mcap import McapFile
 from pioneer3.log.reader import open_log
 from pioneer3.log.topics import EVENT, LogEvent, LogTopic
-from pioneer3.models import load_model
+from pioneer3.models import RobotModel, load_model
 from pioneer3.models.odometry import OdometryCorrection
 from pioneer3.models.own import find_own, own_path
 from pioneer3.navigation.connect import connect_async
@@ -40,6 +41,30 @@ from tests.support import SimulatedRobot, until
 pytestmark = pytest.mark.realtime
 NOISE = 40
 """Each so many pieces of bytes from the robot one is damaged."""
+
+
+@pytest.fixture(scope="module")
+def changed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the log of an Amigo, and of a P3-AT that answers at the same port later."""
+    path = tmp_path_factory.mktemp("log") / "changed.mcap"
+
+    async def drive() -> None:
+        async with SimulatedRobot(model="amigo-sh") as amigo, SimulatedRobot() as p3at:
+            there = amigo
+
+            async def opened() -> Link:
+                return await there.open()
+
+            async with connect_async(opened, record=path) as robot:
+                await robot.move(0.1)
+                there = p3at
+                await amigo.unplug()
+                await until(lambda: robot.snapshot is None)
+                await until(lambda: robot.snapshot is not None)
+                await robot.move(0.1)
+
+    asyncio.run(drive())
+    return path
 
 
 async def record(path: Path) -> None:
@@ -89,6 +114,20 @@ def test_all_readings_are_as_recorded_over_losses_and_noise(two: Path) -> None:
     *_, last = log.snapshots("amy/snapshot")
     assert last.link.sessions == 2
     assert any(each.link.bad_checksums for each in log.snapshots("amy/snapshot"))
+
+
+def test_another_robot_at_the_same_port_is_read_by_its_own_model(changed: Path) -> None:
+    log = open_log(changed)
+    assert [model.name for _, model in log.of(LogTopic("model", RobotModel))] == [
+        "amigo-sh",
+        "p3at-sh",
+    ]
+    counts = [len(each.sonar.ranges) for each in log.snapshots()]
+    assert (min(counts), max(counts)) == (8, 16)
+    (found,) = verify(log)
+    assert (found.difference, found.compared) == (None, len(counts))
+    (found,) = verify(log, "p3at-sh")
+    assert found.difference is not None
 
 
 def test_the_first_difference_is_told_with_time_field_and_both_values(

@@ -30,7 +30,7 @@ from pioneer3.models.odometry import (
 )
 from pioneer3.navigation.recording import EstimateMade
 from pioneer3.robot.pilot import stands
-from pioneer3.runtime.recording import TruePoseTold
+from pioneer3.runtime.recording import MODEL, TruePoseTold
 from pioneer3.runtime.twin import Twin
 from pioneer3.sim.realism import OdometryErrors, Realism
 from pioneer3.state import Scan, Snapshot
@@ -187,9 +187,10 @@ def read_drive(log: OpenLog) -> RecordedDrive:
     known = set(log.topics())
     origin: Pose2 | None = None
     readings: dict[int, list[Reading]] = {}
-    told = _by_time(log, [topic for topic in ("estimate", "snapshot") if topic in known])
-    if "estimate" not in known and "truth" in known:
-        told = _by_time(log, ["truth", "snapshot"])
+    texts = log.info().texts.get(f"{log.prefixes[log.robots[0]]}{ROBOT}", {})
+    name, names = texts.get("model", ""), dict[int, str]()
+    places = "truth" if "estimate" not in known else "estimate"
+    told = _by_time(log, [each for each in (MODEL, places, "snapshot") if each in known])
     last: Snapshot | None = None
     for _, message in told:
         match message:
@@ -198,20 +199,18 @@ def read_drive(log: OpenLog) -> RecordedDrive:
             case TruePoseTold():
                 if last is not None:
                     origin = message.robot_in_world @ last.odometry.robot_in_odom.inverse()
+            case RobotModel():
+                name = message.name
             case Snapshot(odometry=odometry):
-                last = message
+                last, names[message.link.sessions] = message, name
                 pose = None if origin is None else origin @ odometry.robot_in_odom
                 at = log.time_at(message.stamp)
                 reading = Reading(at, odometry.robot_in_encoder, pose, stands(message))
                 readings.setdefault(message.link.sessions, []).append(reading)
     if not readings:
         raise ConfigError(f"{log.path}: it has no readings of a robot")
-    texts = log.info().texts.get(f"{log.prefixes[log.robots[0]]}{ROBOT}", {})
-    return RecordedDrive(
-        log=log,
-        model=load_model(texts.get("model", "")),
-        readings=max(readings.values(), key=len),
-    )
+    longest = max(readings, key=lambda session: len(readings[session]))
+    return RecordedDrive(log=log, model=load_model(names[longest]), readings=readings[longest])
 
 
 def twin_of(drive: RecordedDrive) -> FittedTwin:

@@ -30,12 +30,12 @@ def stats(*names: str, json: Flag = False) -> int:
     from pioneer3.analysis.stats import stats_of
     from pioneer3.cli.terminal import Terminal
     from pioneer3.log import open as open_log
-    from pioneer3.log.folder import logs_folder, user_logs
+    from pioneer3.log.folder import has_messages, logs_folder, user_logs
     from pioneer3.names import printable
 
     found, failed = [], 0
     read: set[Path] = set()
-    for name in names or map(str, user_logs(logs_folder())):
+    for name in names or map(str, filter(has_messages, user_logs(logs_folder()))):
         try:
             log = open_log(name)
             if log.path in read:  # another file of it

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, BinaryIO, Final
 
 import msgspec
 
-from pioneer3.log.cut import HEADER, MAGIC, data_records
+from pioneer3.log.cut import CHUNK, HEADER, MAGIC, MESSAGE, data_records
 
 if TYPE_CHECKING:
     from mcap.data_stream import ReadDataStream
@@ -33,8 +33,6 @@ MOST_LOOSE: Final = 1024 * 1024
 SCHEMA: Final = 0x03
 """Kind of a record; the others likewise."""
 CHANNEL: Final = 0x04
-MESSAGE: Final = 0x05
-CHUNK: Final = 0x06
 MESSAGE_INDEX: Final = 0x07
 """Kind of a record: the places of the messages of one channel, behind their chunk."""
 CHUNK_INDEX: Final = 0x08

@@ -11,6 +11,12 @@ from typing import BinaryIO, Final
 
 MAGIC: Final = b"\x89MCAP0\r\n"
 """First and last bytes."""
+NO_KIND: Final = 0x00
+"""A loss of power may leave zeros at the end of a file."""
+MESSAGE: Final = 0x05
+"""Kind of a message that is in no chunk."""
+CHUNK: Final = 0x06
+"""Kind of a chunk of messages."""
 DATA_END: Final = 0x0F
 """Kind of the record behind the data."""
 HEADER: Final = 9
@@ -85,11 +91,14 @@ def data_records(file: BinaryIO) -> Iterator[tuple[int, int, int, bytes]]:
     A file without an end has them up to the last whole one. The reader may move in the file.
     """
     size, at = file.seek(0, 2), len(MAGIC)
+    file.seek(0)
+    if file.read(at) != MAGIC:
+        return
     while True:
         file.seek(at)
         head = file.read(HEADER + BEGIN)
         length = int.from_bytes(head[1:HEADER], "little")
-        if len(head) < HEADER or head[0] == DATA_END or at + HEADER + length > size:
+        if len(head) < HEADER or head[0] in {NO_KIND, DATA_END} or at + HEADER + length > size:
             return
         yield head[0], at + HEADER, length, head[HEADER : HEADER + length]
         at += HEADER + length

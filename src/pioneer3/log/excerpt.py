@@ -16,7 +16,7 @@ from pioneer3.log.mcap import PROFILE
 from pioneer3.log.reader import messages_of
 from pioneer3.log.topics import TOTALS, totals
 
-TOLD_ONCE: Final = {"map", "estimate", "way", "standing", "limits"}
+TOLD_ONCE: Final = {"map", "estimate", "way", "standing", "limits", "model"}
 """Topics of a robot that are told when they change: the newest before an excerpt begins it."""
 SAVED: Final = "saved"
 """Title of an excerpt among the user's logs."""

@@ -4,10 +4,11 @@ A log that is write-protected is pinned. One that is being written is locked, wh
 program whatever ends that.
 """
 
+import logging
 import os
 import re
 import stat
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from datetime import UTC, datetime
 from itertools import count
@@ -15,6 +16,7 @@ from pathlib import Path
 from typing import Final
 
 from pioneer3.errors import ConfigError
+from pioneer3.log.cut import CHUNK, MESSAGE, data_records
 from pioneer3.names import printable
 from pioneer3.text import state_folder
 
@@ -22,6 +24,8 @@ try:
     import fcntl
 except ImportError:  # Windows: a file that is open cannot be removed there
     fcntl = None  # type: ignore[assignment]
+
+log = logging.getLogger(__name__)
 
 SWITCH: Final = "PIONEER3_RECORD"
 """Variable of the environment that is 0 where nothing is recorded unless it is asked for."""
@@ -114,17 +118,38 @@ def user_logs(folder: Path) -> list[Path]:
 def find_log(folder: Path, name: str) -> Path:
     """Return the user's log of a name, or the newest with such a part; the newest for no name.
 
-    Nothing leaves the folder: it is one of those that are there.
+    Nothing leaves the folder: it is one of those that are there. Logs without messages, as a loss
+    of power leaves them, are passed over where others are there, with a line.
 
     Raises:
         ConfigError: There is none.
     """
     logs = user_logs(folder)
     if found := [path for path in logs if name in path.name]:
-        return next((path for path in found if name in {path.name, path.stem}), found[-1])
+        named = (path for path in found if name in {path.name, path.stem})
+        return next(named, None) or _newest(found)
     if not name:
         raise ConfigError(f"{printable(str(folder))}: there are no logs yet")
     raise ConfigError(f"{printable(name)}: names no log; `pioneer3 log list` shows them")
+
+
+def has_messages(path: Path) -> bool:
+    """Whether a log has messages; one that cannot be read may have some."""
+    try:
+        with path.open("rb") as file:
+            return any(kind in {CHUNK, MESSAGE} for kind, *_ in data_records(file))
+    except OSError:
+        return True
+
+
+def _newest(logs: Sequence[Path]) -> Path:
+    """Return the newest log that has messages, else the newest."""
+    for path in reversed(logs):
+        if has_messages(path):
+            if path != logs[-1]:
+                log.warning("%s: passed over: it is newer, but has no messages", logs[-1].name)
+            return path
+    return logs[-1]
 
 
 def named_log_path(name: str | Path) -> Path:

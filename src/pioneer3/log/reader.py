@@ -13,7 +13,6 @@ import msgspec
 from pioneer3.errors import ConfigError, PortNotFoundError
 from pioneer3.log.chunks import (
     CHANNEL,
-    CHUNK,
     DAMAGED,
     METADATA,
     METADATA_INDEX,
@@ -29,7 +28,7 @@ from pioneer3.log.chunks import (
     stream,
     summary_groups,
 )
-from pioneer3.log.cut import MAGIC, data_records
+from pioneer3.log.cut import CHUNK, MAGIC, data_records
 from pioneer3.log.folder import SUFFIX, is_being_written, is_pinned
 from pioneer3.log.rows import unpack_rows
 from pioneer3.log.topics import (

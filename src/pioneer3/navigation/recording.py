@@ -16,9 +16,11 @@ from pioneer3.log.topics import LogEvent
 from pioneer3.maps import LineMap
 from pioneer3.maps.aria import parse_aria
 from pioneer3.maps.write import aria_text
+from pioneer3.models import RobotModel
 from pioneer3.nav.places import Destination
 from pioneer3.navigation.goals import GoalChanged
 from pioneer3.runtime.recording import (
+    MODEL,
     CommandGiven,
     DecisionMade,
     RobotLog,
@@ -112,6 +114,7 @@ KINDS: Final[Mapping[str, type]] = {
     "command": CommandGiven,
     "decision": DecisionMade,
     "limits": Limits,
+    MODEL: RobotModel,
     "standing": StandsBecause,
     "estimate": EstimateMade,
     "goal": GoalChanged,

@@ -132,6 +132,7 @@ class Supervisor:
         ConfigError: There is no such model.
 
     Attributes:
+        model: That somebody gives, from the next connection on.
         snapshot: The latest one of the session that is open, or `None`.
         snapshot_taken: Called with every snapshot, before the feed `snapshots` has it.
         poses: Of the last seconds, in odometry's frame.
@@ -156,7 +157,7 @@ class Supervisor:
         self.info: RobotInfo | None = None
         self.snapshot_taken: Callable[[Snapshot], None] = lambda snapshot: None
         self._open_link = open_link
-        self._model = loaded_model(model)
+        self.model = loaded_model(model)
         self._restrict = restrict
         self._change: Callable[[Limits], Limits] = lambda limits: limits
         self._timing = timing
@@ -337,7 +338,7 @@ class Supervisor:
                 requests=self._requests,
                 assembler=self.assembler,
                 listener=self,
-                model=self._model,
+                model=self.model,
                 restrict=self._restricted,
                 timing=self._timing,
             )

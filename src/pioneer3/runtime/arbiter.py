@@ -361,8 +361,8 @@ class Arbiter:
         if info is not None and (self._memory is None or self._memory.model is not info.model):
             self._memory = RangeMemory(info.model)
         scans = [scan for laser in self.lasers if (scan := laser.latest) is not None]
-        if self.log is not None:
-            self.log.snapshot(snapshot, scans)
+        if self.log is not None and info is not None:
+            self.log.snapshot(snapshot, info.model, scans)
         if self._memory is not None and self.remembers:
             self._memory.update(snapshot, scans)
         self.decide()

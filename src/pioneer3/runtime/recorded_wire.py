@@ -8,7 +8,7 @@ from typing import Final
 from pioneer3.errors import ConfigError, RecordingOverError
 from pioneer3.links import Link
 from pioneer3.log.reader import RunLog
-from pioneer3.log.topics import EVENT
+from pioneer3.log.topics import EVENT, LogEvent
 from pioneer3.text import wrong
 
 LONGEST_PAUSE: Final = 14 * 86_400.0
@@ -25,6 +25,11 @@ class _Step:
     opens: bool = False
     closes: bool = False
     data: bytes = b""
+
+
+def opens(link: str, event: LogEvent) -> bool:
+    """Whether an event tells that a link was opened."""
+    return event.kind == "link" and event.text.startswith(f"{link}: open: ")
 
 
 class RecordedWire:
@@ -61,7 +66,7 @@ class RecordedWire:
                 yield _Step(at, data=message.data)
                 continue
             event = log.decoded(message, EVENT)
-            if event.kind == "link" and event.text.startswith(f"{link}: open: "):
+            if opens(link, event):
                 yield _Step(at, opens=True)
             elif event.kind == "link" and event.text == f"{link}: closed":
                 yield _Step(at, closes=True)

@@ -21,7 +21,7 @@ from pioneer3.links import Opener
 from pioneer3.links.tap import ROBOT, WireRecording, tapped
 from pioneer3.log.command_line import without_secrets
 from pioneer3.log.output import refuse_taken
-from pioneer3.log.topics import LogEvent, LogTopic
+from pioneer3.log.topics import SNAPSHOT, LogEvent, LogTopic
 from pioneer3.log.writer import LogWriter, named_log, user_log
 from pioneer3.models import GivenModel, RobotModel
 from pioneer3.robot.explain import Reason
@@ -41,6 +41,8 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 
+MODEL: Final = "model"
+"""Topic of the model of a robot: another robot may answer later at the same port."""
 RENEWED: Final = 1.0
 """Period at which a command or decision is told that only goes on, as of a held key [s]."""
 EMERGENCY_STOP: Final = "emergency stop"
@@ -156,7 +158,8 @@ class RobotLog:
     def __init__(self, log: LogWriter, robot: str = "") -> None:
         self.log = log
         self._prefix = f"{robot}/" if robot else ""
-        self._snapshots = self.topic("snapshot", Snapshot)
+        self._snapshots = self.topic(SNAPSHOT, Snapshot)
+        self._models = self.topic(MODEL, RobotModel, repeated=True)
         commands = self.topic("command", CommandGiven)
         self._commands = replace(commands, is_news=self._is_new_command)
         decisions = self.topic("decision", DecisionMade, _told)
@@ -212,8 +215,9 @@ class RobotLog:
         """Return an opener of the same links, which are recorded."""
         return tapped(opener, WireRecording(self.log, self._prefix + link))
 
-    def snapshot(self, snapshot: Snapshot, scans: Iterable[Scan] = ()) -> None:
-        """Take a snapshot, and scans that came before it, unless they are known."""
+    def snapshot(self, snapshot: Snapshot, model: RobotModel, scans: Iterable[Scan] = ()) -> None:
+        """Take a snapshot of a robot, its model, and scans before it, unless they are known."""
+        self.put(self._models, model)
         for scan in scans:
             self.scan(scan)
         if snapshot.motors.moving or not snapshot.odometry.twist.is_zero:

@@ -14,6 +14,7 @@ from bisect import bisect_right
 from collections.abc import Coroutine, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import partial
+from itertools import chain, repeat
 from math import inf, nextafter
 from operator import itemgetter
 from typing import TYPE_CHECKING, Any, Final, Generic, TypeVar
@@ -28,10 +29,11 @@ from pioneer3.errors import ConfigError, LinkError, NoRobotError
 from pioneer3.geometry import ORIGIN, STILL, Twist2
 from pioneer3.lasers.client import RawScan, ScanSettings
 from pioneer3.limits import Limits
+from pioneer3.links import Link
 from pioneer3.links.tap import ROBOT
 from pioneer3.log.reader import RunLog
 from pioneer3.log.topics import EVENT, ROUGH, SNAPSHOT, LogEvent, LogTopic, robots_in
-from pioneer3.models import GivenModel, RobotModel
+from pioneer3.models import Fallback, GivenModel, RobotModel, loaded_model
 from pioneer3.models.lasers import LaserProtocol
 from pioneer3.robot.correction import TwistCorrection
 from pioneer3.robot.explain import DISCONNECTED, FROM_READINGS, Reason, allowed
@@ -39,8 +41,8 @@ from pioneer3.robot.lasers.mounting import Mounting, PoseAt
 from pioneer3.robot.limits import limit
 from pioneer3.robot.poses import Poses
 from pioneer3.robot.supervisor import RobotInfo, Supervisor
-from pioneer3.runtime.recorded_wire import RecordedWire
-from pioneer3.runtime.recording import AT_ORIGIN, RENEWED, DecisionMade, StandsBecause
+from pioneer3.runtime.recorded_wire import RecordedWire, opens
+from pioneer3.runtime.recording import AT_ORIGIN, MODEL, RENEWED, DecisionMade, StandsBecause
 from pioneer3.state import Bumpers, Scan, Snapshot
 from pioneer3.tasks import FastTimeLoop
 from pioneer3.units import DEGREE
@@ -119,20 +121,19 @@ def verify(log: RunLog, model: GivenModel = None) -> list[Verification]:
 def _verify(log: RunLog, prefix: str, model: GivenModel) -> Verification:
     wire = RecordedWire(log, prefix + ROBOT)
     known = log.info().texts.get(prefix + ROBOT, {})
-    if model is None and "parameters" in known:
-        with log.damage_told():
-            model = msgspec.json.decode(known["parameters"], type=RobotModel)
+    models: Iterator[RobotModel | Fallback | None]
+    models = repeat(loaded_model(model)) if model is not None else _models(log, prefix, known)
     lasers = [*_lasers(log, prefix)]
     with asyncio.Runner(loop_factory=partial(FastTimeLoop, wire.begin)) as runner:
         comparison = _Comparison(log, LogTopic(prefix + SNAPSHOT, Snapshot))
         kind, text = AT_ORIGIN
         told = LogEvent(kind, prefix + text)
         restarts = [wire.seconds(time) for time, event in log.of(EVENT) if event == told]
-        info = runner.run(_drive(wire, comparison, model, lasers, restarts))
+        infos = runner.run(_drive(wire, comparison, models, lasers, restarts))
     decisions, velocities, reasons = _Decisions(log, prefix, wire, known), 0, 0
     difference = comparison.missing() or decisions.difference
-    if not difference and info:
-        velocities, difference = decisions.sent(comparison.bumpers, info)
+    if not difference and infos:
+        velocities, difference = decisions.sent(comparison.bumpers, infos)
     if not difference:
         reasons, difference = _reasons(log, prefix, wire, comparison.read)
     return Verification(
@@ -145,6 +146,26 @@ def _verify(log: RunLog, prefix: str, model: GivenModel) -> Verification:
         difference=difference
         or next(filter(None, (each.scans.missing() for each in lasers)), None),
     )
+
+
+def _models(log: RunLog, prefix: str, known: Mapping[str, str]) -> Iterator[RobotModel | None]:
+    """Return the model at each connection of a robot: the last that was told before the next one.
+
+    An older log has the last one alone.
+    """
+    model: RobotModel | None = None
+    if "parameters" in known:
+        with log.damage_told():
+            model = msgspec.json.decode(known["parameters"], type=RobotModel)
+    topic, at_each = LogTopic(prefix + MODEL, RobotModel), list[RobotModel | None]()
+    for message in log.messages({topic.name, EVENT.name}.__contains__):
+        if message.topic == topic.name:
+            model = log.decoded(message, topic)
+            if at_each:
+                at_each[-1] = model
+        elif opens(prefix + ROBOT, log.decoded(message, EVENT)):
+            at_each.append(model)
+    return chain(at_each, repeat(model))
 
 
 @dataclass(frozen=True, slots=True)
@@ -266,7 +287,7 @@ class _Decisions:
             self.made.append((at, made.decision))
 
     def sent(
-        self, bumpers: Sequence[tuple[float, Bumpers]], info: RobotInfo
+        self, bumpers: Sequence[tuple[float, Bumpers]], infos: Sequence[tuple[float, RobotInfo]]
     ) -> tuple[int, Difference | None]:
         """Return how many velocities were sent as the decisions tell, and the first that was not.
 
@@ -286,7 +307,13 @@ class _Decisions:
                         for pressed in _lately(bumpers, at) or [Bumpers()]
                         if at <= decision.until + RENEWED + LATE
                     ]
-                    told = [each for twist in may_be for each in _corrected(twist, info)]
+                    known = _lately(infos, at) or [infos[0][1]]
+                    told = [
+                        each
+                        for info in known
+                        for twist in may_be
+                        for each in _corrected(twist, info)
+                    ]
                     if (speed, payload) not in map(_payloads, told):
                         sent = f"{from_payload(speed)}, {from_payload(payload)}"
                         return count, Difference(
@@ -320,23 +347,33 @@ def _lately(told: Sequence[tuple[float, T]], at: float) -> list[T]:
 async def _drive(
     wire: RecordedWire,
     comparison: "_Comparison[Snapshot]",
-    model: GivenModel,
+    models: Iterator[RobotModel | Fallback | None],
     lasers: Sequence[_Laser],
     restarts: Sequence[float],
-) -> RobotInfo | None:
-    supervisor = Supervisor(wire.open, model=model, auto_enable=False, timing=PATIENT)
+) -> list[tuple[float, RobotInfo]]:
+    """Run the driver; return the descriptions of the robot, each with its time [s]."""
+
+    async def opened() -> Link:
+        link = await wire.open()
+        supervisor.model = next(models)
+        return link
+
+    supervisor = Supervisor(opened, auto_enable=False, timing=PATIENT)
     before, loop = Poses(), asyncio.get_running_loop()
+    infos: list[tuple[float, RobotInfo]] = []
     for at in restarts:
         loop.call_at(at, supervisor.assembler.odometer.restart, ORIGIN)
 
     def take(snapshot: Snapshot) -> None:
         loop.call_later(TICK, before.add, snapshot)
+        assert supervisor.info is not None
+        _note(infos, loop.time(), supervisor.info)
         comparison.take(snapshot)
 
     supervisor.snapshot_taken = take
     scanning = (laser.scan(supervisor.poses, before) for laser in lasers)
     await asyncio.gather(_play(supervisor.run(), comparison), *scanning)
-    return supervisor.info
+    return infos
 
 
 async def _play(driver: Coroutine[Any, Any, None], comparison: "_Comparison[Any]") -> None:

@@ -1,6 +1,7 @@
 """`pioneer3 log` lists logs, tells what is in one, keeps it, and cuts it."""
 
 import json
+import os
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -8,7 +9,9 @@ from pathlib import Path
 import pytest
 
 from pioneer3.cli.log import _moment, cut, info, list_, pin
+from pioneer3.cli.log_stats import stats
 from pioneer3.errors import ConfigError
+from pioneer3.log.cut import MAGIC
 from pioneer3.log.folder import create_log, is_pinned, logs_folder
 from pioneer3.log.mcap import McapFile
 from pioneer3.log.reader import open_log
@@ -78,6 +81,26 @@ def test_info_tells_what_was_started_and_counts_messages(output: Output) -> None
     assert counts.split() == ["command", "11", "event", "11", "wire/robot/in", "11"]
     assert info(str(path), json=True) == 0
     assert json.loads(output())["end"] == "left as usual"
+
+
+def test_the_newest_log_is_one_with_messages_and_a_line_tells_of_a_newer_one(
+    capsys: pytest.CaptureFixture[str], caplog: pytest.LogCaptureFixture
+) -> None:
+    path, later = a_log("drive"), BEGAN / SECOND + 60
+    assert info() == 0
+    assert not caplog.messages
+    for title, content in (("run", b""), ("wander", bytes(10**6)), ("run", MAGIC + bytes(10**6))):
+        empty, descriptor = create_log(logs_folder(), title, later)
+        os.write(descriptor, content)
+        os.close(descriptor)
+        caplog.clear()
+        assert info() == 0
+        assert str(path) in capsys.readouterr().out
+        assert caplog.messages == [f"{empty.name}: passed over: it is newer, but has no messages"]
+    with pytest.raises(ConfigError, match="is no log"):
+        info("wander")
+    stats()
+    assert "run" not in capsys.readouterr().err
 
 
 def test_a_pinned_log_is_kept_until_it_is_let_go() -> None:

@@ -16,6 +16,7 @@ from pioneer3.log.reader import open_log
 from pioneer3.log.target import UserFolder
 from pioneer3.log.topics import END, GOES_ON, PROGRAM, LogTopic
 from pioneer3.log.writer import LogWriter
+from pioneer3.models import load_model
 from pioneer3.runtime.recording import RobotLog
 from pioneer3.state import Snapshot
 from pioneer3.tasks import running
@@ -186,7 +187,7 @@ async def test_the_last_minutes_are_saved_with_a_note(folder: Path) -> None:
         log = RobotLog(writer)
         writer.describe("robot", {"name": "bob", "model": "p3dx-sh"})
         for second in range(3):
-            log.snapshot(snapshot(float(second)))
+            log.snapshot(snapshot(float(second)), load_model("p3dx-sh"))
         answer = await script.ask("POST", "/api/logs", {"note": "it hit\x1b[2J the door"})
         assert answer.status == 200
         saved = folder / answer.json["file"]

@@ -21,6 +21,7 @@ from pioneer3.ros.bag.player import Player
 from pioneer3.ros.bag.robots import LoggedRobot, robots_of
 from pioneer3.ros.messages.update import NANO
 from pioneer3.ros.node.names import Profile
+from pioneer3.runtime.recording import MODEL
 from pioneer3.text import one_line, wrong
 
 WRONG: Final = (*DAMAGED, LookupError, ArithmeticError)
@@ -72,7 +73,7 @@ def write_bag(
         players = [Player(robot, bag, profile, _wall_clock(known)) for robot in robots]
         takers = {EVENT.name: [(EVENT, player, player.event) for player in players]}
         for robot, player in zip(robots, players, strict=True):
-            takers |= _takers(robot, player)
+            takers |= _takers(robot, player, given=model is not None)
         for message in followed(log.messages(takers.__contains__), known, tell):
             topic, *_ = takers[message.topic][0]
             decoded = log.decoded(message, topic)
@@ -96,9 +97,10 @@ def _guess(robot: LoggedRobot) -> str:
     )
 
 
-def _takers(robot: LoggedRobot, player: Player) -> dict[str, list[Taker]]:
-    """Return the receivers of a robot's messages, by their topics."""
+def _takers(robot: LoggedRobot, player: Player, *, given: bool) -> dict[str, list[Taker]]:
+    """Return the receivers of a robot's messages, by their topics; its model may be `given`."""
     takes: dict[str, Callable[[Any], None]] = {
+        **({} if given else {MODEL: player.use_model}),
         SNAPSHOT: player.snapshot,
         "command": player.command,
         "decision": player.decision,

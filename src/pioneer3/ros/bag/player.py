@@ -8,6 +8,7 @@ from pioneer3.behaviors.engine import Decision
 from pioneer3.geometry import ORIGIN, Pose2
 from pioneer3.links.tap import ROBOT
 from pioneer3.log.topics import LogEvent
+from pioneer3.models import RobotModel
 from pioneer3.robot.explain import Reason
 from pioneer3.robot.reports import ArrivalRate
 from pioneer3.robot.supervisor import Connection, ConnectionStatus
@@ -106,6 +107,10 @@ class Player:
             )
         )
         self.navigation.publish(snapshot)
+
+    def use_model(self, model: RobotModel) -> None:
+        """Take the model of the robot that sends from now on."""
+        self._robot = replace(self._robot, info=replace(self._robot.info, model=model))
 
     def scan(self, laser: str, scan: Scan) -> None:
         """Publish a scan of a laser."""

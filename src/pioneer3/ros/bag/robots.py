@@ -5,15 +5,17 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Final
 
+import msgspec
+
 from pioneer3.geometry import Pose2
 from pioneer3.links.tap import ROBOT
 from pioneer3.log.reader import RunLog
 from pioneer3.log.topics import LogTopic, robots_in
-from pioneer3.models import GivenModel, loaded_model
+from pioneer3.models import GivenModel, RobotModel, loaded_model
 from pioneer3.models.model import UnknownModel
 from pioneer3.names import free_name
 from pioneer3.robot.supervisor import RobotInfo
-from pioneer3.runtime.recording import described
+from pioneer3.runtime.recording import MODEL, described
 from pioneer3.state import Scan
 from pioneer3.text import wrong
 
@@ -60,11 +62,14 @@ def robots_of(log: RunLog, given: GivenModel = None) -> list[LoggedRobot]:
         before = prefix.rstrip("/")
         name = free_name(ros_name(before), taken, "_") if before else ""
         taken.add(name)
+        told, models = texts.get(f"{prefix}{ROBOT}", {}), LogTopic(prefix + MODEL, RobotModel)
+        if models.name in topics and (first := next(log.of(models), None)) is not None:
+            told = {**told, "parameters": msgspec.json.encode(first[1]).decode()}
         robots.append(
             LoggedRobot(
                 prefix=prefix,
                 namespace=f"/{name}" if name else "",
-                info=described(texts.get(f"{prefix}{ROBOT}", {}), given=given),
+                info=described(told, given=given),
                 lasers={
                     scans.rpartition("/")[2]: pose
                     for scans, pose in mounted.items()

@@ -105,7 +105,7 @@ class ClassRobot:
             use_map(self._run, line_map)
         if (robot_in_world := view.scene.true_pose) is not None:
             self._run.truth(robot_in_world)
-        self._run.snapshot(newest)
+        self._run.snapshot(newest, view.robot.info.model)
 
     def end_recording(self) -> RunRecording:
         """End the recording; return it.

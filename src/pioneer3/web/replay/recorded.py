@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from contextlib import suppress
+from dataclasses import replace
 from typing import Any, Final, TypeVar
 
 import msgspec
@@ -13,11 +14,13 @@ from pioneer3.log.chunks import DAMAGED
 from pioneer3.log.index import LogIndex
 from pioneer3.log.reader import LogMessage
 from pioneer3.log.topics import SNAPSHOT, LogEvent, robots_in
+from pioneer3.models import RobotModel
 from pioneer3.navigation.recording import EstimateMade, MapUsed, WayPlanned
-from pioneer3.robot.supervisor import ConnectionStatus
+from pioneer3.robot.supervisor import ConnectionStatus, RobotInfo
 from pioneer3.runtime.recording import (
     EMERGENCY_STOP,
     GIVES_MOTION,
+    MODEL,
     RESET,
     CommandGiven,
     DecisionMade,
@@ -45,14 +48,13 @@ class RecordedRobot:
 
     Attributes:
         number: On the page.
-        info: As the log describes it.
         began: Time of its first snapshot [ns since 1970].
         time: [ns since 1970].
     """
 
     def __init__(self, number: int, name: str, index: LogIndex, prefix: str) -> None:
         self.number, self.name, self.index, self.prefix = number, name, index, prefix
-        self.info = described(index.info().texts.get(f"{prefix}{ROBOT}", {}), str(index.path))
+        self._described = described(index.info().texts.get(f"{prefix}{ROBOT}", {}), str(index.path))
         self.began = index.first(prefix + SNAPSHOT)
         self.time = 0
         self.lasers = sorted(
@@ -69,12 +71,19 @@ class RecordedRobot:
             "way": WayPlanned,
             "truth": TruePoseTold,
             "map": MapUsed,
+            MODEL: RobotModel,
             **dict.fromkeys(self.lasers, Scan),
         }
         self._topics = {prefix + kind for kind in self._kinds} | {"event"}
         self._newest: dict[str, LogMessage | None] = {}
         self._decoded: dict[str, tuple[LogMessage, Any]] = {}
         self._latch: LogMessage | None = None
+
+    @property
+    def info(self) -> RobotInfo:
+        """Its description, with the model at the time."""
+        model = self.told(RobotModel)
+        return replace(self._described, model=model) if model else self._described
 
     @property
     def knows_places(self) -> bool:

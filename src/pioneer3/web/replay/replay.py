@@ -167,6 +167,7 @@ class LogPlayer:
             retained["replay"] = messages.encode(self._state())
         if tells:
             self._detailed_at = now
+            retained["hello"] = messages.encode(self.hello())
             marks = messages.ReplayMarks(tuple(self._marks))
             retained["replay marks"] = messages.encode(marks)
         for audience in self._audiences:

@@ -146,6 +146,15 @@ def test_the_numbers_are_those_of_the_log(tmp_path: Path) -> None:
     assert len(bag.messages["/motors_state"]) == 1
 
 
+def test_each_robot_at_a_port_has_the_sonars_of_its_model(tmp_path: Path) -> None:
+    amigo, p3at = load_model("amigo-sh"), load_model("p3at-sh")
+    messages = [(0.0, "model", amigo), *drive(), (1.5, "model", p3at)]
+    bag = converted(tmp_path, sorted(messages, key=itemgetter(0)))
+    frames = [{each.child_frame_id for each in tree.transforms} for tree in bag.of("/tf_static")]
+    assert "sonar_9" not in str(frames[0])
+    assert "sonar_9" in str(frames[-1])
+
+
 def test_the_place_on_the_map_is_that_of_the_newest_estimate(tmp_path: Path) -> None:
     office = MapUsed(name="office", file="", sha256="", text=MAP)
     bag = converted(tmp_path, [(0.0, "map", office), *drive()])

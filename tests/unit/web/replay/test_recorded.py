@@ -74,6 +74,19 @@ def test_a_snapshot_tells_what_was_decided_then(path: Path) -> None:
     assert at(robot, 15.0).driver is None
 
 
+def test_the_outline_is_that_of_the_robot_that_answered_then(tmp_path: Path) -> None:
+    log = LogFile(tmp_path / "a.mcap")
+    log.add("model", [(0.0, load_model("amigo-sh")), (5.0, load_model("p3at-sh"))])
+    log.add("snapshot", [(float(second), snapshot(float(second))) for second in range(10)])
+    log.close()
+    (robot,) = robots(log.path)
+    shapes = []
+    for second in (1.0, 6.0, 1.0):
+        at(robot, second)
+        shapes.append(view.listed(robot).shape)
+    assert shapes[0] == shapes[2] != shapes[1]
+
+
 def test_the_emergency_stop_is_latched_until_it_is_reset(path: Path) -> None:
     (robot,) = robots(path)
     latched = [at(robot, second).emergency_stop for second in (11.9, 12.1, 13.5, 14.1)]
