@@ -22,6 +22,8 @@ CONNECT_PATIENCE = 5.0
 LONGEST_ROUND_TRIP = 1.0
 """Upper bound of the measured round trip [s]; connecting can take longer because of the name
 lookup."""
+READ = 1 << 14
+"""Most that is read at once [bytes]."""
 KEEPALIVE = {"TCP_KEEPIDLE": 5, "TCP_KEEPINTVL": 2, "TCP_KEEPCNT": 3, "TCP_USER_TIMEOUT": 10_000}
 """A far end that vanishes without closing is noticed within about 10 s [s, s, times, ms]."""
 
@@ -51,7 +53,7 @@ class StreamLink:
     async def read(self) -> bytes:
         """Return the next bytes; `b""` once the far end has closed."""
         try:
-            return await self._reader.read(4096)
+            return await self._reader.read(READ)
         except OSError as error:
             raise self._failed(error) from error
 
@@ -129,6 +131,8 @@ def accepted(
 ) -> StreamLink:
     """Return a link over a connected socket."""
     tune(writer.get_extra_info("socket"))
+    # asyncio's 256 KiB are memory that the system maps and unmaps for each read
+    writer.transport.max_size = READ  # type: ignore[attr-defined]
     return StreamLink(url, reader, writer, round_trip=round_trip)
 
 

@@ -242,11 +242,12 @@ class LaserDriver:
 
     async def _serve(self, link: Link, client: LaserClient) -> None:
         """Pass bytes between `link` and `client` until it is lost: LinkError has the reason."""
+        timed = link if isinstance(link, TimedLink) else None  # slow to ask
         while True:
             await self._obey(link, client, client.tick(self._clock()))
             data = await self._read(link, client.deadline)
             if data is not None:
-                now = link.read_at if isinstance(link, TimedLink) else self._clock()
+                now = timed.read_at if timed else self._clock()
                 await self._obey(link, client, client.receive(data, now))
 
     async def _read(self, link: Link, deadline: float) -> bytes | None:
