@@ -18,6 +18,7 @@ from pioneer3.lasers.scip.sweeps import codes_of, data_lines
 from pioneer3.lasers.scip.timing import WRAP, ScipClock
 from pioneer3.lasers.scip.wire import (
     AnswerReader,
+    checksum,
     decode_values,
     encode_values,
     from_lines,
@@ -68,6 +69,11 @@ def test_numbers_go_both_ways(width: int, data: st.DataObject) -> None:
     assert len(text) == width * len(values)
     assert decode_values(text, width) == values
     assert from_lines(to_lines(text).splitlines()) == text
+
+
+@given(st.binary(max_size=80) | st.binary(min_size=300, max_size=400))
+def test_a_checksum_is_six_bits_of_the_sum(data: bytes) -> None:
+    assert checksum(data) == 0x30 + sum(data) % 64
 
 
 @given(

@@ -150,6 +150,7 @@ def test_health_is_read_from_the_status(status: str, healthy: bool) -> None:
         ("urg-04lx", 20, 0.02),
         ("urg-04lx", 5600, 5.6),
         ("urg-04lx", 5601, INF),
+        ("urg-04lx", (1 << 18) - 1, INF),
         ("utm-30lx", 1, INF),
         ("utm-30lx", 2, -INF),
         ("utm-30lx", 23, 0.023),
@@ -162,6 +163,7 @@ def test_codes_are_as_in_rep_117(laser: str, value: int, metres: float) -> None:
     steps = LASERS[laser].steps
     assert steps is not None
     assert ranges_of([value], steps) == pytest.approx((metres,))
+    assert ranges_of([1000, value], steps) == pytest.approx((1.0, metres))
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,9 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from math import inf, nan
+from operator import itemgetter
 from typing import Final
 
 from pioneer3.lasers.scip.wire import decode_values, from_lines, from_plain_lines
@@ -114,13 +116,21 @@ def _decode_echoes(text: bytes, format_: Format, count: int) -> ScanReadings | N
 
 def ranges_of(values: Sequence[int], steps: Steps) -> tuple[float, ...]:
     """Return the range of each value [m], as REP 117 has it (scip.md 3.2)."""
-    low, high = steps.shortest, steps.longest
-    if values and low <= min(values) and max(values) <= high:
-        return tuple([value * MM for value in values])
+    table = _ranges(steps.shortest, steps.longest)
+    try:
+        ranges: tuple[float, ...] = itemgetter(0, 0, *values)(table)[2:]  # of one it is no tuple
+    except IndexError:
+        return tuple([table[value] if value < len(table) else inf for value in values])
+    return ranges
+
+
+@lru_cache(maxsize=8)
+def _ranges(low: int, high: int) -> tuple[float, ...]:
+    """Return the range of each value up to the next power of two above `high` [m]."""
     codes = UTM_CODES if high > WIDE_RANGE else CODES
     return tuple(
         [
             value * MM if low <= value <= high else codes.get(value, nan) if value < low else inf
-            for value in values
+            for value in range(1 << min(high.bit_length(), MAX_VALUE.bit_length()))
         ]
     )
