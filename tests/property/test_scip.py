@@ -211,7 +211,8 @@ def test_millimetres_that_are_known_change_no_byte(
     known = [int(metres * 1000 + 0.5) for metres in ranges]
     turn = MirrorTurn(first=0.0, step=0.1, count=len(ranges), beam_time=0.0, period=0.025)
     plain = Sweep(turn=turn, began=0.0, ranges=ranges, intensities=[0.5] * len(ranges))
-    sent = (
+    rounded = replace(plain, millimetres=known, least=min(known), most=max(known))
+    lines = [
         data_lines(
             sweep,
             FORMATS[letters],
@@ -221,6 +222,6 @@ def test_millimetres_that_are_known_change_no_byte(
             end=steps.last,
             cluster=1,
         )
-        for sweep in (plain, replace(plain, millimetres=known))
-    )
-    assert len({*sent}) == 1
+        for sweep in (plain, rounded)
+    ]
+    assert len({*lines}) == 1

@@ -34,7 +34,7 @@ class Sweep:
     back. `intensities`, likewise, are shares of the light of a perfect matt white wall, more for
     reflectors, 0 where nothing came back. `echoes` are all of each reading [m], the nearest first,
     shape (count, up to 3); empty where there is never more than one. `millimetres` are the ranges,
-    rounded; empty where they are not known yet.
+    rounded, from the `least` to the `most`; empty where they are not known yet.
     """
 
     turn: MirrorTurn
@@ -43,6 +43,8 @@ class Sweep:
     intensities: Sequence[float]
     echoes: Sequence[tuple[float, ...]] = ()
     millimetres: Sequence[int] = ()
+    least: int = 0
+    most: int = 0
 
 
 class DeviceConnection(Protocol):

@@ -55,7 +55,7 @@ def data_lines(
         longest = min(longest, LONGEST_SHORT_VALUE)
         codes = Codes(min(codes.nothing, LONGEST_SHORT_VALUE), codes.near)
     distances: Sequence[int] = sweep.millimetres
-    if not distances or min(distances) < steps.shortest or max(distances) > longest:
+    if not distances or sweep.least < steps.shortest or sweep.most > longest:
         distances = values_of(sweep.ranges, steps.shortest, longest, codes)
     distances = _with_margins(distances, steps, start, end, NOT_MEASURED)
     lights: Sequence[int] = [0] * len(distances)

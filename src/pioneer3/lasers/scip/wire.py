@@ -5,11 +5,13 @@ An answer is some lines that end in LF; an empty line ends it::
     echo of the command LF  status LF  data LF  data LF  LF
 """
 
+from array import array
 from binascii import a2b_base64, b2a_base64
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from string import ascii_lowercase, ascii_uppercase, digits
-from struct import pack, unpack
+from struct import unpack
+from sys import byteorder
 from typing import Final
 from zlib import adler32
 
@@ -79,8 +81,10 @@ def unseal(line: bytes) -> bytes | None:
 
 def encode_values(values: Sequence[int], width: int) -> bytes:
     """Return each of `values` as `width` characters of six bits, the highest first."""
-    words = pack(f">{len(values)}I", *values)
-    low = bytearray(3 * len(values))
+    numbers = array("I", values)
+    if byteorder == "little":
+        numbers.byteswap()
+    words, low = numbers.tobytes(), bytearray(3 * len(values))
     for place in range(3):
         low[place::3] = words[place + 1 :: 4]
     fours = b2a_base64(low, newline=False).translate(FROM_BASE64)

@@ -6,6 +6,7 @@ of that reading. No turn begins while the device wants none, so that lasers with
 nothing.
 """
 
+from array import array
 from collections.abc import Callable
 from math import inf
 
@@ -199,7 +200,7 @@ class SimulatedLaser:
         turn leave from its end on even so, those that have left by now at once.
         """
         ranges, intensities = self._scanner.readings()
-        millimetres = np.floor(np.clip(ranges, 0.0, FARTHEST) * 1000 + 0.5).astype(np.uint32)
+        millimetres = (np.minimum(ranges, FARTHEST) * 1000 + 0.5).astype(np.uint32)
         ended = self._began + (turn.count - 1) * turn.beam_time
         self._next = self._began + turn.period
         self.exchange(ended)  # what is sent before the turn leaves before it
@@ -209,7 +210,9 @@ class SimulatedLaser:
                 began=self._began,
                 ranges=ranges.data,
                 intensities=intensities.data,  # most devices tell none
-                millimetres=millimetres.data,
+                millimetres=array("I", millimetres.tobytes()),  # to pack it takes no loop
+                least=int(millimetres.min()),
+                most=int(millimetres.max()),
             ),
             ended,
         )
