@@ -11,6 +11,7 @@ tell how the surface slants and whether an edge divides the spot (docs/explanati
 
 from collections import deque
 from dataclasses import dataclass
+from functools import lru_cache
 from math import ceil, floor, hypot, inf
 
 import numpy as np
@@ -21,6 +22,7 @@ from pioneer3.maps.materials import MATT, REFERENCE, REMISSION
 from pioneer3.models.lasers import LaserModel
 from pioneer3.sim.body import Body
 from pioneer3.sim.kernels import Fan
+from pioneer3.sim.sensing import MOST_SEEN
 from pioneer3.sim.world import World
 
 PIECE = 2.5e-3
@@ -96,6 +98,7 @@ class LaserScanner:
         self._ranges, self._codes = np.empty(rays), np.zeros(rays, dtype=np.uint8)
         angles = arc.first + self._apart * np.arange(-self._aside, rays - self._aside)
         self._headings = np.stack([np.cos(angles), np.sin(angles)])
+        self._fan_at_rest = lru_cache(maxsize=MOST_SEEN)(self._fan)
 
     def look(self, now: float) -> bool:
         """Take the readings up to `now`, the world's time [s]; return whether all are taken.
@@ -168,25 +171,29 @@ class LaserScanner:
 
     def _look_along(self, first: int, end: int, motion: "_Motion") -> None:
         """Cast the rays `first` to `end`, without `end`, from where the robot was then."""
+        moves = motion.begin != motion.end or self._poses[-1][1] != motion.end
+        fan = self._fan(first, end, motion) if moves else self._fan_at_rest(first, end)
+        self._ranges[first:end], self._codes[first:end] = self._world.look(
+            self._body, fan, self.model.far
+        )
+
+    def _fan(self, first: int, end: int, motion: "_Motion | None" = None) -> Fan:
+        """Return the rays `first` to `end`, without `end`, of a robot in motion or at rest."""
         mount, headings = self._mount, self._headings[:, first:end]
-        present = self._poses[-1][1]
         start, apart = self._arc.first + (first - self._aside) * self._apart, self._apart
-        if motion.begin != motion.end or present != motion.end:
+        if motion is not None:
             each = self._arc.beam_time / self._per_step
             half = (end - 1 - first) / 2
             turned = motion.rate * each  # by the robot, from one ray to the next
             at = motion.pose_at(self._began + (first - self._aside + half) * each)
             # World looks from the present pose of the robot; seen from there the laser was here
-            mount = present.inverse() @ at @ mount
+            mount = self._poses[-1][1].inverse() @ at @ mount
             start, apart = start - turned * half, apart + turned
             if turned:
                 angles = start + apart * np.arange(end - first)
                 headings = np.stack([np.cos(angles), np.sin(angles)])
-        fan = Fan(
+        return Fan(
             np.array([mount.x, mount.y, mount.theta, start, apart]), np.ascontiguousarray(headings)
-        )
-        self._ranges[first:end], self._codes[first:end] = self._world.look(
-            self._body, fan, self.model.far
         )
 
 

@@ -142,6 +142,10 @@ class Sensing(Protocol):
         """Return the segments of the bumpers of robot `number` that something presses."""
 
 
+MOST_SEEN = 64
+"""Fans of lasers whose ranges are kept while nothing moves."""
+
+
 class PlanarSensing:
     """`Sensing` on a plane: everything reaches from the floor to the ceiling."""
 
@@ -149,6 +153,7 @@ class PlanarSensing:
         self._errors = sonar
         self._places: tuple[bytes, bytes] | None = None
         self._heard: dict[int, tuple[Mounts, Float]] = {}
+        self._seen: dict[tuple[Fan, float, int, People], tuple[Float, Codes]] = {}
         self._pressed: dict[int, Bumpers] = {}
         self._met: RobotArrays | None = None
 
@@ -171,10 +176,11 @@ class PlanarSensing:
 
     def forget(self) -> None:
         touched = self._robots[0].drives.flags[TOUCHED].tobytes() if self._robots else b""
-        places = self._outlines.poses.tobytes(), touched
+        places = self._outlines.state.tobytes(), touched
         if places != self._places or self._has_walkers:  # their legs move
             self._places, self._met = places, None
             self._heard.clear()
+            self._seen.clear()
             self._pressed.clear()
 
     def sonar(self, kernels: Kernels, mounts: Mounts, owners: Int32 | None) -> Float:
@@ -201,10 +207,15 @@ class PlanarSensing:
     def look(
         self, kernels: Kernels, fan: Fan, limit: float, number: int, people: People = "legs"
     ) -> tuple[Float, Codes]:
-        met = self._outlines if people == "bodies" else self._met_by_lasers(kernels)
-        owner = np.array([number], dtype=np.int32)
-        ranges: Float = kernels.cast_fans(self._walls.opaque, met, fan, limit, owners=owner)[0]
-        return self._through_glass(number, fan, ranges)
+        asked = fan, limit, number, people
+        if asked not in self._seen:
+            met = self._outlines if people == "bodies" else self._met_by_lasers(kernels)
+            owner = np.array([number], dtype=np.int32)
+            ranges: Float = kernels.cast_fans(self._walls.opaque, met, fan, limit, owners=owner)[0]
+            if len(self._seen) >= MOST_SEEN:
+                self._seen.clear()
+            self._seen[asked] = self._through_glass(number, fan, ranges)
+        return self._seen[asked]
 
     def bumpers(self, number: int) -> Bumpers:
         if number not in self._pressed:

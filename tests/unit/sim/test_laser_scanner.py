@@ -18,6 +18,7 @@ from pioneer3.sim.laser_scanner import Arc, LaserScanner
 from pioneer3.sim.raycast import cast_reference
 from pioneer3.sim.realism import RangeFinderErrors, Realism
 from pioneer3.sim.world import World
+from pioneer3.sim.worldfile import Box
 
 Float = NDArray[np.float64]
 
@@ -134,6 +135,30 @@ def test_readings_are_taken_only_when_they_are_due() -> None:
     due = int(0.01 / arc_of(UTM).beam_time)
     assert ranges[:due] == pytest.approx(before[:due], abs=1e-6)
     assert ranges[due + 2 :] == pytest.approx(after[due + 2 :], abs=1e-6)
+
+
+def test_a_laser_that_stands_sees_what_comes_moves_and_goes() -> None:
+    body, other = (Body(load_model("p3dx-sh"), at) for at in (ORIGIN, Pose2(0.0, 2.0)))
+    world = World(LineMap(name="test", walls=SQUARE), [body, other], Kernels())
+    scanner = LaserScanner(world, body, UTM)
+
+    def scan() -> Float:
+        scanner.begin(arc_of(UTM), world.time)
+        world.step(0.1)
+        assert scanner.look(world.time)
+        return scanner.readings()[0]
+
+    empty = scan()
+    assert (scan() == empty).all()
+    box = world.add_obstacle(Box(pose=Pose2(2.0, 0.0, 0.0), size=(0.4, 0.4)))
+    near = scan()
+    assert (near < empty).any()
+    world.move_obstacle(box, Pose2(1.0, 0.0, 0.0))
+    assert scan().min() < near.min()
+    world.remove_obstacle(box)
+    assert (scan() == empty).all()
+    other.ghost = True  # in the same place
+    assert (scan() > empty).any()
 
 
 def test_nothing_within_its_range_is_no_reading() -> None:
