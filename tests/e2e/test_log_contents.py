@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 
+from pioneer3.analysis.anonymous import USERS
 from pioneer3.errors import MotionError
 from pioneer3.geometry import Pose2
 from pioneer3.links import Link
@@ -128,6 +129,7 @@ async def test_a_drive_on_the_page_is_in_the_log_with_all_that_belongs_to_it(
     told = [text for kind, text in events if kind == "page"]
     assert told[:2] == ["script came, a driver", "script took control of Pioneer 3-DX"]
     assert told[-1].endswith("left")
+    assert all(map(USERS.fullmatch, told))
     assert any(kind == "notice" and "took over; you watch now" in text for kind, text in events)
     assert found.keys() >= {*KINDS} - {"scan"}
 

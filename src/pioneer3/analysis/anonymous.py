@@ -6,7 +6,7 @@ out, as their serial numbers are in each scan; the scans themselves stay.
 """
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Set
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
@@ -23,11 +23,13 @@ from pioneer3.log.folder import create
 from pioneer3.log.mcap import McapFile
 from pioneer3.log.reader import RunLog
 from pioneer3.log.topics import LogEvent, LogTopic
-from pioneer3.maps.write import aria_text
-from pioneer3.models import model_names
+from pioneer3.maps.aria_objects import STANDARD_LINES, STANDARD_SOLIDS
+from pioneer3.maps.write import KNOWN, aria_text
+from pioneer3.models import RobotModel, load_model, model_names
 from pioneer3.navigation.goals import GoalChanged
 from pioneer3.navigation.recording import MapUsed, WayPlanned, kind_of
-from pioneer3.runtime.recording import TruePoseTold
+from pioneer3.robot.supervisor import Connection
+from pioneer3.runtime.recording import GIVES_MOTION, TruePoseTold
 from pioneer3.state import Scan, Snapshot
 from pioneer3.text import wrong
 
@@ -44,11 +46,13 @@ FORMS: Final = (
         ),
         "ADDRESS",
     ),
-    (re.compile(r"(?<![\w/°])(~|\.{1,2})?/[^\s,;'\"]+"), "PATH"),
+    (re.compile(r"(?<![\w/°])(~[\w.-]*|\.{1,2})?/[^\s,;'\"]+"), "PATH"),
     (re.compile(r"\b[A-Z]:\\[^\s,;'\"]+"), "PATH"),
     (
         re.compile(
-            r"\b[\w-]+(\.[\w-]+)*\.(map|yaml|toml|world|mcap|py|json|local|lan)\b", re.IGNORECASE
+            r"\b([\w.-]+/)*[\w-]+(\.[\w-]+)*"
+            r"\.(map|yaml|toml|world|sdf|mcap|bag|csv|py|p|json|txt|log|png|pgm|local|lan)\b",
+            re.IGNORECASE,
         ),
         "FILE",
     ),
@@ -58,10 +62,24 @@ TELLING: Final = re.compile(r"(?<![^\s,;'\"])[^\s,;'\":/@.\\]*+[:/@.\\][^\s,;'\"
 """A word that may be of such a form."""
 LONGEST_KNOWN: Final = 256
 """Longer words are not remembered."""
-NO_NAMES: Final = {"", "program", "ROS", "localhost", "robot", "laser", "Pioneer", "SIM"}
-"""Words where names stand that name nobody."""
-SHORT: Final = 3
-"""Names with fewer letters are looked for as whole words only."""
+NO_NAMES: Final = {
+    *("", "program", "ROS", "localhost", "robot", "laser", "Pioneer", "SIM", "open"),
+    *Connection,
+    *GIVES_MOTION,
+}
+"""Words where names stand that name nobody, or by which logs are read."""
+COMMON: Final = re.compile(r".{1,2}|[a-z]{3,7}|\d{3,4}")
+"""Names that may be parts of other words or numbers are looked for as whole words only."""
+FIXED: Final = {"kind", "status", "channel", "symptom", "family", "controller", "drive"}
+"""Fields with one of a few words."""
+STANDARD: Final = KNOWN | STANDARD_LINES | STANDARD_SOLIDS
+"""Kinds of places on maps that any map has."""
+HOST: Final = re.compile(r"//(?:[^\s/@]*@)?([\w.-]{3,})")
+"""Host in a URL."""
+USERS: Final = re.compile(
+    r"(.+?)( came, a \w+| left| (took|lost) control of .+| is called (?P<now>.+) now)", re.DOTALL
+)
+"""Event of a page: the name of a user, and the one from now on."""
 NUMBER: Final = re.compile(r"[+-]?\d+(\.\d+)?[a-z°/]*")
 """An argument of a command that stays."""
 OUR_COMMAND: Final = re.compile(r"[a-z][a-z0-9-]*")
@@ -70,12 +88,12 @@ OPTION: Final = re.compile(r"--?[a-z][a-z-]*")
 """Option of a command."""
 SAME: Final = {"version", "began", "began_ns", "clock", "python", "system"}
 """Metadata about the program that name nobody."""
-OF_ROBOT: Final = ("kind", "model", "limits")
+OF_ROBOT: Final = ("kind", "limits")
 """Metadata about a robot that name nobody."""
 FLUSHED: Final = 10**9
 """Messages of such a time are written together [ns]."""
-NAMING: Final = (GoalChanged, WayPlanned, MapUsed)
-"""Messages that name users, places and maps."""
+NAMING: Final = (GoalChanged, WayPlanned, MapUsed, RobotModel, LogEvent)
+"""Messages that name users, places, maps, hosts and models."""
 NUMBERS: Final = (Scan, Snapshot, Limits, TruePoseTold)
 """Messages without texts."""
 WIRE: Final = "wire/"
@@ -100,13 +118,16 @@ class Names:
         """Return a text without names, addresses and paths."""
         if self._pattern is None:
             longest = sorted(self.aliases, key=len, reverse=True)
-            words = [
-                re.escape(name) if len(name) >= SHORT else rf"(?<!\w){re.escape(name)}(?!\w)"
-                for name in longest
-            ]
-            self._pattern = re.compile("|".join(words) or r"(?!)")
+            self._pattern = re.compile("|".join(map(_looked_for, longest)) or r"(?!)")
         text = TELLING.sub(_without_form, text)
         return self._pattern.sub(lambda found: self.aliases[found[0]], text)
+
+
+def _looked_for(name: str) -> str:
+    """Return the regular expression of a name."""
+    plain = re.escape(name)
+    is_common = COMMON.fullmatch(name)
+    return rf"(?<![^\W_])(?<!\d\.){plain}(?![^\W_]|\.\d)" if is_common else plain
 
 
 def _formless(word: str) -> str:
@@ -164,11 +185,13 @@ def _names_of(log: OpenLog, source: RunLog) -> Names:
     names = Names()
     texts = log.info().texts
     robots = [told for name, told in texts.items() if name.rpartition("/")[2] == "robot"]
-    public = {*model_names(), *(told.get("model", "") for told in robots)}
+    public = _public_names()
+    names.add("model", {told.get("model", "") for told in robots} - public)
     names.add("robot", {*log.prefixes, *(told.get("name", "") for told in robots)} - public)
     for told in robots:
         names.add("host", re.findall(r"[\w.-]{3,}", told.get("url", "").partition(":")[2]))
-        names.add("serial", {*_serials(told.get("configuration", ""))} - public)
+        names.add("serial", {*_told(told, "configuration", "serial_number", "name")} - public)
+        names.add("model", {*_told(told, "parameters", "name", "title")} - public)
     told_by = _Wires(source, log.prefixes.values()).scrubbers
     kinds = {topic: kind_of(topic) for topic in source.topics()}
     naming = {topic: kind for topic, kind in kinds.items() if kind in NAMING}
@@ -177,14 +200,26 @@ def _names_of(log: OpenLog, source: RunLog) -> Names:
             scrubber.feed(message.time, message.data)
             scrubber.ready.clear()
         elif kind := naming.get(message.topic):
-            _add_names(names, source.decoded(message, LogTopic(message.topic, kind)))
+            _add_names(names, source.decoded(message, LogTopic(message.topic, kind)), public)
     heard = {name for each in told_by.values() for name in each.names}
-    names.add("robot", heard - {*model_names()})
+    names.add("robot", heard - public)
     return names
 
 
-def _add_names(names: Names, message: Any) -> None:
+def _public_names() -> set[str]:
+    """Return the names and titles of the shipped models."""
+    return {each for name in model_names() for each in (name, load_model(name).title)}
+
+
+def _add_names(names: Names, message: Any, public: Set[str]) -> None:
     match message:
+        case RobotModel():
+            names.add("model", {message.name, message.title} - public)
+        case LogEvent(kind="page"):
+            if found := USERS.fullmatch(message.text):
+                names.add("user", [found[1], found["now"] or ""])
+        case LogEvent():
+            names.add("host", HOST.findall(message.text))
         case GoalChanged():
             names.add("user", [message.by])
             names.add("place", [place.name for place in message.places])
@@ -193,17 +228,19 @@ def _add_names(names: Names, message: Any) -> None:
             names.add("place", [message.place.name] if message.place else [])
         case MapUsed():
             names.add("map", [message.file, Path(message.file).stem, message.name])
-            names.add("place", [each.name for each in message.line_map.objects])
+            objects = message.line_map.objects
+            names.add("place", [each.name for each in objects])
+            names.add("kind", {each.kind for each in objects} - STANDARD)
 
 
-def _serials(configuration: str) -> list[str]:
-    """Return the serial number and the name in a robot's configuration."""
+def _told(texts: Mapping[str, str], part: str, *keys: str) -> list[str]:
+    """Return the texts of some keys in a part of a robot's description, which is JSON."""
     try:
-        told = msgspec.json.decode(configuration)
+        told = msgspec.json.decode(texts.get(part, ""))
     except msgspec.MsgspecError:
         return []
     told = told if isinstance(told, dict) else {}
-    return [each for key in ("serial_number", "name") if isinstance(each := told.get(key), str)]
+    return [each for key in keys if isinstance(each := told.get(key), str)]
 
 
 class _Wires:
@@ -241,7 +278,7 @@ def _texts(
             yield name, {"why": names.hidden(told.get("why", ""))}
         elif last == "robot" and prefix + slash in prefixes:
             kept = {key: told[key] for key in OF_ROBOT if key in told}
-            kept["name"] = names.hidden(told.get("name", ""))
+            kept |= {key: names.hidden(told.get(key, "")) for key in ("name", "model")}
             kept["configuration"] = _hidden_json(told.get("configuration", "null"))
             with suppress(KeyError, msgspec.MsgspecError):
                 model = msgspec.json.decode(told["parameters"])
@@ -347,7 +384,10 @@ def _without(message: Any, names: Names) -> Any:
         return message
     if isinstance(message, MapUsed):
         line_map = message.line_map
-        places = [replace(each, name=names.hidden(each.name)) for each in line_map.objects]
+        places = [
+            replace(each, name=names.hidden(each.name), kind=names.hidden(each.kind))
+            for each in line_map.objects
+        ]
         text = aria_text(replace(line_map, objects=tuple(places)))
         return MapUsed(name=names.hidden(message.name), file="", sha256="", text=text)
     if isinstance(message, LogEvent) and message.kind == "page":
@@ -358,7 +398,7 @@ def _without(message: Any, names: Names) -> Any:
 def _mapped(value: Any, change: Callable[[str], str]) -> Any:
     """Return a value with all texts changed, but the names of fields."""
     if isinstance(value, dict):
-        return {key: _mapped(each, change) for key, each in value.items()}
+        return {key: each if key in FIXED else _mapped(each, change) for key, each in value.items()}
     if isinstance(value, list | tuple):
         return [_mapped(each, change) for each in value]
     return change(value) if isinstance(value, str) else value

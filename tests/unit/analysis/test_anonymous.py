@@ -1,5 +1,6 @@
 """No name, address or serial number of a log is left in its copy without them; numbers are."""
 
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -20,10 +21,11 @@ from pioneer3.log.reader import RunLog
 from pioneer3.log.topics import EVENT, LogEvent, LogTopic
 from pioneer3.maps import LineMap, MapObject
 from pioneer3.maps.write import aria_text
+from pioneer3.models import RobotModel, load_model
 from pioneer3.nav.places import Destination
 from pioneer3.navigation.goals import GoalChanged
 from pioneer3.navigation.recording import MapUsed
-from pioneer3.robot.explain import DISCONNECTED
+from pioneer3.robot.explain import DISCONNECTED, Reason, ReasonKind
 from pioneer3.runtime.recording import CommandGiven, StandsBecause
 from pioneer3.state import Scan
 from tests.unit.analysis.support import driven, given, scan, topic, write_log
@@ -32,7 +34,8 @@ SECOND = 10**9
 MAC = "aa:bb:cc:dd:ee:ff"
 SECRETS = (
     *("rosalind", "SN-20457", "ann.lee", "Smith", "Beamline", "lab-17", "10.4.7.21", "4711"),
-    *("/home/ann", "thesis", MAC, "basement", "wonderland"),
+    *("/home/ann", "thesis", MAC, "basement", "wonderland", "Zoe", "Bo Li", "nas7", "p3-rosa"),
+    *("Rosa's", "WheelchairStop"),
 )
 IDENTITY = reports.SyncIdentity("rosalind", "Pioneer", "p3at-sh")
 CONFIG = reports.Config(
@@ -64,8 +67,12 @@ def a_log(path: Path, prefix: str = "") -> Path:
         number=1, by="ann.lee", places=(Destination(x=1.0, y=2.0, name="Smith's office"),),
         status="accepted", reason="ann.lee said so", speed=None, rounds=1.0,
     )  # fmt: skip
-    place = MapObject(kind="Goal", name="Beamline", pose=Pose2(1.0, 2.0, 0.0))
-    line_map = LineMap(name="basement", walls=np.array([[0.0, 0.0, 5.0, 0.0]]), objects=(place,))
+    places = tuple(
+        MapObject(kind=kind, name="Beamline", pose=Pose2(1.0, 2.0, 0.0))
+        for kind in ("Goal", "WheelchairStop")
+    )
+    line_map = LineMap(name="basement", walls=np.array([[0.0, 0.0, 5.0, 0.0]]), objects=places)
+    own = replace(load_model("p3at-sh"), name="p3-rosa", title="Rosa's robot")
     used = MapUsed(
         name="basement", file="/home/ann/basement.map", sha256="4711", text=aria_text(line_map)
     )
@@ -80,6 +87,7 @@ def a_log(path: Path, prefix: str = "") -> Path:
         "end": {"why": "OSError: 10.4.7.21:8101 and /home/ann are gone"},
     }
     lost = DISCONNECTED.about(": lab-17")
+    stopped = Reason(ReasonKind.STOPPED, "Zoe stopped the robot")
     messages = [
         *driven(2.0, prefix),
         (0.1, LogTopic(f"wire/{prefix}robot/in", bytes), WIRE[:17]),
@@ -90,7 +98,13 @@ def a_log(path: Path, prefix: str = "") -> Path:
         (0.5, topic(f"{prefix}command", CommandGiven), given("ann.lee", "drive to Beamline", 0.3)),
         (0.6, topic(f"{prefix}standing", StandsBecause), StandsBecause(lost)),
         (0.7, EVENT, LogEvent("link", f"{prefix}robot: rosalind on tcp://lab-17 ({MAC})")),
-        (0.8, EVENT, LogEvent("page", "wonderland came")),
+        (0.7, EVENT, LogEvent("link", "laser: lost: tcp://nas7:1: nas7 is away; see a/thesis/a.p")),
+        (0.7, topic(f"{prefix}model", RobotModel), own),
+        (0.8, EVENT, LogEvent("page", "Zoe came, a driver")),
+        (0.8, EVENT, LogEvent("page", "Zoe is called Bo Li now")),
+        (0.8, EVENT, LogEvent("page", "wonderland")),
+        (0.8, topic(f"{prefix}standing", StandsBecause), StandsBecause(stopped)),
+        (0.8, EVENT, LogEvent("notice", "Bo Li took over")),
         (0.9, topic(f"{prefix}scan/laser", Scan, steady="angles"), scan(0.9)),
         (1.0, topic("notes", LogEvent), LogEvent("note", "wonderland")),
     ]  # fmt: skip
@@ -214,6 +228,25 @@ def test_words_that_are_no_names_stay() -> None:
     ):
         assert names.hidden(text) == text
     assert names.hidden("to Al, in Lab2") == "to place-1, in place-22"
+
+
+def test_names_that_are_parts_of_words_and_numbers_leave_these_as_they_are() -> None:
+    names = Names()
+    names.add("user", ["ted", "Ed", "nor"])
+    names.add("place", ["101", "1", "open", "start"])
+    for text in ("accepted: 0.101 m, 1.1 s", "normal", "10101", "robot: open: ", "start", "x1"):
+        assert names.hidden(text) == text
+    assert names.hidden("ted's goal 101, nor_2; Ed") == "user-3's goal place-5, user-2_2; user-1"
+
+
+def test_the_status_of_a_goal_is_no_name(tmp_path: Path) -> None:
+    goal = GoalChanged(
+        number=1, by="accepted", places=(), status="accepted", reason="", speed=None, rounds=1.0
+    )
+    messages = [*driven(1.0), (0.5, topic("goal", GoalChanged), goal)]
+    write_anonymous(pioneer3.log.open(write_log(tmp_path / "a.mcap", messages)), tmp_path / "b")
+    ((_, kept),) = pioneer3.log.open(tmp_path / "b").messages("goal")
+    assert (kept.status, kept.by[:5]) == ("accepted", "user-")
 
 
 def test_nothing_is_written_over_and_a_damaged_log_leaves_nothing(tmp_path: Path) -> None:
