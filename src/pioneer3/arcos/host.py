@@ -56,6 +56,8 @@ ROUNDING: Final = 1e-9
 """Event loops wake up this much early [s]."""
 WAIT_FOR_REPORT: Final = 0.25
 """Once bytes come, a whole report has come after this [s], at 9600 baud too."""
+CONFIG_STEP: Final = 0.5
+"""Longest time between two reads that counts as one without CONFIG [s]: who reads may be late."""
 CLOSE_AGAIN_EVERY: Final = 0.1
 SLOWEST_RETRY: Final = 2.0
 """Networks may be slower than robots: without speeds to try, each try is as patient as two before,
@@ -100,7 +102,8 @@ class Host:
         self._began = self._sent_at = self._sip_at = now
         self._closed_earlier_at = float("-inf")
         self._config_due: float | None = None
-        self._opened_at = now
+        self._opened_at = self._read_at = now
+        self._waited = 0.0
         self._doubtful_config = b""
         self._heard_sip = self._left = False
         self._outbox: list[bytes] = []
@@ -145,7 +148,7 @@ class Host:
 
     def receive(self, data: bytes, now: float) -> list[Event]:
         """Process received bytes; return the events that follow."""
-        events: list[Event] = []
+        events = self._consider_silence(now)
         skipped = self.reader.bytes_skipped
         if self.state is SessionState.LISTENING and self._turns and data and not self._overheard:
             self._overheard, self.deadline = True, now + WAIT_FOR_REPORT
@@ -182,7 +185,6 @@ class Host:
         """Do not count the last `seconds` as silence: the caller did not read meanwhile."""
         self._began += seconds
         self._sip_at += seconds
-        self._opened_at += seconds
         if self.state is not SessionState.OPEN:  # else a pulse may be due
             self.deadline += seconds
 
@@ -265,7 +267,7 @@ class Host:
             family=printable(answer.family),
             model=printable(answer.model.lower()),
         )
-        self._sip_at = self._opened_at = self._config_due = now
+        self._sip_at = self._opened_at = self._read_at = self._config_due = now
         for command in (commands.Open(), commands.Stop(), commands.Enable(on=False)):
             self._queue(command, now)
         return [Opened(self.identity), *self._keep_open(now)]
@@ -303,13 +305,20 @@ class Host:
             self._doubtful_config = payload
         return []
 
+    def _consider_silence(self, now: float) -> list[Event]:
+        """Go on without CONFIG after a time, told by reads alone: so it is the same in a replay."""
+        if self.state is not SessionState.OPEN or self._config_due is None:
+            return []
+        self._waited += min(now - self._read_at, CONFIG_STEP)
+        self._read_at = now
+        is_over = self._waited >= self._timing.config_patience - ROUNDING
+        return [self._configure(None)] if is_over else []
+
     def _keep_open(self, now: float) -> list[Event]:
         events: list[Event] = []
         if now >= self._sip_at + self._timing.silence:
             return [self._lose(f"the robot has said nothing for {self._timing.silence:g} s")]
-        if self._config_due is not None and now >= self._opened_at + self._timing.config_patience:
-            events.append(self._configure(None))
-        elif self._config_due is not None and now >= self._config_due:
+        if self._config_due is not None and now >= self._config_due:
             if not self._heard_sip and now > self._opened_at:  # the OPEN may have been lost
                 self._queue(commands.Open(), now)
             self._queue(commands.RequestConfig(), now)

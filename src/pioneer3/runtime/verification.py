@@ -27,7 +27,7 @@ from pioneer3.arcos.packet import PacketReader
 from pioneer3.behaviors.engine import Decision, decided_again
 from pioneer3.errors import ConfigError, LinkError, NoRobotError
 from pioneer3.geometry import ORIGIN, STILL, Twist2
-from pioneer3.lasers.client import RawScan, ScanSettings
+from pioneer3.lasers.client import Patience, RawScan, ScanSettings
 from pioneer3.limits import Limits
 from pioneer3.links import Link
 from pioneer3.links.tap import ROBOT
@@ -41,7 +41,7 @@ from pioneer3.robot.lasers.mounting import Mounting, PoseAt
 from pioneer3.robot.limits import limit
 from pioneer3.robot.poses import Poses
 from pioneer3.robot.supervisor import RobotInfo, Supervisor
-from pioneer3.runtime.recorded_wire import RecordedWire, opens
+from pioneer3.runtime.recorded_wire import LONGEST_PAUSE, RecordedWire, opens
 from pioneer3.runtime.recording import AT_ORIGIN, MODEL, RENEWED, DecisionMade, StandsBecause
 from pioneer3.state import Bumpers, Scan, Snapshot
 from pioneer3.tasks import FastTimeLoop
@@ -54,6 +54,8 @@ T = TypeVar("T")
 
 PATIENT: Final = Timing(silence=inf)
 """The log tells when a link was lost."""
+PATIENT_LASER: Final = Patience(silence=LONGEST_PAUSE, give_up=LONGEST_PAUSE)
+"""Likewise: a busy computer may have been late, and bytes came meanwhile."""
 LATE: Final = 0.05
 """A velocity may be on its way to the wire for so long [s], and limits to the log."""
 TICK: Final = 1.1 * ROUGH / 1e9
@@ -236,6 +238,7 @@ def _lasers(log: RunLog, prefix: str) -> Iterator[_Laser]:
                 name=name,
                 protocol=protocol,
                 settings=msgspec.json.decode(texts["settings"], type=ScanSettings),
+                patience=PATIENT_LASER,
                 open_patience=None,  # the log tells when it was opened
                 time_offset=msgspec.json.decode(texts.get("time_offset", "0"), type=float),
             )

@@ -271,12 +271,22 @@ def test_config_is_announced_once_and_kept() -> None:
 def test_config_is_asked_for_again_and_then_done_without() -> None:
     host = opened()
     host.outgoing()
-    events = later(host, 1.5)
-    assert events == [Configured(None)]
+    for tenth in range(1, 15):
+        later(host, tenth / 10)
+        assert host.receive(wire(SIP), tenth / 10) == [ReportReceived(SIP)]
+    later(host, 1.49)
+    assert host.receive(wire(SIP), 1.5) == [Configured(None), ReportReceived(SIP)]
     sent = decoded(host.outgoing())
     assert sent.count(commands.RequestConfig()) == 5  # at 0.25, 0.5, 0.75, 1.0, 1.25
     assert host.config is None
     assert host.config_settled
+
+
+def test_a_program_that_is_held_up_waits_for_config_all_the_same() -> None:
+    host = opened()
+    host.receive(wire(SIP), 0.1)
+    later(host, 1.9)
+    assert host.receive(wire(SIP) + wire(CONFIG), 1.9)[1:] == [Configured(CONFIG)]
 
 
 def test_an_open_that_was_perhaps_lost_is_repeated_until_a_report_comes() -> None:
