@@ -22,7 +22,7 @@ from typing import Final, Protocol
 from pioneer3.errors import ConfigError, RecordingOverError
 from pioneer3.links.base import Link, Opener
 from pioneer3.log.reader import is_mcap, open_log
-from pioneer3.log.topics import EXACT, ROUGH, LogTopic
+from pioneer3.log.topics import EXACT, ROUGH, LogTopic, is_wire
 from pioneer3.log.writer import LogWriter
 
 FROM_HOST, FROM_ROBOT = "C>S", "S>C"
@@ -227,12 +227,8 @@ def recorded_links(path: Path) -> list[str]:
     if not is_mcap(path):
         return [ROBOT]
     topics = open_log(path).topics()
-    found = {topic.removeprefix("wire/").rpartition("/")[0] for topic in topics if _is_wire(topic)}
+    found = {topic.removeprefix("wire/").rpartition("/")[0] for topic in topics if is_wire(topic)}
     return sorted(found)
-
-
-def _is_wire(topic: str) -> bool:
-    return topic.startswith("wire/")
 
 
 def _read_log(path: Path, link: str) -> Iterator[Chunk]:

@@ -14,7 +14,7 @@ from pioneer3.log.folder import create, create_log, pin
 from pioneer3.log.index import LogIndex
 from pioneer3.log.mcap import PROFILE
 from pioneer3.log.reader import messages_of
-from pioneer3.log.topics import TOTALS, totals
+from pioneer3.log.topics import EXCERPT, TOTALS, totals
 
 TOLD_ONCE: Final = {"map", "estimate", "way", "standing", "limits", "model"}
 """Topics of a robot that are told when they change: the newest before an excerpt begins it."""
@@ -22,7 +22,7 @@ SAVED: Final = "saved"
 """Title of an excerpt among the user's logs."""
 NOTE: Final = "note"
 """Metadata of an excerpt: why somebody kept it."""
-END: Final = {"why": "an excerpt"}
+END: Final = {"why": EXCERPT}
 """End of an excerpt."""
 
 

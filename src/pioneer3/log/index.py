@@ -16,6 +16,7 @@ from typing import Final
 from pioneer3.errors import ConfigError
 from pioneer3.log.chunks import LogRecord
 from pioneer3.log.reader import LogInfo, LogMessage, RunLog, messages_of
+from pioneer3.log.topics import is_wire
 
 MOST_KEPT: Final = 64
 """Chunks that are kept after they were read: ours have a second of one robot, at most 1 MiB."""
@@ -54,7 +55,7 @@ class LogIndex:
             self._latest_ends.append(latest + LATER)
             for topic in chunk.topics:
                 self._places.setdefault(topic, []).append(number)
-        self.topics = {topic for topic in self._places if not topic.startswith("wire/")}
+        self.topics = {topic for topic in self._places if not is_wire(topic)}
 
     @property
     def path(self) -> Path:

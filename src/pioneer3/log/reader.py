@@ -34,6 +34,7 @@ from pioneer3.log.rows import unpack_rows
 from pioneer3.log.topics import (
     COLUMNS,
     END,
+    EXCERPT,
     GOES_ON,
     PIECES,
     PROGRAM,
@@ -269,22 +270,31 @@ def open_log(path: str | Path) -> RunLog:
 def whole_log(path: Path) -> RunLog:
     """Open a log with all files beside it that it went on in, or that it is the rest of.
 
-    Each begins with the description of the same program. Errors as of :class:`RunLog`.
+    Each begins with the description of the same program, after the end of the one before: an
+    excerpt and a copy are none of them. Errors as of :class:`RunLog`.
     """
     log = RunLog(path)
     known = log.info()
     program = known.texts.get(PROGRAM, {})
     began = program.get("began_ns", "")
-    goes_on = known.texts.get(END, {}).get("why") == GOES_ON
-    if not began.isdecimal() or not (goes_on or known.began - int(began[:20]) > FIRST_MESSAGE):
+    why = known.texts.get(END, {}).get("why")
+    if why == EXCERPT or not began.isdecimal():
+        return log
+    goes_on = why == GOES_ON or known.began - int(began[:20]) > FIRST_MESSAGE
+    if not goes_on:
         return log
     parts = [known]
     for other in sorted(path.parent.glob(f"*{SUFFIX}"))[:MOST_BESIDE]:
         with suppress(ConfigError, PortNotFoundError, OSError):
             if not other.samefile(path) and other.is_file():
                 info = RunLog(other).info()
-                parts += [info] if info.texts.get(PROGRAM) == program else []
-    return RunLog(*(each.path for each in sorted(parts, key=attrgetter("began"))))
+                same = info.texts.get(PROGRAM) == program and info.end != EXCERPT
+                parts += [info] if same else []
+    whole: list[LogInfo] = []
+    for each in sorted(parts, key=attrgetter("began")):
+        if not whole or each.began > whole[-1].ended - FIRST_MESSAGE:
+            whole.append(each)
+    return RunLog(*(each.path for each in whole))
 
 
 def is_mcap(path: Path) -> bool:

@@ -18,7 +18,7 @@ from pioneer3.log.output import new_output
 from pioneer3.log.parquet_file import ParquetFile
 from pioneer3.log.progress import Tell, followed
 from pioneer3.log.reader import LogMessage, RunLog
-from pioneer3.log.topics import LogTopic
+from pioneer3.log.topics import LogTopic, is_scan, is_wire
 from pioneer3.names import free_name
 from pioneer3.state import Scan
 from pioneer3.text import one_line, wrong
@@ -27,10 +27,6 @@ ANGLES: Final = "angles"
 """Field of scans that hardly ever changes: it has a table of its own, a row for each change."""
 MOST_TABLES: Final = 900
 """Tables at most: each is an open file, of which a program has 1024."""
-WIRE: Final = re.compile(r"wire/.*/(in|out)", re.DOTALL)
-"""Topics of bytes."""
-SCANS: Final = re.compile(r"(.*/)?scan/[^/]*", re.DOTALL)
-"""Topics of scans."""
 
 
 class TableKind(StrEnum):
@@ -121,9 +117,9 @@ def _rows(log: RunLog, messages: Iterator[LogMessage]) -> Iterator[Row]:
     angles: dict[str, bytes] = {}
     for message in messages:
         topic = message.topic
-        if WIRE.fullmatch(topic):
+        if is_wire(topic):
             yield Row(topic, message.time, {"bytes": message.data.hex(" ")})
-        elif SCANS.fullmatch(topic):
+        elif is_scan(topic):
             scan = log.decoded(message, LogTopic(topic, Scan))
             value = msgspec.to_builtins(scan)
             turned = value.pop(ANGLES)

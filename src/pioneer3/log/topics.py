@@ -5,6 +5,7 @@ rows). All else is JSON, in which a number that is none is the text `inf`, `-inf
 schema is that of the class.
 """
 
+import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -28,6 +29,8 @@ GOES_ON: Final = "goes on in the next file"
 """Why a file ended that is not the last one of its log."""
 COLUMNS: Final = "columns"
 """Key in the metadata of a channel whose messages are columns: the shape of a row."""
+EXCERPT: Final = "an excerpt"
+"""Why a file ended that is a part of a log, with messages that are in that, too."""
 TOTALS: Final = "totals"
 """Name of the description of the messages of a file: how many of each topic, and the last time."""
 STEADY: Final = "steady"
@@ -36,6 +39,10 @@ PIECES: Final = "pieces"
 """Key in the metadata of a channel whose messages are bytes in pieces."""
 NO_NUMBERS: Final = ("inf", "-inf", "nan")
 """Texts in place of numbers that JSON lacks."""
+WIRE: Final = re.compile(r"wire/.*/(in|out)", re.DOTALL)
+"""Topics of bytes."""
+SCAN: Final = re.compile(r"(.*/)?scan/laser\d*", re.DOTALL)
+"""Topics of scans; a robot may be called `scan`, another one `wire`."""
 AS_THEY_ARE: Final = {int, str, bool, type(None)}
 """Types whose values JSON has, all of them."""
 MICRO: Final = 1000
@@ -185,6 +192,16 @@ def unpack_pieces(time: int, data: bytes) -> Iterator[tuple[int, bytes]]:
         time += step * told.tick
         yield time, joined[at : at + size]
         at += size
+
+
+def is_wire(topic: str) -> bool:
+    """Whether a topic has the bytes of a link."""
+    return WIRE.fullmatch(topic) is not None
+
+
+def is_scan(topic: str) -> bool:
+    """Whether a topic has the scans of a laser."""
+    return SCAN.fullmatch(topic) is not None
 
 
 def totals(counts: Mapping[str, int], ended: int) -> dict[str, str]:

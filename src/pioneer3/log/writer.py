@@ -127,6 +127,11 @@ class LogWriter:
         """The file that is being written."""
         return str(self._target.path)
 
+    @property
+    def now_ns(self) -> int:
+        """The time of a message of now [ns since 1970]: it goes on evenly."""
+        return self._ns(self.clock())
+
     def put(self, topic: LogTopic[Any], message: Any, now: float | None = None) -> None:
         """Take a message of `now` [s, of the clock], which must not change any more."""
         if self._ended:

@@ -12,7 +12,7 @@ import numpy as np
 
 from pioneer3.geometry import Pose2
 from pioneer3.limits import Limits
-from pioneer3.log.topics import LogEvent
+from pioneer3.log.topics import LogEvent, is_scan, is_wire
 from pioneer3.maps import LineMap
 from pioneer3.maps.aria import parse_aria
 from pioneer3.maps.write import aria_text
@@ -128,12 +128,10 @@ KINDS: Final[Mapping[str, type]] = {
 
 def kind_of(topic: str) -> type | None:
     """Return the class of the messages of a topic such as `bob/scan/laser`; `None` if unknown."""
-    first, *_ = words = topic.split("/")
-    if first == "wire":
+    if is_wire(topic):
         return bytes
-    if len(words) > 1 and words[-2] == "scan":
-        return Scan
-    return KINDS.get(words[-1])
+    last = topic.rpartition("/")[2]
+    return Scan if is_scan(topic) else KINDS.get(last)
 
 
 def points_of(way: "Way") -> tuple[tuple[float, float], ...]:

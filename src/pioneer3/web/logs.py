@@ -1,7 +1,6 @@
 """The user's logs on a page of robots: their list, an excerpt that is kept, replays beside it."""
 
 import asyncio
-import time
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from pathlib import Path
@@ -75,7 +74,7 @@ class PageLogs:
         if writer is None or writer.failure:
             why = f": {writer.failure}" if writer else ""
             raise CommandError(f"nothing is recorded here{why}")
-        until = time.time_ns()
+        until = writer.now_ns
         await asyncio.sleep(2 * CHUNK_PERIOD)  # the last second is not in the file yet
         about = {"text": printable(note), "by": printable(by), "of": Path(writer.path).name}
         try:

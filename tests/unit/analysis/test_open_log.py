@@ -2,14 +2,19 @@
 
 import os
 from pathlib import Path
+from shutil import copy
 
 import pytest
 
 import pioneer3
+from pioneer3.analysis.anonymous import write_anonymous
 from pioneer3.errors import ConfigError, PortNotFoundError
 from pioneer3.log import OpenLog
+from pioneer3.log.excerpt import write_excerpt
 from pioneer3.log.folder import create_log, logs_folder
+from pioneer3.log.index import LogIndex
 from pioneer3.log.reader import RunLog
+from pioneer3.log.tables import TableKind, write_tables
 from pioneer3.runtime.recording import CommandGiven, DecisionMade
 from pioneer3.state import Scan
 from tests.unit.analysis.support import (
@@ -85,6 +90,24 @@ def test_several_robots_are_read_by_their_names(tmp_path: Path) -> None:
         log.robot("eve")
 
 
+@pytest.mark.parametrize("odd", ["wire", "scan", "robot", "event"])
+def test_robots_may_have_names_that_topics_have(odd: str, tmp_path: Path) -> None:
+    parts = [
+        (each, topic(f"{name}/scan/laser", Scan, steady="angles"), scan(each))
+        for name in ("bob", odd)
+        for each in (0.3, 0.6)
+    ]
+    messages = [*driven(1.0, f"{odd}/"), *driven(1.0, "bob/"), *parts]
+    names = {"bob/": "bob", f"{odd}/": odd}
+    log = pioneer3.log.open(write_log(tmp_path / "a.mcap", messages, robots=names))
+    robot = log.robot(odd)
+    assert robot.topics() == ("event", "scan/laser", "snapshot")
+    assert len([*robot.snapshots()]) == 11
+    assert len(robot.array("scan")) == 6
+    assert len(write_tables(log.source, tmp_path / "csv", TableKind.CSV)) == 7
+    assert write_anonymous(log, tmp_path / "b.mcap") == 27
+
+
 def test_a_topic_that_is_not_there_is_told_before_anything_is_read(log: OpenLog) -> None:
     for wrong in ("snapshots", "scan", "snapshot/x", "wire/robot/in", ""):
         with pytest.raises(ConfigError, match=r"has no messages '.*'; there are: command, d"):
@@ -142,6 +165,12 @@ def test_a_log_in_two_files_is_one(tmp_path: Path) -> None:
     assert (log.path, *log.more) == parts
     assert len([*log.snapshots()]) == 41
     assert log.array("odometry")["x"][-1] == pytest.approx(2.0)
+    write_excerpt(LogIndex(*parts), tmp_path / "b.mcap", BEGAN + 2 * SECOND, BEGAN + 4 * SECOND)
+    copy(parts[1], tmp_path / "c.mcap")
+    for part in parts:
+        log = pioneer3.log.open(part)
+        assert (log.path, *log.more) == parts
+    assert pioneer3.log.open(tmp_path / "b.mcap").more == ()
     newest = log.between(end=1.0).newest("snapshot")
     assert newest is not None
     assert newest[0] == pytest.approx(0.91)

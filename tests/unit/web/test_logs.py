@@ -2,6 +2,7 @@
 
 import asyncio
 import os
+import time
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from pathlib import Path
@@ -202,6 +203,21 @@ async def test_the_last_minutes_are_saved_with_a_note(folder: Path) -> None:
         assert (answer.status, answer.detail[:20]) == (409, "it is being written:")
         writer.close("done")
         assert (await script.ask("POST", "/api/logs", {"note": "x" * 201})).status == 400
+
+
+async def test_the_last_minutes_are_those_of_the_log_whatever_the_computers_clock_was_set_to(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async with opened(folder) as (app, page):
+        clock, wall = asyncio.get_running_loop().time, time.time_ns
+        page.clients.log = writer = LogWriter(UserFolder(folder, "run", 10**9, clock), clock)
+        RobotLog(writer).snapshot(snapshot(0.0), load_model("p3dx-sh"))
+        for hours in (-1, 1):
+            monkeypatch.setattr(time, "time_ns", lambda hours=hours: wall() + hours * 3600 * 10**9)
+            answer = await Script(app).ask("POST", "/api/logs", {})
+            assert answer.status == 200
+            assert len([*open_log(folder / answer.json["file"]).snapshots()]) == 1
+        writer.close("done")
 
 
 async def test_what_cannot_be_saved_is_told_and_leaves_nothing(folder: Path) -> None:
