@@ -251,6 +251,21 @@ def test_velocities_of_a_robot_whose_own_odometry_is_corrected_are_compared_too(
     assert found.difference.field == "sent"
 
 
+def test_a_log_that_is_being_written_is_as_recorded_so_far(tmp_path: Path) -> None:
+    async def drive() -> None:
+        async with SimulatedRobot() as sim, connect_async(sim.open, record=path) as robot:
+            for number in range(25):
+                robot.drive(0.1 * (number % 3))
+                await asyncio.sleep(0.2)
+                if number > 7:
+                    (found,) = await asyncio.to_thread(verify, open_log(path))
+                    assert found.difference is None
+                    assert found.compared > 5
+
+    path = tmp_path / "on.mcap"
+    asyncio.run(drive())
+
+
 def test_a_laser_that_was_opened_some_time_after_the_log_began_has_its_scans(
     tmp_path: Path,
 ) -> None:

@@ -151,6 +151,7 @@ class RunLog:
 
     def __init__(self, path: Path, *more: Path) -> None:
         self.path, self.files = path, (path, *more)
+        self._now: list[LogChunk] | None = None
         for file in self.files:
             if not is_mcap(file):
                 raise wrong(file, " is no log: expected is an MCAP file")
@@ -205,7 +206,10 @@ class RunLog:
     def topics(self) -> set[str]:
         """Return the topics that have messages; a file without its end is read for that."""
         counts = self.info().counts
-        return {*counts} if counts is not None else {each.topic for each in self.messages()}
+        if counts is not None:
+            return {*counts}
+        with self.damage_told():
+            return {topic for chunk in self.chunks() for topic in chunk.topics}
 
     def messages(self, wanted: Callable[[str], bool] = lambda topic: True) -> Iterator[LogMessage]:
         """Yield the messages of the topics that are wanted, in the order of their times.
@@ -216,8 +220,17 @@ class RunLog:
             for chunk in self.chunks():
                 yield from messages_of(chunk.records(wanted))
 
+    def as_of_now(self) -> "RunLog":
+        """Return the log with the messages that it has now: it may be written meanwhile."""
+        log = RunLog(*self.files)
+        log._now = list(self.chunks())
+        return log
+
     def chunks(self) -> Iterator[LogChunk]:
         """Yield the chunks of its files, as they lie there."""
+        if self._now is not None:
+            yield from self._now
+            return
         for path in self.files:
             with self.damage_told(path):
                 yield from LogFile(path).chunks()

@@ -11,7 +11,7 @@ stamp is taken on where it is near enough.
 
 import asyncio
 from bisect import bisect_right
-from collections.abc import Coroutine, Iterator, Mapping, Sequence
+from collections.abc import Callable, Coroutine, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import partial
 from itertools import chain, repeat
@@ -113,6 +113,7 @@ def verify(log: RunLog, model: GivenModel = None) -> list[Verification]:
     Raises:
         ConfigError: The log is damaged, or has nothing to compare; or there is no such model.
     """
+    log = log.as_of_now()
     topics = log.topics()
     prefixes = [each for each in robots_in(topics) if f"wire/{each}{ROBOT}/in" in topics]
     if not prefixes:
@@ -127,7 +128,7 @@ def _verify(log: RunLog, prefix: str, model: GivenModel) -> Verification:
     models = repeat(loaded_model(model)) if model is not None else _models(log, prefix, known)
     lasers = [*_lasers(log, prefix)]
     with asyncio.Runner(loop_factory=partial(FastTimeLoop, wire.begin)) as runner:
-        comparison = _Comparison(log, LogTopic(prefix + SNAPSHOT, Snapshot))
+        comparison = _Comparison(log, LogTopic(prefix + SNAPSHOT, Snapshot), wire.seconds)
         kind, text = AT_ORIGIN
         told = LogEvent(kind, prefix + text)
         restarts = [wire.seconds(time) for time, event in log.of(EVENT) if event == told]
@@ -230,7 +231,7 @@ def _lasers(log: RunLog, prefix: str) -> Iterator[_Laser]:
         with log.damage_told():
             protocol = msgspec.json.decode(texts["protocol"], type=LaserProtocol)
             topic = LogTopic(f"{prefix}scan/{name}", Scan)
-            scans = _Comparison(log, topic)
+            scans = _Comparison(log, topic, wire.seconds)
             wire.speeds = msgspec.json.decode(texts["speeds"], type=tuple[int, ...])
             config = LaserConfig(
                 url=wire.url,
@@ -273,6 +274,7 @@ class _Decisions:
         self.made: list[tuple[float, Decision]] = []
         self.difference: Difference | None = None
         self._log, self._wire = log, wire
+        self._last = wire.seconds(log.info().ended)
         topic = LogTopic(f"{prefix}limits", Limits)
         self._limits = [(wire.seconds(time), limits) for time, limits in log.of(topic)]
         if not self._limits and "limits" in known:  # an older log
@@ -299,6 +301,8 @@ class _Decisions:
         reader, count, speed = PacketReader(), 0, b""
         for message in self._log.messages(f"wire/{self._wire.link}/out".__eq__):
             at = self._wire.seconds(message.time)
+            if at > self._last - LATE:
+                break  # a log that was cut off may lack the decision, which it is told later
             for payload in reader.feed(message.data, at):
                 if payload[:1] == bytes([Vel.ID]):
                     speed = payload
@@ -393,8 +397,9 @@ async def _play(driver: Coroutine[Any, Any, None], comparison: "_Comparison[Any]
 class _Comparison(Generic[T]):
     """Compares a part of messages with the recorded ones, up to the first difference."""
 
-    def __init__(self, log: RunLog, topic: LogTopic[T]) -> None:
+    def __init__(self, log: RunLog, topic: LogTopic[T], seconds: Callable[[int], float]) -> None:
         self.compared = 0
+        self._seconds = seconds
         self.difference: Difference | None = None
         self.differs = asyncio.Event()
         self.bumpers: list[tuple[float, Bumpers]] = []
@@ -410,9 +415,9 @@ class _Comparison(Generic[T]):
         if isinstance(found, Snapshot) and isinstance(recorded, Snapshot):
             if found.link.sessions < recorded.link.sessions:
                 return  # likewise
-            now = asyncio.get_running_loop().time()
-            _note(self.bumpers, now, found.bumpers)
-            _note(self.read, now, allowed(found))
+            told_at = self._seconds(time)  # by which the driver had it: it may have been held up
+            _note(self.bumpers, told_at, found.bumpers)
+            _note(self.read, told_at, allowed(found))
         self.difference = _difference(time, recorded, found)
         if self.difference is not None:
             self.differs.set()
