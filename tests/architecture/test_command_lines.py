@@ -3,6 +3,7 @@
 import re
 import shlex
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from typing import Final
 
@@ -53,9 +54,10 @@ def calls(line: str) -> Iterator[list[str]]:
         words = []
 
 
-def complaint(words: list[str], *, whole: bool) -> str:
+@cache
+def complaint(*words: str, whole: bool) -> str:
     """Return why the program does not take the words; empty if it does."""
-    given = gather_ros_arguments(in_our_words(words, lambda _: None))
+    given = gather_ros_arguments(in_our_words([*words], lambda _: None))
     try:
         app.parse_args(given, exit_on_error=False, print_error=False)
     except MissingArgumentError as error:
@@ -71,7 +73,7 @@ def test_the_program_takes_each_command_of_a_page(page: Path) -> None:
     for line, whole in command_lines(page):
         for words in calls(line):
             if words[:1] != [added]:
-                assert not complaint(words, whole=whole), line
+                assert not complaint(*words, whole=whole), line
 
 
 def test_a_command_that_is_no_more_is_told() -> None:
@@ -79,7 +81,7 @@ def test_a_command_that_is_no_more_is_told() -> None:
         ["run", "--lan"],
         ["goto", "x"],
     ]
-    assert "spin" in complaint(["spin"], whole=True)
-    assert "--lam" in complaint(["run", "--lam"], whole=False)
-    assert "DISTANCE" in complaint(["move"], whole=True)
-    assert not complaint(["move"], whole=False)
+    assert "spin" in complaint("spin", whole=True)
+    assert "--lam" in complaint("run", "--lam", whole=False)
+    assert "DISTANCE" in complaint("move", whole=True)
+    assert not complaint("move", whole=False)

@@ -17,8 +17,7 @@ from pioneer3 import __version__
 ROOT = Path(__file__).parents[2]
 BUILD = """
 import sys, uv_build
-print(uv_build.build_wheel(sys.argv[1]))
-print(uv_build.build_sdist(sys.argv[1]))
+print(getattr(uv_build, sys.argv[1])(sys.argv[2]))
 """
 FROM_WHEEL = """
 import sys
@@ -30,28 +29,25 @@ main()
 """
 
 
-@pytest.fixture(scope="module")
-def built(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
-    """Build both; return where they are."""
-    folder = tmp_path_factory.mktemp("dist")
+def build(what: str, folder: Path) -> Path:
+    """Build a `wheel` or an `sdist`; return where it is."""
     bin_ = Path(sys.executable).parent
     done = subprocess.run(
-        [sys.executable, "-c", BUILD, str(folder)],
+        [sys.executable, "-c", BUILD, f"build_{what}", str(folder)],
         cwd=ROOT,
         env={**os.environ, "PATH": f"{bin_}:{os.environ['PATH']}"},
         capture_output=True,
         text=True,
         check=True,
     )
-    wheel, source = done.stdout.split()[-2:]
-    return folder / wheel, folder / source
+    return folder / done.stdout.split()[-1]
 
 
 @pytest.fixture(scope="module")
-def unpacked(built: tuple[Path, Path], tmp_path_factory: pytest.TempPathFactory) -> Path:
+def unpacked(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a folder with nothing but what the wheel installs."""
     folder = tmp_path_factory.mktemp("installed")
-    with zipfile.ZipFile(built[0]) as wheel:
+    with zipfile.ZipFile(build("wheel", tmp_path_factory.mktemp("dist"))) as wheel:
         wheel.extractall(folder)
     return folder
 
@@ -74,8 +70,8 @@ def test_the_wheel_holds_all_of_the_package_and_nothing_else(unpacked: Path) -> 
         assert [*(unpacked / "pioneer3").glob(pattern)], pattern
 
 
-def test_the_source_distribution_holds_what_it_takes_to_go_on(built: tuple[Path, Path]) -> None:
-    with tarfile.open(built[1]) as source:
+def test_the_source_distribution_holds_what_it_takes_to_go_on(tmp_path: Path) -> None:
+    with tarfile.open(build("sdist", tmp_path)) as source:
         names = {name.partition("/")[2] for name in source.getnames()}
     wanted = {"README.md", "CHANGELOG.md", "LICENSE", "uv.lock", "scripts/setup", "pyproject.toml"}
     wanted |= {"docs/how-to/drive.md", "examples/01_hello_robot.py", "tests/conftest.py"}

@@ -10,8 +10,10 @@ from functools import cache
 from itertools import pairwise
 from pathlib import Path
 
+import docstring_parser
 import pytest
 from cyclopts import App
+from docstring_parser import parse_from_object
 from rich.console import Console
 
 from pioneer3.behaviors.modes import MODES
@@ -25,6 +27,14 @@ ROOT = Path(__file__).parents[3]
 OPENED = re.compile(r"\S+\.(?:map|toml|yaml|png|p)\b")
 OTHER_WORDS = {("sim", "--port"), ("sim", "--speed"), ("map check", "--robot")}
 """Options of MobileSim's that mean something else; a model in the place of a robot."""
+
+
+@pytest.fixture(autouse=True, scope="module")
+def _sources_read_once() -> Iterator[None]:
+    """Cyclopts reads the source of each class anew for each help with options of it."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(docstring_parser, "parse_from_object", cache(parse_from_object))
+        yield
 
 
 def commands(parent: App = app, path: str = "") -> Iterator[tuple[str, App]]:

@@ -67,7 +67,14 @@ STATES: dict[str, Callable[[Rig], None]] = {
 }
 
 
-@pytest.mark.parametrize("after", [0.0, 0.33, 1.0])
+@pytest.mark.parametrize(
+    "after",
+    [
+        pytest.param(0.0, marks=pytest.mark.thorough),
+        0.33,
+        pytest.param(1.0, marks=pytest.mark.thorough),
+    ],
+)
 @pytest.mark.parametrize("model", [URG, UTM, UST], ids=lambda model: model.name)
 @pytest.mark.parametrize("state", STATES)
 def test_any_state_is_left(model: LaserModel, state: str, after: float) -> None:
