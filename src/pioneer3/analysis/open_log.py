@@ -111,11 +111,20 @@ class OpenLog:
     def newest(self, topic: str) -> tuple[float, Any] | None:
         """Return the last message of a topic with its time [s]; `None` if there is none.
 
+        Events of the other robots are none of one that is chosen.
+
         Raises:
             ConfigError: There is no such topic.
         """
         name, kind = self._known(topic)
-        message = self._index.newest(name, self._last)
+        others = [
+            f'"text":"{prefix}'.encode()
+            for robot, prefix in self.prefixes.items()
+            if name == EVENTS and self._robot not in {None, robot}
+        ]
+        message = self._index.newest(
+            name, self._last, lambda data: not any(each in data for each in others)
+        )
         return self._decoded(message, kind) if message and message.time >= self._first else None
 
     def since(self, topic: str, alike: Callable[[bytes], bool]) -> float | None:

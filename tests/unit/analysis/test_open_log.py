@@ -15,6 +15,7 @@ from pioneer3.log.folder import create_log, logs_folder
 from pioneer3.log.index import LogIndex
 from pioneer3.log.reader import RunLog
 from pioneer3.log.tables import TableKind, write_tables
+from pioneer3.log.topics import EVENT, LogEvent
 from pioneer3.runtime.recording import CommandGiven, DecisionMade
 from pioneer3.state import Scan
 from tests.unit.analysis.support import (
@@ -88,6 +89,22 @@ def test_several_robots_are_read_by_their_names(tmp_path: Path) -> None:
         log.snapshots()
     with pytest.raises(ConfigError, match="has no robot 'eve'; there are: amy, bob"):
         log.robot("eve")
+
+
+def test_the_newest_event_of_a_robot_is_not_that_of_another_one(tmp_path: Path) -> None:
+    told = [
+        (0.2, "amy/robot: closed"),
+        (0.3, "bob/robot: closed"),
+        (0.4, "amy/laser: closed"),
+        (0.5, "bob/laser: closed"),
+    ]
+    events = [(time, EVENT, LogEvent("link", text)) for time, text in told]
+    messages = [*driven(1.0, "amy/"), *driven(1.0, "bob/"), *events]
+    log = pioneer3.log.open(write_log(tmp_path / "a.mcap", messages, robots=TWO))
+    for robot in ("amy", "bob"):
+        newest = log.robot(robot).newest("event")
+        assert newest is not None
+        assert newest[1].text == f"{robot}/laser: closed"
 
 
 @pytest.mark.parametrize("odd", ["wire", "scan", "robot", "event"])
