@@ -14,6 +14,7 @@ from pioneer3.ros.messages.update import (
     StateUpdate,
     fill_header,
     fill_pose,
+    resized,
 )
 from pioneer3.state import Odometry
 
@@ -104,9 +105,8 @@ def _joint(update: StateUpdate, joint: Joint, turned: float = 0.0) -> PlacedFram
 
 def _fill_transforms(message: Any, update: StateUpdate, placed: Sequence[PlacedFrame]) -> None:
     """Fill a tf2_msgs/TFMessage, and the transforms in it anew."""
-    lacking = range(len(message.transforms), len(placed))
-    made = [update.make("geometry_msgs/TransformStamped") for _ in lacking]
-    message.transforms = [*message.transforms, *made][: len(placed)]
+    kind = "geometry_msgs/TransformStamped"
+    message.transforms = resized(message.transforms, len(placed), kind, update.make)
     for transform, frame in zip(message.transforms, placed, strict=True):
         fill_header(transform, frame.stamp, frame.parent)
         transform.child_frame_id = frame.child
@@ -129,6 +129,7 @@ class WheelAngles:
     def __init__(self) -> None:
         self.turned = (0.0, 0.0)
         self._before: Pose2 | None = None
+        self._of: tuple[RobotModel, float] | None = None
 
     def update(self, odometry: Odometry, model: RobotModel) -> tuple[float, float]:
         """Take the next odometry; return :attr:`turned`."""
@@ -136,7 +137,9 @@ class WheelAngles:
         if self._before is not None and self._before != here:
             moved, _ = arc_to(self._before.inverse() @ here)
             across = moved.w * model.true_base / 2
-            radius = shape_of(model).wheel_radius
+            if self._of is None or self._of[0] is not model:
+                self._of = model, shape_of(model).wheel_radius
+            _, radius = self._of
             left, right = self.turned
             self.turned = left + (moved.v - across) / radius, right + (moved.v + across) / radius
         self._before = here

@@ -17,6 +17,7 @@ from pioneer3.ros.messages.update import (
     SensorUpdate,
     StateUpdate,
     fill_header,
+    resized,
 )
 from pioneer3.state import Bumpers, Charging, Sonar
 
@@ -165,11 +166,10 @@ def analog(message: Any, update: StateUpdate) -> None:
 def sonar_cloud(message: Any, update: StateUpdate) -> None:
     """Fill a sensor_msgs/PointCloud with a point for every transducer, in their order."""
     fill_header(message, update.stamp, update.frames.sonar)
-    message.points = []
-    for x, y in sonar_points(update.snapshot.sonar, update.model):
-        point = update.make("geometry_msgs/Point32")
+    heard = sonar_points(update.snapshot.sonar, update.model)
+    message.points = resized(message.points, len(heard), "geometry_msgs/Point32", update.make)
+    for point, (x, y) in zip(message.points, heard, strict=True):
         point.x, point.y, point.z = x, y, 0.0
-        message.points.append(point)
 
 
 def sonar_cloud2(message: Any, update: StateUpdate) -> None:

@@ -4,7 +4,7 @@ Conversions fill messages and do not make them, because each middleware has its 
 same fields. They need no ROS. Distances [m] and angles [rad] are ROS's units too (REP 103).
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Any, Final
@@ -155,6 +155,11 @@ class DescriptionUpdate:
 def fill_header(message: Any, stamp: Any, frame: str) -> None:
     """Fill the std_msgs/Header of a message."""
     message.header.stamp, message.header.frame_id = stamp, frame
+
+
+def resized(parts: Sequence[Any], count: int, kind: str, make: Callable[[str], Any]) -> list[Any]:
+    """Return so many messages of a `kind`: the `parts` first, then empty ones."""
+    return [*parts, *(make(kind) for _ in range(len(parts), count))][:count]
 
 
 def fill_pose(position: Any, orientation: Any, pose: Pose2) -> None:
