@@ -9,7 +9,7 @@ import numpy as np
 from pioneer3.arrays import Float
 from pioneer3.geometry import Pose2
 from pioneer3.nav.frames import Edge, Survey
-from pioneer3.nav.matching import Cloud, Match, Prior, Submap, rotation
+from pioneer3.nav.matching import Cloud, Match, Prior, rotation
 from pioneer3.nav.pose_graph import ALONE_MOVE, LOOPS_APART, MOST_ALONE, PoseGraph, Progress
 from pioneer3.nav.relocalization import Vicinity
 
@@ -40,20 +40,26 @@ SEEN_APART = 3.0
 """Difference between the views from two places below which they are the same [m]."""
 SEARCHED_POINTS = 180
 """Points of a search, of all that there are."""
-SEARCH_SCORE = 0.4
+SEARCH_SCORE = 0.25
 """Score of a search below which a match is not worth it."""
-LOOP_INLIERS = 0.65
-"""Share of points on walls from which on a match closes a loop."""
+LOOP_INLIERS = 0.3
+"""Share of points on walls from which on a match closes a loop: across a hall, two passes see less
+than half the same, and only what one of them saw through tells that they are apart."""
 LOOP_RATIO = 0.05
 """Ratio from which on the walls fix the position in all directions: see `Match.ratio`."""
+LOOP_WORTH = 0.1
+"""That ratio times the share of points on walls, from which on a match is taken that no other one
+has to confirm: below, it was up to 0.25 m off along a wall."""
 ALONE_PER_WAY = 0.02
 """Move up to which a loop is taken by itself, as a share of the way since the last loop."""
 ASKED_PIECES = 2
 """Pieces of the map, the latest ones, that are looked for at a time."""
 ASKED_PLACES = 3
-"""Places that a piece is looked for at, at a time, besides that of the tear."""
+"""Places that a piece is looked for at, at a time, besides those that are likely."""
 JOINED_WAY = 1.5
 """Distance from a place within which a piece is looked for [m]."""
+JOINED_INLIERS = 0.65
+"""Share of points on walls from which on a piece belongs there, as its heading is not known."""
 JOINED_APART = 2.5
 """Way between two places of a piece that confirm each other [m]: corridors look alike."""
 LOOPS_WAY = 20.0
@@ -178,23 +184,19 @@ class _Search:
     def _close(self, old: int, number: int, query: Cloud, drift: float) -> Edge | None:
         """Return the loop from an old key frame to a new one, if there is one."""
         graph = self._graph
-        here = graph.poses[old].inverse()
-        numbers = graph.of_piece(
-            old, old - AROUND_FRAMES, min(number - RECENT_FRAMES, old + AROUND_FRAMES) + 1
-        )
-        submap = Submap(
-            [graph.frames[k].cloud for k in numbers],
-            [here @ graph.poses[k] for k in numbers],
-        )
-        guess = here @ graph.poses[number]
+        around = self._around(old, min(number - RECENT_FRAMES, old + AROUND_FRAMES))
+        guess = graph.poses[old].inverse() @ graph.poses[number]
         since = graph.ways[number] - graph.closed
         turn = min(MOST_TURN_DRIFT, TURN_DRIFT_START + TURN_DRIFT * since)
         sparse = np.ascontiguousarray(query.points[:: max(1, len(query.points) // SEARCHED_POINTS)])
-        found = submap.search_for(sparse, guess, drift, turn, SEARCH_SCORE)
+        found = around.submap.search_for(sparse, guess, drift, turn, SEARCH_SCORE)
         if found is None:
             return None
-        match = submap.match(query, found, Prior.around(found, 0.5, 0.2))
-        if match.inliers < LOOP_INLIERS or match.ratio < LOOP_RATIO:
+        match = around.submap.match(query, found, Prior.around(found, 0.5, 0.2))
+        certain = match.inliers >= LOOP_INLIERS and match.ratio >= LOOP_RATIO
+        if not certain or around.contradicts(graph.frames[number].beams, match.pose):
+            return None
+        if graph.piece[old] == graph.piece[number] and match.inliers * match.ratio < LOOP_WORTH:
             return None
         moved = guess.inverse() @ match.pose
         if hypot(moved.x, moved.y) > drift + 0.1:
@@ -204,7 +206,8 @@ class _Search:
     def join(self) -> None:
         """Look for the place of a piece of the map in the one that the map began with.
 
-        Each call asks a few places: that beside the tear, and others in turn.
+        Each call asks a few places: that beside the tear, those where a match waits for another
+        that agrees, and others in turn.
         """
         graph = self._graph
         pieces = np.unique(graph.piece[graph.piece != graph.piece[0]])
@@ -217,8 +220,15 @@ class _Search:
             turn = len(graph.frames) * ASKED_PLACES
             others = [int(away[(turn + k) % len(away)]) for k in range(ASKED_PLACES)]
             beside = int(known[np.abs(known - members[0]).argmin()])
-            for old in dict.fromkeys((beside, *others)):
-                if self._join(old, number, graph.poses[number] if old == beside else None):
+            near = {beside: graph.poses[number]}
+            for edge in self._waiting:  # where the piece is by this one, another may agree
+                if graph.piece[edge.first] == graph.piece[0] and graph.piece[edge.second] == piece:
+                    moved = graph.poses[edge.first] @ edge.second_in_first
+                    there = moved @ graph.poses[edge.second].inverse() @ graph.poses[number]
+                    off = [hypot(at.x - there.x, at.y - there.y) for at in graph.poses]
+                    near[int(known[np.array(off)[known].argmin()])] = there
+            for old in dict.fromkeys((*near, *others)):
+                if self._join(old, number, near.get(old)):
                     break
 
     def _join(self, old: int, number: int, near: Pose2 | None) -> bool:
@@ -226,20 +236,22 @@ class _Search:
 
         It is looked for near a pose, if that is given.
         """
-        here = self._graph.poses[old].inverse()
-        numbers = self._graph.of_piece(old, old - AROUND_FRAMES, old + AROUND_FRAMES + 1)
-        around = Vicinity(
-            [self._graph.frames[k] for k in numbers], [here @ self._graph.poses[k] for k in numbers]
-        )
-        begin = here @ near if near else Pose2()
+        around = self._around(old, old + AROUND_FRAMES)
+        begin = self._graph.poses[old].inverse() @ near if near else Pose2()
         query = self._query(number)
         match = around.find(
-            query, self._graph.frames[number].beams, begin, way=JOINED_WAY, fit=LOOP_INLIERS
+            query, self._graph.frames[number].beams, begin, way=JOINED_WAY, fit=JOINED_INLIERS
         )
         if match is None or match.ratio < LOOP_RATIO:
             return False
         edge = Edge(old, number, match.pose, certainty(match, LOOP_PRIOR), loop=True)
         return self._merge(edge)
+
+    def _around(self, old: int, last: int) -> Vicinity:
+        """Return the map around an old key frame, in its frame, up to another one."""
+        graph, here = self._graph, self._graph.poses[old].inverse()
+        numbers = graph.of_piece(old, old - AROUND_FRAMES, last + 1)
+        return Vicinity([graph.frames[k] for k in numbers], [here @ graph.poses[k] for k in numbers])
 
     def _merge(self, edge: Edge) -> bool:
         """Make one piece of two by a loop, once another one agrees."""

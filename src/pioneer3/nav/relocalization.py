@@ -43,7 +43,7 @@ class Vicinity:
     ) -> None:
         every = max(1, len(frames) // ASKED_SCANS)
         self._asked = list(zip(frames, poses, strict=True))[::-1][::every]
-        self._submap = submap or Submap([frame.cloud for frame in frames], poses)
+        self.submap = submap or Submap([frame.cloud for frame in frames], poses)
 
     def contradiction(self, beams: Beams, pose: Pose2) -> float:
         """Return the share of what two scans could both see that one saw through, at a pose.
@@ -62,6 +62,10 @@ class Vicinity:
                 seen, through = seen + both, through + beyond
         return through / max(1, seen)
 
+    def contradicts(self, beams: Beams, pose: Pose2) -> bool:
+        """Whether a scan saw something else there, more than people make it."""
+        return self.contradiction(beams, pose) >= CONTRADICTED / 2
+
     def find(
         self, cloud: Cloud, beams: Beams, guess: Pose2, way: float, fit: float
     ) -> Match | None:
@@ -72,8 +76,8 @@ class Vicinity:
         every = max(1, len(cloud.points) // ASKED_POINTS)
         points = np.ascontiguousarray(cloud.points[::every])
         matches = [
-            self._submap.match(cloud, pose, Prior.around(pose, LOOSE, LOOSE_TURN))
-            for pose, _ in self._submap.search_all_headings(points, guess, way)[:TRIED]
+            self.submap.match(cloud, pose, Prior.around(pose, LOOSE, LOOSE_TURN))
+            for pose, _ in self.submap.search_all_headings(points, guess, way)[:TRIED]
         ]
         best = max(matches, key=lambda match: match.inliers)
         others = (
@@ -83,7 +87,7 @@ class Vicinity:
         )
         if best.inliers < max(fit, CLEARLY + max(others, default=0.0)):
             return None
-        return best if self.contradiction(beams, best.pose) < CONTRADICTED / 2 else None
+        return None if self.contradicts(beams, best.pose) else best
 
 
 def _seen_through(points: Float, beams: Beams) -> tuple[int, int]:
