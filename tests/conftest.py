@@ -20,7 +20,6 @@ from hypothesis import settings
 from tests import tiers
 from tests.costs import Costs
 from tests.support import PHYSICS
-from tests.workers import Workers
 
 LONGEST = 1000.0
 """Virtual time [s] after which a test hangs."""
@@ -80,7 +79,6 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     )
     parser.addoption("--until", type=float, help="begin no test later [s since 1970]")
     parser.addoption("--physics", action="store_true", help="move simulated robots by MuJoCo")
-    parser.addoption("--workers", type=int, default=0, help="run in this many processes")
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -88,10 +86,7 @@ def pytest_configure(config: pytest.Config) -> None:
     settings.register_profile("thorough", deadline=None)
     settings.register_profile("quick", deadline=None, max_examples=25)
     settings.load_profile("quick" if _is_quick_run(config) else "thorough")
-    costs = Costs()
-    config.pluginmanager.register(costs)
-    if workers := config.getoption("--workers"):
-        config.pluginmanager.register(Workers(workers, costs.begin))
+    config.pluginmanager.register(Costs())
     if config.getoption("--physics"):
         os.environ[PHYSICS] = "1"
         from pioneer3.sim import dynamics, world

@@ -41,13 +41,9 @@ class Costs:
     """A plugin that measures each test, and sums up where reports are collected."""
 
     def __init__(self) -> None:
-        self.begin()
+        self._time, self._last = 0.0, processor_time()
         self._files: dict[str, Cost] = defaultdict(Cost)
         self._tiers: dict[str, Cost] = defaultdict(Cost)
-
-    def begin(self) -> None:
-        """Begin to measure: what was imported and collected is no part of a test."""
-        self._time, self._last = 0.0, processor_time()
 
     @pytest.hookimpl(wrapper=True)
     def pytest_runtest_makereport(

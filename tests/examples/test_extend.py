@@ -57,7 +57,7 @@ def extended(heading: str, folder: Path) -> int:
 )
 def test_the_example_works(heading: str, tests: str, files: int, tmp_path: Path) -> None:
     assert extended(heading, tmp_path) == files
-    quiet = ["-p", "no:cacheprovider"]
+    quiet = ["-n", "0", "-p", "no:cacheprovider"]
     done = subprocess.run(
         [sys.executable, "-m", "pytest", *quiet, f"tests/examples/{tests}"],
         cwd=ROOT,
