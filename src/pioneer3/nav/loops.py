@@ -55,7 +55,7 @@ ALONE_PER_WAY = 0.02
 ASKED_PIECES = 2
 """Pieces of the map, the latest ones, that are looked for at a time."""
 ASKED_PLACES = 3
-"""Places that a piece is looked for at, at a time, besides those that are likely."""
+"""Places that a piece is looked for at, at a time, besides that of the tear."""
 JOINED_WAY = 1.5
 """Distance from a place within which a piece is looked for [m]."""
 JOINED_INLIERS = 0.65
@@ -206,8 +206,7 @@ class _Search:
     def join(self) -> None:
         """Look for the place of a piece of the map in the one that the map began with.
 
-        Each call asks a few places: that beside the tear, those where a match waits for another
-        that agrees, and others in turn.
+        Each call asks a few places: that beside the tear, and others in turn.
         """
         graph = self._graph
         pieces = np.unique(graph.piece[graph.piece != graph.piece[0]])
@@ -220,15 +219,8 @@ class _Search:
             turn = len(graph.frames) * ASKED_PLACES
             others = [int(away[(turn + k) % len(away)]) for k in range(ASKED_PLACES)]
             beside = int(known[np.abs(known - members[0]).argmin()])
-            near = {beside: graph.poses[number]}
-            for edge in self._waiting:  # where the piece is by this one, another may agree
-                if graph.piece[edge.first] == graph.piece[0] and graph.piece[edge.second] == piece:
-                    moved = graph.poses[edge.first] @ edge.second_in_first
-                    there = moved @ graph.poses[edge.second].inverse() @ graph.poses[number]
-                    off = [hypot(at.x - there.x, at.y - there.y) for at in graph.poses]
-                    near[int(known[np.array(off)[known].argmin()])] = there
-            for old in dict.fromkeys((*near, *others)):
-                if self._join(old, number, near.get(old)):
+            for old in dict.fromkeys((beside, *others)):
+                if self._join(old, number, graph.poses[number] if old == beside else None):
                     break
 
     def _join(self, old: int, number: int, near: Pose2 | None) -> bool:
@@ -251,7 +243,9 @@ class _Search:
         """Return the map around an old key frame, in its frame, up to another one."""
         graph, here = self._graph, self._graph.poses[old].inverse()
         numbers = graph.of_piece(old, old - AROUND_FRAMES, last + 1)
-        return Vicinity([graph.frames[k] for k in numbers], [here @ graph.poses[k] for k in numbers])
+        return Vicinity(
+            [graph.frames[k] for k in numbers], [here @ graph.poses[k] for k in numbers]
+        )
 
     def _merge(self, edge: Edge) -> bool:
         """Make one piece of two by a loop, once another one agrees."""
