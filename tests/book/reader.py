@@ -175,7 +175,8 @@ class Reader:
                 try:
                     self._do(step)
                 except (AssertionError, BrowserError) as error:
-                    raise PageError(f"{self.page}:{step.line}: {error}") from error
+                    seen = f"\n{self._desk.page.inner_text('body')}" if self._desk else ""
+                    raise PageError(f"{self.page}:{step.line}: {error}{seen}") from error
                 self.log.append(f"line {step.line}: {time.monotonic() - began:.1f} s")
 
     def _do(self, step: Block | Picture | Comment) -> None:
