@@ -1,3 +1,4 @@
+import signal
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
@@ -53,3 +54,5 @@ async def robot_on(
             said.append(await node.line())
             assert said[-1], await node.end()
         yield Robot(node, simulator, tap, tuple(said))
+        if node.process.returncode is None:
+            await node.end(signal.SIGINT)

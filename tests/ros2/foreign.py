@@ -4,12 +4,14 @@
 are those of a third party, for CPython on Linux with x86-64 only.
 """
 
+import contextlib
 import fcntl
 import os
 import platform
 import shutil
 import subprocess
 import sys
+import time
 import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -40,6 +42,9 @@ LIBRARIES: Final = Path("lib") / f"python{sys.version_info.major}.{sys.version_i
 TOOLS: Final = Path(__file__).parents[2] / ".tools/bin/uv"
 MINUTES: Final = 600.0
 """Longest time to install [s]."""
+SHARED_MEMORY: Final = Path("/dev/shm")
+HALF_MADE: Final = 60.0
+"""Age at which an empty file of shared memory will not be filled any more [s]."""
 
 
 class UnavailableError(Exception):
@@ -101,6 +106,7 @@ def has_wheels() -> bool:
 @cache
 def environment(distro: str) -> Foreign | str:
     """Return the environment, or the reason why there is none; both once in each process."""
+    _forget_half_made_ports()
     try:
         return make(distro)
     except UnavailableError as error:
@@ -130,6 +136,16 @@ def make(distro: str) -> Foreign:
             _install(part, PINNED[distro])
             part.rename(folder)
     return Foreign(distro, folder)
+
+
+def _forget_half_made_ports() -> None:
+    """Remove shared memory that somebody was killed in the making of: Fast DDS waits for it."""
+    for port in SHARED_MEMORY.glob("fast*_port*"):
+        with contextlib.suppress(OSError):
+            age = time.time() - port.stat().st_mtime
+            if not port.name.endswith("_el") and port.stat().st_size == 0 and age > HALF_MADE:
+                port.unlink()
+                port.with_name(f"sem.{port.name}_mutex").unlink()
 
 
 def _install(folder: Path, packages: tuple[str, ...]) -> None:
