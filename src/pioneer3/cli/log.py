@@ -102,16 +102,24 @@ def list_(*, json: Flag = False) -> int:
     from rich.table import Table
 
     from pioneer3.cli.terminal import Terminal
-    from pioneer3.log.folder import logs_folder, user_logs
+    from pioneer3.log.folder import is_being_written, logs_folder, user_logs
     from pioneer3.log.reader import open_log
     from pioneer3.names import printable
 
-    found = []
+    found, empty = [], 0
     for path in user_logs(logs_folder()):
         try:
-            found.append(open_log(path).info())
+            if path.stat().st_size:
+                found.append(open_log(path).info())
+            elif not is_being_written(path):  # else its program has just begun
+                empty += 1
         except ConfigError as error:
             write_warning(str(error))
+        except OSError:  # it has gone just now
+            continue
+    if empty:
+        logs = "1 log is" if empty == 1 else f"{empty} logs are"
+        write_warning(f"{logs} empty: killed, or without power, in the first second")
     if json:
         write_json([_facts(info) for info in found])
         return 0

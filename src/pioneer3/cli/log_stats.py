@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pioneer3.cli.options import Flag
-from pioneer3.cli.process import write_json, write_warning
+from pioneer3.cli.process import write_json, write_line, write_warning
 from pioneer3.errors import PioneerError
 from pioneer3.units import MS
 
@@ -48,6 +48,8 @@ def stats(*names: str, json: Flag = False) -> int:
     if json:
         write_json([_facts(log, robots) for log, robots in found])
         return failed
+    if not names and not found:
+        write_line(f"No logs in {logs_folder()}.")
     terminal = Terminal()
     for log, robots in found:
         for robot in robots:

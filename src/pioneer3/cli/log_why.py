@@ -83,7 +83,7 @@ def _seconds(log: "OpenLog", at: str | None) -> float:
     except ConfigError as error:
         raise ConfigError(f"--at {error}") from None
     if not 0 <= seconds <= known.seconds:
-        end = log.began + timedelta(seconds=known.seconds)
+        end = (log.began + timedelta(seconds=known.seconds)).astimezone()
         raise ConfigError(
             f"--at {at}: the log is from {log.began:%H:%M:%S} to {end:%H:%M:%S}, "
             f"{known.seconds:.1f} s"
@@ -99,7 +99,7 @@ def _rows(log: "OpenLog", told: "MomentTold") -> Iterator[tuple[str, str]]:
         return f"{max(0.0, told.time - time):.1f} s before"
 
     yield "log", log.path.name
-    when = log.began + timedelta(seconds=told.time)
+    when = (log.began + timedelta(seconds=told.time)).astimezone()
     yield "time", f"{when:%Y-%m-%d %H:%M:%S}, {told.time:.1f} s after the log began"
     later = "" if told.was_told else " (by its readings: it was not logged)"
     yield "why", (advised(told.stands) if told.stands else _moves(told)) + later

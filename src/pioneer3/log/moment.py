@@ -10,9 +10,12 @@ from pioneer3.names import printable
 from pioneer3.units import DURATION
 
 Moment = float | str
-"""Time in a log: seconds after it began, the same with a unit such as `90s`, or a time of day."""
+"""Time in a log: seconds after it began, the same with a unit such as `90s`, or a time of day,
+before which the date may stand."""
 TIME_OF_DAY: Final = re.compile(r"\d{1,2}:\d\d(:\d\d(\.\d{1,9})?)?", re.ASCII)
 """Form of a time of day."""
+DATED: Final = re.compile(r"\d{4}-\d\d-\d\d[ T]\d\d:\d\d.*", re.ASCII)
+"""Form of a time with its date, as `log verify` tells it."""
 FARTHEST: Final = 1e9
 """Longest time after the beginning that is understood [s]: 30 years."""
 
@@ -28,6 +31,8 @@ def time_of(moment: Moment, began: int) -> int:
     if isinstance(moment, str) and TIME_OF_DAY.fullmatch(moment):
         return _by_clock(moment, began)
     try:
+        if isinstance(moment, str) and DATED.fullmatch(moment):
+            return round(datetime.fromisoformat(moment).timestamp() * 1e9)
         seconds = DURATION.read(moment) if isinstance(moment, str) else float(moment)
     except ValueError as error:
         raise ConfigError(f"{error}; or as a time of day, 14:02:10") from None
@@ -37,13 +42,15 @@ def time_of(moment: Moment, began: int) -> int:
 
 
 def _by_clock(text: str, began: int) -> int:
-    first = datetime.fromtimestamp(began / 1e9).astimezone()
+    first = datetime.fromtimestamp(began / 1e9)  # without a zone: clocks are set on some days
     hour, minute, second = (*text.split(":"), "0")[:3]
     whole, _, part = second.partition(".")
     try:
         when = first.replace(hour=int(hour), minute=int(minute), second=int(whole), microsecond=0)
     except ValueError:
         raise ConfigError(f"{text}: there is no such time of day") from None
-    if when < first - timedelta(seconds=1):
-        when += timedelta(days=1)  # it began before midnight
+    today = when.replace(fold=0), when.replace(fold=1)  # an hour that comes twice
+    earliest = began / 1e9 - 1
+    later = (each for each in today if each.timestamp() >= earliest)
+    when = next(later, today[0] + timedelta(days=1))  # it began before midnight
     return round(when.timestamp()) * 10**9 + int(part.ljust(9, "0")[:9] or 0)

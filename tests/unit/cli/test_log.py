@@ -4,6 +4,7 @@ import json
 import os
 import time
 from collections.abc import Callable
+from datetime import datetime
 from pathlib import Path
 
 import pytest
@@ -11,9 +12,11 @@ import pytest
 from pioneer3.cli.log import _moment, cut, info, list_, pin
 from pioneer3.cli.log_stats import stats
 from pioneer3.errors import ConfigError
+from pioneer3.log import folder
 from pioneer3.log.cut import MAGIC
-from pioneer3.log.folder import create_log, is_pinned, logs_folder
+from pioneer3.log.folder import create_log, is_pinned, logs_folder, user_logs
 from pioneer3.log.mcap import McapFile
+from pioneer3.log.moment import time_of
 from pioneer3.log.reader import open_log
 from pioneer3.log.topics import EVENT, LogEvent, LogTopic
 
@@ -69,6 +72,24 @@ def test_a_log_that_is_damaged_does_not_hide_the_others(output: Output) -> None:
     (logs_folder() / "2026-03-01T09-30-00Z-run.mcap").write_bytes(b"no log")
     assert list_(json=True) == 0
     assert len(json.loads(output())) == 1
+
+
+def test_empty_logs_are_told_by_one_line_and_one_that_begins_or_has_gone_by_none(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = a_log("drive")
+    for _ in range(3):
+        os.close(create_log(logs_folder(), "run", BEGAN / SECOND)[1])
+    _, begins = create_log(logs_folder(), "run", BEGAN / SECOND)
+    gone = path.with_name("2026-03-01T09-30-00Z-gone.mcap")
+    monkeypatch.setattr(folder, "user_logs", lambda where: [*user_logs(where), gone])
+    assert list_(json=True) == 0
+    told = capsys.readouterr()
+    assert [each["file"] for each in json.loads(told.out)] == [str(path)]
+    assert told.err.splitlines() == [
+        "WARNING: 3 logs are empty: killed, or without power, in the first second"
+    ]
+    os.close(begins)
 
 
 def test_info_tells_what_was_started_and_counts_messages(output: Output) -> None:
@@ -155,3 +176,29 @@ def test_a_time_of_day_is_that_of_this_computer_also_after_midnight(tmp_path: Pa
     for wrong in ("25:00", "soon"):
         with pytest.raises(ConfigError, match=f"--begin.*{wrong}"):
             _moment("begin", wrong, known)
+
+
+@pytest.mark.parametrize(
+    ("began", "text", "expected"),
+    [
+        ("2026-03-29T01:50+01:00", "03:10", "2026-03-29T03:10+02:00"),
+        ("2026-10-24T23:50+02:00", "03:30", "2026-10-25T03:30+01:00"),
+        ("2026-10-25T02:50+02:00", "02:30", "2026-10-25T02:30+01:00"),
+        ("2026-10-25T02:50+02:00", "02:55", "2026-10-25T02:55+02:00"),
+        ("2026-10-24T12:00+02:00", "11:00", "2026-10-25T11:00+01:00"),
+        ("2026-10-24T12:00+02:00", "2026-10-26 12:00:00.5", "2026-10-26T12:00:00.5+01:00"),
+        ("2026-10-24T12:00+02:00", "2026-10-25T12:00:00+00:00", "2026-10-25T13:00+01:00"),
+    ],
+)
+def test_a_time_of_day_is_right_where_clocks_are_set_in_spring_and_autumn(
+    began: str, text: str, expected: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def ns(text: str) -> int:
+        return round(datetime.fromisoformat(text).timestamp() * SECOND)
+
+    with monkeypatch.context() as changed:
+        changed.setenv("TZ", "CET-1CEST,M3.5.0,M10.5.0/3")
+        time.tzset()
+        found = time_of(text, ns(began))
+    time.tzset()
+    assert found == ns(expected)

@@ -38,3 +38,5 @@ def test_a_log_in_two_files_is_one(tmp_path: Path, capsys: pytest.CaptureFixture
 def test_without_a_name_all_logs_of_the_user_are_meant(capsys: pytest.CaptureFixture[str]) -> None:
     assert stats(json=True) == 0
     assert json.loads(capsys.readouterr().out) == []
+    assert stats() == 0
+    assert capsys.readouterr().out.startswith("No logs in ")
