@@ -2,7 +2,9 @@
 
 import asyncio
 import json
+import time
 from dataclasses import replace
+from math import inf
 from pathlib import Path
 from typing import Any
 
@@ -15,11 +17,13 @@ from pioneer3.geometry import Twist2
 from pioneer3.lasers.client import RawScan
 from pioneer3.links import Link
 from pioneer3.log.excerpt import write_excerpt
-from pioneer3.log.folder import create
+from pioneer3.log.folder import GIB, create
 from pioneer3.log.index import LogIndex
 from pioneer3.log.mcap import McapFile
-from pioneer3.log.reader import open_log
+from pioneer3.log.reader import open_log, whole_log
+from pioneer3.log.target import UserFolder
 from pioneer3.log.topics import EVENT, LogEvent, LogTopic
+from pioneer3.log.writer import LogWriter
 from pioneer3.models import RobotModel, load_model
 from pioneer3.models.odometry import OdometryCorrection
 from pioneer3.models.own import find_own, own_path
@@ -31,10 +35,10 @@ from pioneer3.robot.explain import IDLE_OFF, IDLE_ON, PRESSED, Reason, allowed
 from pioneer3.robot.lasers.driver import OPEN_PATIENCE, RETRY
 from pioneer3.robot.lasers.mounting import Mounting
 from pioneer3.ros.node.services import Services
-from pioneer3.runtime.recording import recorded
+from pioneer3.runtime.recording import RobotLog, recorded
 from pioneer3.runtime.verification import verify
 from pioneer3.state import Scan, Snapshot
-from tests.lasers import LaserUnit
+from tests.lasers import LaserUnit, OpenedSpec
 from tests.logs import snapshot
 from tests.support import SimulatedRobot, until
 
@@ -266,6 +270,29 @@ def test_a_log_that_is_being_written_is_as_recorded_so_far(tmp_path: Path) -> No
     asyncio.run(drive())
 
 
+def test_all_files_of_a_log_are_verified_whichever_is_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    async def drive() -> list[Path]:
+        clock = asyncio.get_running_loop().time
+        folder = UserFolder(tmp_path, "drive", GIB, time.time)
+        folder.most = 1000
+        log = LogWriter(folder, clock)
+        async with SimulatedRobot() as sim, connect_async(sim.open, record=RobotLog(log)) as robot:
+            await robot.move(0.3)
+        log.close("done")
+        return log.files
+
+    first, *_, last = asyncio.run(drive())
+    for path in (first, last):
+        assert verify_command(str(path)) == 0
+    every, same = capsys.readouterr().out.splitlines()
+    assert every == same
+    counts = whole_log(first).info().counts
+    assert counts is not None
+    assert every.startswith(f"{counts['snapshot']} readings, {counts['decision']} decisions")
+
+
 def test_a_laser_that_was_opened_some_time_after_the_log_began_has_its_scans(
     tmp_path: Path,
 ) -> None:
@@ -313,6 +340,45 @@ def test_the_bytes_of_a_laser_become_the_scans_that_were_recorded(
     assert found.difference is not None
     assert found.difference.field.startswith("ranges[")
     assert float(found.difference.now) == 1.0
+
+
+def test_a_laser_that_is_started_again_before_its_late_bytes_are_read_is_so_again(
+    tmp_path: Path,
+) -> None:
+    async def drive() -> None:
+        is_late = False
+
+        async def opened() -> Link:
+            link = await unit.open()
+            read, kept = link.read, list[bytes]()
+
+            async def read_late() -> bytes:
+                nonlocal is_late
+                data = kept.pop() if kept else await read()
+                if is_late:
+                    is_late = False
+                    kept.append(data)
+                    await asyncio.sleep(inf)  # the driver gives up before
+                return data
+
+            link.read = read_late  # type: ignore[method-assign]
+            return link
+
+        async with SimulatedRobot() as sim, LaserUnit(sim, "utm-30lx") as unit:
+            spec = OpenedSpec(url=unit.url, open=opened)
+            async with connect_async(sim.open, lasers=[spec], record=path) as robot:
+                await robot.laser.reading()
+                is_late = True
+                await until(lambda: not is_late)
+                await robot.laser.reading()
+
+    path = tmp_path / "late.mcap"
+    asyncio.run(drive())
+    written = [each.data for each in open_log(path).messages("wire/laser/out".__eq__)]
+    assert written.count(b"\nQT\n") == 2
+    (found,) = verify(open_log(path))
+    assert found.difference is None
+    assert found.scans > 1
 
 
 def test_odometry_that_a_service_restarts_restarts_again(tmp_path: Path) -> None:

@@ -21,11 +21,11 @@ def verify(name: LogName = "", /, *, model: Model = None, json: Flag = False) ->
         json: Print JSON.
     """
     from pioneer3.log.folder import named_log_path
-    from pioneer3.log.reader import open_log
+    from pioneer3.log.reader import whole_log
     from pioneer3.names import printable
     from pioneer3.runtime.verification import verify as verify_log
 
-    found = verify_log(open_log(named_log_path(name)), model)
+    found = verify_log(whole_log(named_log_path(name)), model)
     if json:
         write_json(found)
     for each in () if json else found:

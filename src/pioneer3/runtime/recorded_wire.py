@@ -3,11 +3,14 @@
 import asyncio
 from collections.abc import Iterator
 from dataclasses import dataclass
+from heapq import merge
+from itertools import dropwhile
+from operator import attrgetter
 from typing import Final
 
 from pioneer3.errors import ConfigError, RecordingOverError
 from pioneer3.links import Link
-from pioneer3.log.reader import RunLog
+from pioneer3.log.reader import LogMessage, RunLog
 from pioneer3.log.topics import EVENT, LogEvent
 from pioneer3.text import wrong
 
@@ -19,11 +22,12 @@ SOON: Final = 60.0
 
 @dataclass(frozen=True, slots=True)
 class _Step:
-    """A step of a link in a log, at a time [s]: it opens or closes, or bytes are read."""
+    """A step of a link in a log, at a time [s]: it opens or closes, or bytes pass it."""
 
     at: float
     opens: bool = False
     closes: bool = False
+    writes: bool = False
     data: bytes = b""
 
 
@@ -35,9 +39,15 @@ def opens(link: str, event: LogEvent) -> bool:
 class RecordedWire:
     """Opens the recorded connections of a link one after the other, each at its time."""
 
-    def __init__(self, log: RunLog, link: str, late: float = 0.0) -> None:
-        """Bytes come `late` [s]; their `read_at` is that of the log."""
-        self.link, self.late = link, late
+    def __init__(
+        self, log: RunLog, link: str, late: float = 0.0, longer: float | None = None
+    ) -> None:
+        """Bytes come `late` [s]; their `read_at` is that of the log.
+
+        A driver that waits for bytes `longer` [s] than it did gives up when it did: before the next
+        that it wrote or read. `None`: at a time of its own.
+        """
+        self.link, self.late, self.longer = link, late, longer
         self.speeds: tuple[int, ...] = ()
         self.url = f"replay:{log.path}#{link}"
         facts = log.info().texts.get("program", {})
@@ -48,7 +58,11 @@ class RecordedWire:
             raise ConfigError(
                 f"{log.path}: it lacks the exact times of bytes: recorded by an older version?"
             ) from None
-        self._steps = self._of(log, link)
+        steps = self._of(log, link)
+        if longer is not None:
+            written = map(self._write, log.messages(f"wire/{link}/out".__eq__))
+            steps = merge(steps, written, key=lambda step: step.at + late * (not step.writes))
+        self._steps = dropwhile(attrgetter("writes"), steps)
         self.next = next(self._steps, None)
         if self.next is None or not self.next.opens:
             raise ConfigError(
@@ -71,6 +85,9 @@ class RecordedWire:
             elif event.kind == "link" and event.text == f"{link}: closed":
                 yield _Step(at, closes=True)
 
+    def _write(self, message: LogMessage) -> _Step:
+        return _Step(self.seconds(message.time), writes=True)
+
     def seconds(self, time: int) -> float:
         """Return a time [ns since 1970] of the clock of the recording, as it was read then.
 
@@ -86,7 +103,8 @@ class RecordedWire:
         """Wait for the time of the next step."""
         if self.next is None:
             raise RecordingOverError(f"{self.url}: the recording is over")
-        await asyncio.sleep(self.next.at + self.late - asyncio.get_running_loop().time())
+        late = self.late + (self.longer or 0.0) * self.next.writes
+        await asyncio.sleep(self.next.at + late - asyncio.get_running_loop().time())
 
     async def open(self) -> Link:
         """Return the next connection."""
@@ -108,14 +126,25 @@ class _RecordedLink:
 
     async def read(self) -> bytes:
         """Return the next bytes at their time, none once the connection was closed."""
-        await self._wire.until_next()
-        step = self._wire.next
-        assert step is not None
+        step = await self._next()
+        while step.writes:
+            self._wire.take()
+            step = await self._next()
         if step.opens or step.closes:
             return b""
         self._wire.take()
         self.read_at = step.at
         return step.data
+
+    async def _next(self) -> _Step:
+        try:
+            await self._wire.until_next()
+        except asyncio.CancelledError:
+            if self._wire.longer is not None:
+                await self._wire.until_next()
+            raise
+        assert self._wire.next is not None
+        return self._wire.next
 
     async def write(self, data: bytes) -> None:
         """Do nothing: the log has the answers."""

@@ -56,12 +56,18 @@ PATIENT: Final = Timing(silence=inf)
 """The log tells when a link was lost."""
 PATIENT_LASER: Final = Patience(silence=LONGEST_PAUSE, give_up=LONGEST_PAUSE)
 """Likewise: a busy computer may have been late, and bytes came meanwhile."""
+LONGER: Final = 0.002
+"""A driver whose time was up may have read bytes so shortly after [s]."""
+PATIENT_SCIP: Final = Patience(
+    answer=Patience().answer + LONGER, silence=Patience().silence + LONGER, give_up=LONGEST_PAUSE
+)
+"""A SCIP laser is started again, and asked for its clock, when it was."""
 LATE: Final = 0.05
 """A velocity may be on its way to the wire for so long [s], and limits to the log."""
 TICK: Final = 1.1 * ROUGH / 1e9
 """Times of lasers' bytes are told to that [s], and a little for rounding."""
 ASKED: Final = 0.1
-"""Stamps by a clock that was asked for its time differ by less [s]: it is asked at another time."""
+"""Stamps by a clock that was asked for its time differ by less [s]: as long as an answer takes."""
 OF_PLACE: Final = ("stamp", "robot_in_odom", "last_in_odom")
 """Fields of a scan that depend on the time of its bytes."""
 Reasons = frozenset[Reason | None]
@@ -227,9 +233,11 @@ def _lasers(log: RunLog, prefix: str) -> Iterator[_Laser]:
         before, slash, name = described.rpartition("/")
         if before + slash != prefix or "protocol" not in texts:
             continue
-        wire = RecordedWire(log, described, late=TICK)
         with log.damage_told():
             protocol = msgspec.json.decode(texts["protocol"], type=LaserProtocol)
+        is_scip = protocol is LaserProtocol.SCIP
+        wire = RecordedWire(log, described, late=TICK, longer=LONGER if is_scip else None)
+        with log.damage_told():
             topic = LogTopic(f"{prefix}scan/{name}", Scan)
             scans = _Comparison(log, topic, wire.seconds)
             wire.speeds = msgspec.json.decode(texts["speeds"], type=tuple[int, ...])
@@ -239,7 +247,7 @@ def _lasers(log: RunLog, prefix: str) -> Iterator[_Laser]:
                 name=name,
                 protocol=protocol,
                 settings=msgspec.json.decode(texts["settings"], type=ScanSettings),
-                patience=PATIENT_LASER,
+                patience=PATIENT_SCIP if is_scip else PATIENT_LASER,
                 open_patience=None,  # the log tells when it was opened
                 time_offset=msgspec.json.decode(texts.get("time_offset", "0"), type=float),
             )
