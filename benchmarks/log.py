@@ -38,6 +38,7 @@ from pioneer3.log.target import LogTarget, NamedFile
 from pioneer3.log.topics import LogTopic
 from pioneer3.log.writer import CHUNK_PERIOD, LogWriter
 from pioneer3.runtime.recording import RobotLog
+from pioneer3.sim.realism import Realism
 from pioneer3.sim.server.start import simulator
 from pioneer3.sim.worldfile import parse_equipment
 from pioneer3.sim.worldfile.arguments import WorldOverrides
@@ -67,7 +68,7 @@ HOUR = 3600.0
 async def serve(laser: str) -> None:
     """Simulate a robot; print its URL and that of its laser, until cancelled."""
     overrides = WorldOverrides(equipment=parse_equipment(f"laser={laser}"), seed=1)
-    async with simulator(port=0, overrides=overrides) as running:
+    async with simulator(port=0, overrides=overrides, realism=Realism()) as running:
         (robot,) = running.robots
         assert robot.laser is not None
         device: Any = robot.laser.device
