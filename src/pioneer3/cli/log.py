@@ -119,7 +119,7 @@ def list_(*, json: Flag = False) -> int:
             continue
     if empty:
         logs = "1 log is" if empty == 1 else f"{empty} logs are"
-        write_warning(f"{logs} empty: killed, or without power, in the first second")
+        write_warning(f"{logs} empty: killed, without power, or without room on the disk")
     if json:
         write_json([_facts(info) for info in found])
         return 0

@@ -87,7 +87,7 @@ def test_empty_logs_are_told_by_one_line_and_one_that_begins_or_has_gone_by_none
     told = capsys.readouterr()
     assert [each["file"] for each in json.loads(told.out)] == [str(path)]
     assert told.err.splitlines() == [
-        "WARNING: 3 logs are empty: killed, or without power, in the first second"
+        "WARNING: 3 logs are empty: killed, without power, or without room on the disk"
     ]
     os.close(begins)
 
