@@ -188,7 +188,7 @@ def info(name: LogName = "", /, *, json: Flag = False) -> int:
 
 @log_app.command
 def pin(name: Annotated[str, Parameter(metavar="LOG")], /, *, off: Flag = False) -> int:
-    """Keep a log until you remove it yourself, whatever room others need.
+    """Keep all files of a log until you remove them yourself, whatever room others need.
 
     Example: pioneer3 log pin drive
 
@@ -196,15 +196,23 @@ def pin(name: Annotated[str, Parameter(metavar="LOG")], /, *, off: Flag = False)
         name: Of the log, which is among the user's: no other file is changed.
         off: Let it go when room is needed.
     """
-    from pioneer3.log.folder import find_log, logs_folder
+    from pioneer3.log.folder import find_log, logs_folder, user_logs
     from pioneer3.log.folder import pin as set_pin
+    from pioneer3.log.reader import whole_log
 
     path = find_log(logs_folder(), Path(name).name)
     try:
-        set_pin(path, on=not off)
-    except OSError as error:
-        raise ConfigError(f"{path}: cannot be changed: {error.strerror}") from None
-    write_line(f"{path}: {'goes when room is needed' if off else 'is kept'}")
+        files = {*whole_log(path).files}
+    except ConfigError:  # a damaged one may be kept, too
+        files = {path}
+    for each in user_logs(logs_folder()):
+        if each not in files:
+            continue
+        try:
+            set_pin(each, on=not off)
+        except OSError as error:
+            raise ConfigError(f"{each}: cannot be changed: {error.strerror}") from None
+        write_line(f"{each}: {'goes when room is needed' if off else 'is kept'}")
     return 0
 
 

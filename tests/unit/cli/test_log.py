@@ -19,6 +19,7 @@ from pioneer3.log.mcap import McapFile
 from pioneer3.log.moment import time_of
 from pioneer3.log.reader import open_log
 from pioneer3.log.topics import EVENT, LogEvent, LogTopic
+from tests.unit.analysis.support import write_parts
 
 WIRE = LogTopic("wire/robot/in", bytes)
 COMMAND = LogTopic("command", LogEvent)
@@ -130,6 +131,20 @@ def test_a_pinned_log_is_kept_until_it_is_let_go() -> None:
     assert is_pinned(path)
     assert pin("drive", off=True) == 0
     assert not is_pinned(path)
+
+
+def test_all_files_of_a_log_are_pinned_whichever_is_named_and_a_damaged_one() -> None:
+    parts = [
+        each.rename(each.with_name(f"2026-03-01T09-30-0{number}Z-run.mcap"))
+        for number, each in enumerate(write_parts(a_log("drive").parent))
+    ]
+    for name in ("00Z-run", "01Z-run"):
+        for on in (True, False):
+            assert pin(name, off=not on) == 0
+            assert [is_pinned(each) for each in parts] == [on, on]
+    parts[0].write_bytes(b"no log")
+    assert pin("00Z-run") == 0
+    assert [is_pinned(each) for each in parts] == [True, False]
 
 
 def test_no_file_but_a_log_of_the_user_is_pinned(tmp_path: Path) -> None:
