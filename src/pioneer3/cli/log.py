@@ -239,8 +239,9 @@ def cut(
     from pioneer3.log.excerpt import write_excerpt
     from pioneer3.log.folder import named_log_path
     from pioneer3.log.index import LogIndex
+    from pioneer3.log.reader import whole_log
 
-    log = LogIndex(named_log_path(name))
+    log = LogIndex(*whole_log(named_log_path(name)).files)
     known = log.info()
     first = known.began if begin is None else _moment("begin", begin, known)
     last = known.ended if end is None else _moment("end", end, known)

@@ -78,29 +78,27 @@ def _write(
     from mcap.writer import Writer
 
     writer, counts, ended = Writer(file), Counter[str](), 0
-    schemas: dict[int, int] = {0: 0}
-    channels: dict[int, int] = {}
+    schemas: dict[object, int] = {None: 0}
+    channels: dict[object, int] = {}
     writer.start(PROFILE, f"an excerpt of {log.path.name}")
     for name, told in {**log.info().texts, "end": END, **texts}.items():
         writer.add_metadata(name, dict(told))
 
     def add(record: LogRecord, time: int) -> int:
-        if record.schema is not None and record.schema.id not in schemas:
-            schema = record.schema
-            schemas[schema.id] = writer.register_schema(schema.name, schema.encoding, schema.data)
-        if record.channel.id not in channels:
-            channel = record.channel
-            channels[channel.id] = writer.register_channel(
-                channel.topic,
-                channel.message_encoding,
-                schemas.get(channel.schema_id, 0),
-                channel.metadata,
+        schema, channel = record.schema, record.channel  # numbers differ from file to file
+        kind = schema and (schema.name, schema.encoding, schema.data)
+        if schema is not None and kind not in schemas:
+            schemas[kind] = writer.register_schema(schema.name, schema.encoding, schema.data)
+        key = channel.topic, channel.message_encoding, kind, *sorted(channel.metadata.items())
+        if key not in channels:
+            channels[key] = writer.register_channel(
+                channel.topic, channel.message_encoding, schemas[kind], channel.metadata
             )
         with log.damage_told():
-            number, sequence, _, published = struct.unpack_from("<HIQQ", record.data)
+            _, sequence, _, published = struct.unpack_from("<HIQQ", record.data)
             told = messages_of([record])
-        writer.add_message(channels[number], time, record.data[OF_MESSAGE:], published, sequence)
-        counts[record.channel.topic] += len(told)
+        writer.add_message(channels[key], time, record.data[OF_MESSAGE:], published, sequence)
+        counts[channel.topic] += len(told)
         return told[-1].time if told else time
 
     for record in log.records(begin, end):

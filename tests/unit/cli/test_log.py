@@ -17,12 +17,14 @@ from pioneer3.log.cut import MAGIC
 from pioneer3.log.folder import create_log, is_pinned, logs_folder, user_logs
 from pioneer3.log.mcap import McapFile
 from pioneer3.log.moment import time_of
-from pioneer3.log.reader import open_log
+from pioneer3.log.reader import open_log, whole_log
 from pioneer3.log.topics import EVENT, LogEvent, LogTopic
+from pioneer3.state import Snapshot
 from tests.unit.analysis.support import write_parts
 
 WIRE = LogTopic("wire/robot/in", bytes)
 COMMAND = LogTopic("command", LogEvent)
+SNAPSHOTS = LogTopic("snapshot", Snapshot)
 SECOND = 10**9
 BEGAN = 1_772_357_400 * SECOND
 """When the logs of these tests began [ns since 1970]."""
@@ -172,6 +174,18 @@ def test_a_part_is_a_log_of_its_own(
     assert log.info().command == "pioneer3 drive"
     with pytest.raises(ConfigError, match=r"part\.mcap: cannot be written: File exists"):
         cut("drive", output=part)
+
+
+def test_a_part_may_be_of_two_files(tmp_path: Path) -> None:
+    parts = write_parts(tmp_path)
+    log = whole_log(parts[0])
+    whole, began = [*log.of(SNAPSHOTS)], log.info().began
+    for path in parts:
+        part = tmp_path / f"part-{path.name}"
+        assert cut(str(path), output=part, begin="1s", end="3s") == 0
+        kept = [each for each in whole if SECOND <= each[0] - began <= 3 * SECOND]
+        assert [*open_log(part).of(SNAPSHOTS)] == kept
+        assert len(kept) > 10
 
 
 def test_a_part_without_messages_leaves_no_file(tmp_path: Path) -> None:
