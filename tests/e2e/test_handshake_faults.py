@@ -358,8 +358,8 @@ async def test_a_computer_that_is_busy_while_it_connects_loses_no_healthy_robot(
 ) -> None:
     handle, busy = Session._handle, [3.0]
 
-    async def slowly(self: Session, happened: Event, stamp: float) -> None:
-        await handle(self, happened, stamp)
+    def slowly(self: Session, happened: Event, stamp: float) -> None:
+        handle(self, happened, stamp)
         if type(happened).__name__ == event and busy:
             hold_up(busy.pop())
 

@@ -5,10 +5,11 @@ import errno
 import socket
 import sys
 from array import array
-from collections.abc import Awaitable, Callable, Mapping
+from collections.abc import Awaitable, Callable, Iterator, Mapping
+from contextlib import contextmanager
 
 from pioneer3.errors import HungUpError, LinkError, PortNotFoundError, UnknownHostError
-from pioneer3.links.base import HUNG_UP
+from pioneer3.links.base import HUNG_UP, WRITTEN
 from pioneer3.links.hosts import is_loopback
 
 try:
@@ -57,12 +58,27 @@ class StreamLink:
         except OSError as error:
             raise self._failed(error) from error
 
-    async def write(self, data: bytes) -> None:
-        """Send `data`; waits only while the far end does not take it."""
+    @contextmanager
+    def handing(self, take: Callable[[bytes], None]) -> Iterator[None]:
+        """Give all that comes to `take`: to wake a task for it costs a round of the loop."""
+        self._reader.feed_data = take  # type: ignore[assignment, method-assign]
+        try:
+            yield
+        finally:
+            del self._reader.feed_data
+
+    def write(self, data: bytes) -> Awaitable[None]:
+        """Send `data`; there is something to wait for only while the far end does not take it."""
         if self._writer.is_closing():
             raise LinkError(f"{self.url}: the link is closed")
+        self._writer.write(data)
+        transport = self._writer.transport
+        if transport.get_write_buffer_size() or transport.is_closing():
+            return self._drain()
+        return WRITTEN
+
+    async def _drain(self) -> None:
         try:
-            self._writer.write(data)
             await self._writer.drain()
         except OSError as error:
             raise self._failed(error) from error

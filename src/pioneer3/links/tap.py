@@ -12,7 +12,8 @@ start with # are comments. The oldest have no heading, and restart at 0 s with e
 
 import asyncio
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Awaitable, Callable, Iterator
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
 from functools import partial
 from math import inf
@@ -20,7 +21,7 @@ from pathlib import Path
 from typing import Final, Protocol
 
 from pioneer3.errors import ConfigError, RecordingOverError
-from pioneer3.links.base import Link, Opener
+from pioneer3.links.base import HandingLink, Link, Opener
 from pioneer3.log.reader import is_mcap, open_log
 from pioneer3.log.topics import EXACT, ROUGH, LogTopic, is_wire
 from pioneer3.log.writer import LogWriter
@@ -114,11 +115,22 @@ class TapLink:
         self._tap.note(FROM_ROBOT, data, now)
         return data
 
-    async def write(self, data: bytes) -> None:
+    def handing(self, take: Callable[[bytes], None]) -> AbstractContextManager[None]:
+        """Tell what the link inside hands over, then hand it over."""
+
+        def tell(data: bytes) -> None:
+            self.read_at = now = self._tap.now()
+            self._tap.note(FROM_ROBOT, data, now)
+            take(data)
+
+        link = self._link
+        return link.handing(tell) if isinstance(link, HandingLink) else nullcontext()
+
+    def write(self, data: bytes) -> Awaitable[None]:
         """Write to the link inside, then tell it: what moves a robot does not wait for that."""
         now = self._tap.now()
         try:
-            await self._link.write(data)
+            return self._link.write(data)
         finally:
             self._tap.note(FROM_HOST, data, now)
 

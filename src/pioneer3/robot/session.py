@@ -4,7 +4,7 @@ import asyncio
 import logging
 from collections import deque
 from collections.abc import Callable, Sequence
-from contextlib import suppress
+from contextlib import nullcontext, suppress
 from dataclasses import replace
 from typing import Protocol
 
@@ -32,7 +32,7 @@ from pioneer3.errors import (
 )
 from pioneer3.limits import Accelerations, Limits
 from pioneer3.links import Link
-from pioneer3.links.base import HUNG_UP, TimedLink
+from pioneer3.links.base import HUNG_UP, WRITTEN, HandingLink, TimedLink
 from pioneer3.models import (
     Fallback,
     GivenModel,
@@ -119,9 +119,12 @@ class Session:
         self._timed = link if isinstance(link, TimedLink) else None
         self._due = self._alarm = self._clock()
         self._host = Host(self._due, link.speeds, timing, round_trip=link.round_trip)
-        self._wake = asyncio.Event()
+        self._ended: asyncio.Future[None] = self._loop.create_future()
+        self._next_write: asyncio.Handle | None = None
+        self._writes_soon = False
         self._waiting: deque[Command] = deque()
         self._sending: asyncio.Task[None] | None = None
+        self._speed_change: asyncio.Task[None] | None = None
         self._held_back = False
         self._lost: Lost | None = None
         self._configured = False
@@ -130,11 +133,11 @@ class Session:
         self.taken: bool | None = None
 
     def wake(self) -> None:
-        """Wake the writer if there is something to send, or to do before it wakes by itself."""
+        """Write soon if there is something to send, or to do before it is due by itself."""
         waits = self._host.is_due or self._pilot.is_due or self._requests.is_due
         due = min(self._host.deadline, self._pilot.deadline)
         if waits or self._waiting or self._lost or due < self._alarm:
-            self._wake.set()
+            self._write_soon()
 
     def send(self, command: Command) -> None:
         """Queue one command beside the pilot's, unless the last one of its kind is the same.
@@ -162,52 +165,82 @@ class Session:
             LinkError: the session was open, and was lost.
         """
         reader = asyncio.ensure_future(self._read())
-        writer = asyncio.ensure_future(self._write())
+        self._write_soon()
         try:
-            await asyncio.wait({reader, writer}, return_when=asyncio.FIRST_COMPLETED)
-            for task in (reader, writer):
+            await asyncio.wait({reader, self._ended}, return_when=asyncio.FIRST_COMPLETED)
+            for task in (reader, self._ended):
                 if task.done():
                     task.result()
         finally:
             try:
-                tasks = [task for task in (reader, writer, self._sending) if task is not None]
-                for task in tasks:
-                    task.cancel()
+                several = (reader, self._ended, self._sending, self._speed_change)
+                tasks = [task for task in several if task is not None]
+                for each in (*tasks, self._next_write):
+                    if each is not None:
+                        each.cancel()
                 await asyncio.gather(*tasks, return_exceptions=True)
             finally:  # even if this task is cancelled twice
                 await self._close()
 
     async def _read(self) -> None:
-        while data := await self.link.read():
-            now = self._now(self._timed.read_at if self._timed else None)
-            for event in self._host.receive(data, now):
-                await self._handle(event, now)
-            self._due = min(self._host.deadline, self._pilot.deadline)
-            self.wake()
+        link = self.link
+        with link.handing(self._take) if isinstance(link, HandingLink) else nullcontext():
+            while data := await link.read():
+                self._take(data)
         closed = f"{self.link.url}: the other end closed the link"
         if self.identity is None:
             raise TurnedAwayError(f"{closed}; {HUNG_UP}")
         raise LinkError(closed)
 
-    async def _write(self) -> None:
-        while True:
-            self._wake.clear()
-            now = self._now()
-            for event in self._host.tick(now):
-                await self._handle(event, now)
-            if self._lost is not None:
-                raise self._failure(self._lost.reason)
-            if self._host.config_settled and now >= self._pilot.deadline:
-                self._pilot.tick(now)
-            self._held_back = not self._link_is_free()
-            if not self._held_back:
-                self._send_all(now)
-            self._due = self._alarm = min(self._host.deadline, self._pilot.deadline)
-            timer = self._loop.call_at(self._alarm, self._wake.set)
-            try:
-                await self._wake.wait()
-            finally:
-                timer.cancel()
+    def _take(self, data: bytes) -> None:
+        """Take bytes of the robot; an error ends the session."""
+        if self._ended.done():
+            return
+        now = self._now(self._timed.read_at if self._timed else None)
+        try:
+            for event in self._host.receive(data, now):
+                self._handle(event, now)
+        except Exception as error:
+            self._ended.set_exception(error)
+        self._due = min(self._host.deadline, self._pilot.deadline)
+        self.wake()
+
+    def _write_soon(self) -> None:
+        """Write in the next round of the loop, once for all that is asked for until then."""
+        if not (self._writes_soon or self._ended.done()):
+            self._writes_soon = True
+            self._write_next(self._loop.call_soon(self._write))
+
+    def _write_next(self, handle: asyncio.Handle) -> None:
+        if self._next_write is not None:
+            self._next_write.cancel()
+        self._next_write = handle
+
+    def _write(self) -> None:
+        """Do what is due, and come back for what will be; an error ends the session."""
+        self._writes_soon = False
+        if self._ended.done() or self._speed_change is not None:
+            return
+        try:
+            self._do_due(self._now())
+        except Exception as error:
+            self._ended.set_exception(error)
+        else:
+            self._write_next(self._loop.call_at(self._alarm, self._write_soon))
+
+    def _do_due(self, now: float) -> None:
+        for event in self._host.tick(now):
+            self._handle(event, now)
+        if self._lost is not None:
+            raise self._failure(self._lost.reason)
+        if self._speed_change is not None:
+            return
+        if self._host.config_settled and now >= self._pilot.deadline:
+            self._pilot.tick(now)
+        self._held_back = not self._link_is_free()
+        if not self._held_back:
+            self._send_all(now)
+        self._due = self._alarm = min(self._host.deadline, self._pilot.deadline)
 
     def _now(self, read_at: float | None = None) -> float:
         """Return the time; tell the host of a delay, after which reports wait to be read."""
@@ -234,8 +267,10 @@ class Session:
             for command in (*due, *(each for each in waited if self._is_allowed(each))):
                 self._host.send(command, now)
         if data := self._host.outgoing():
-            self._sending = asyncio.ensure_future(self.link.write(data))
-            self._sending.add_done_callback(self._sent)
+            sending = self.link.write(data)
+            if sending is not WRITTEN:
+                self._sending = asyncio.ensure_future(sending)
+                self._sending.add_done_callback(self._sent)
 
     def _motion_commands(self, now: float) -> list[Command]:
         """Return the commands for the motion that is due; the first come with the settings."""
@@ -262,17 +297,28 @@ class Session:
         return not refusal
 
     def _sent(self, sending: "asyncio.Task[None]") -> None:
-        """Wake the writer if it waited for the link, or the link failed."""
+        """Write if the link was waited for, or has failed."""
         if self._held_back or sending.cancelled() or sending.exception() is not None:
-            self._wake.set()
+            self._write_soon()
 
-    async def _handle(self, event: Event, now: float) -> None:
+    def _speed_changed(self, change: "asyncio.Task[None]") -> None:
+        """Go on at another speed, or end the session."""
+        self._speed_change = None
+        if self._ended.done() or change.cancelled():
+            return
+        if error := change.exception():
+            self._ended.set_exception(error)
+        else:
+            self._write()
+
+    def _handle(self, event: Event, now: float) -> None:
         match event:
             case ReportReceived(report):
                 self._handle_report(report, now)
             case SpeedWanted(baud):
                 self.speed = baud
-                await self.link.set_speed(baud)
+                self._speed_change = asyncio.ensure_future(self.link.set_speed(baud))
+                self._speed_change.add_done_callback(self._speed_changed)
             case Opened(identity):
                 self.identity = identity
             case Configured(config, trusted):

@@ -8,6 +8,7 @@ from collections.abc import AsyncIterator
 import pytest
 
 from pioneer3.errors import LinkError
+from pioneer3.links.base import WRITTEN
 from pioneer3.links.stream import KEEPALIVE, StreamLink, accepted, open_tcp, tune
 
 pytestmark = pytest.mark.realtime
@@ -36,6 +37,33 @@ async def test_bytes_pass_both_ways(ends: Ends) -> None:
     for near, far in (ends, ends[::-1]):
         await near.write(b"hello")
         assert await far.read() == b"hello"
+
+
+async def test_bytes_are_handed_over_and_their_end_is_read(ends: Ends) -> None:
+    ours, theirs = ends
+    came: list[bytes] = []
+    with ours.handing(came.append):
+        end = asyncio.ensure_future(ours.read())
+        await theirs.write(b"one")
+        await asyncio.sleep(0.05)
+        assert came == [b"one"]
+        assert not end.done()
+    await theirs.write(b"two")
+    assert await end == b"two"
+    assert came == [b"one"]
+    with ours.handing(came.append):
+        await theirs.close()
+        assert await ours.read() == b""
+
+
+async def test_there_is_nothing_to_wait_for_until_the_far_end_takes_no_more(ends: Ends) -> None:
+    ours, theirs = ends
+    assert ours.write(b"a little") is WRITTEN
+    more = ours.write(bytes(1 << 24))
+    assert more is not WRITTEN
+    writing = asyncio.ensure_future(more)
+    while not writing.done():
+        await theirs.read()
 
 
 async def test_a_far_end_that_closes_is_read_as_the_end(ends: Ends) -> None:
