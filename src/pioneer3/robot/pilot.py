@@ -175,7 +175,13 @@ class Pilot:
             self._recovering_from, self._recovery_until = self.last_stop, now + STALL_RECOVERY
         if self.enable_failed and self.asked(now).is_zero:
             self._motors_wanted = None  # a fresh command tries the motors again
-        self._command = replace(command, until=min(now + self.limits.expiry, command.until))
+        self._command = VelocityCommand(
+            twist,
+            min(now + self.limits.expiry, command.until),
+            after=command.after,
+            answers_stall=command.answers_stall,
+            accelerations=command.accelerations,
+        )
         if not twist.is_zero and self.auto_enable and not self._motors_wanted:
             self._want_motors(on=True, now=now)
         self._update_velocity(now)
@@ -378,7 +384,7 @@ class Pilot:
         power_at = inf if self._motors_wanted else self._motors_wanted_at + BRAKING
         rests = now + (REPORT_TIMEOUT if twist.is_zero and self._at_rest else REPEAT)
         due_at = (again, self._command.until, power_at, rests)
-        self.deadline = min(due for due in due_at if due > now)
+        self.deadline = min([due for due in due_at if due > now])
 
     def _check_bumpers(self, twist: Twist2, now: float) -> None:
         """End a command that leaves no motion but `twist`: later it would surprise people."""

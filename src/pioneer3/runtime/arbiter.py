@@ -153,6 +153,7 @@ class Arbiter:
         self._by_sonar = Stack.alone(LimiterBySonar(), MODE)
         self._apart: Stack | None = None
         self._last_checks: list[Stack] = []
+        self._alone: tuple[object, Decision] = None, self.decision
         self._clock = asyncio.get_running_loop().time
         supervisor.snapshot_taken = self._take
 
@@ -210,7 +211,7 @@ class Arbiter:
         stacks = self._stacks(now)
         situation = self.situation() if stacks else None
         try:
-            self.decision = decision = resolve(stacks, situation) if situation else Decision()
+            self.decision = decision = self._resolved(stacks, situation)
         except ActionError as error:
             return self._fail(error)
         if self.log is not None:
@@ -235,6 +236,28 @@ class Arbiter:
         if before.wanted and now < before.until and not stopped:
             return self._stand()  # somebody let go; the pilot itself ends what expires
         return None
+
+    def _resolved(self, stacks: list[Stack], situation: Situation | None) -> Decision:
+        """Return the decision; that of a hold alone is the last one while it wants the same."""
+        if situation is None:
+            return Decision()
+        alone = stacks[0].actions[0].action if len(stacks) == len(stacks[0].actions) == 1 else None
+        desire = alone.decide(situation) if isinstance(alone, Hold) else None
+        if alone is None or desire is None:
+            return resolve(stacks, situation)
+        (wanted, decision), wants = self._alone, (alone.name, desire.v, desire.w)
+        if wants != wanted:
+            decision = resolve(stacks, situation)
+        elif desire.until != decision.until:
+            decision = Decision(  # `replace` takes longer than the rest of this
+                decision.twist,
+                desire.until,
+                decision.contributions,
+                decision.limits,
+                decision.answers_stall,
+            )
+        self._alone = wants, decision
+        return decision
 
     def _stacks(self, now: float) -> list[Stack]:
         """Return all stacks that decide; modes see no better than the sensors that work."""

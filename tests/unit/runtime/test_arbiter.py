@@ -112,6 +112,19 @@ async def test_a_wish_expires_to_the_moment_and_the_next_takes_over_within_a_cyc
         assert (the.arbiter.driving_action, the.asked) == ("program", TURNING)
 
 
+async def test_a_wish_that_is_renewed_lasts_from_then_on_and_is_resolved_once() -> None:
+    async with bridge() as the:
+        the.arbiter.hold(the.program, FORTH, LONG)
+        first = the.arbiter.decision
+        await asyncio.sleep(0.2)
+        assert the.arbiter.decision is first
+        the.arbiter.hold(the.program, FORTH, LONG)
+        assert the.arbiter.decision.until == pytest.approx(first.until + 0.2)
+        assert the.arbiter.decision.contributions is first.contributions
+        the.arbiter.hold(the.program, BACK, LONG)
+        assert the.arbiter.decision.twist == BACK
+
+
 async def test_a_wish_of_zero_is_a_wish_and_holds_the_robot_back() -> None:
     async with bridge() as the:
         the.arbiter.hold(the.program, FORTH, LONG)
