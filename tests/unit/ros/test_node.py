@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 from pioneer3 import Robot, connect_async
+from pioneer3.arcos.reports import Sip
 from pioneer3.models import shape_of
 from pioneer3.robot.devices.laser import Laser
 from pioneer3.robot.devices.presence import Presence
@@ -71,6 +72,19 @@ async def test_it_publishes_what_somebody_subscribes_to() -> None:
         assert 9 <= len(await the.subscribe("odom")) <= 11
         assert len(await the.subscribe("/diagnostics", 3.0)) in {2, 3, 4}
         assert the.middleware.publishers["sonar/points"].messages == []
+
+
+async def test_of_several_reports_that_come_at_once_the_newest_is_published() -> None:
+    async with a_node(profile="standard") as the:
+        publisher = the.middleware.publishers["odom"]
+        publisher.subscribed = True
+        await asyncio.sleep(0.35)
+        before, reports = len(publisher.messages), the.robot.supervisor.reports
+        for _ in range(3):
+            reports.publish(Sip(), 0.0)
+        await asyncio.sleep(0)
+        await asyncio.sleep(0)
+        assert len(publisher.messages) == before + 1
 
 
 async def test_wheels_have_turned_while_nobody_subscribed() -> None:

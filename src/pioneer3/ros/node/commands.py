@@ -64,6 +64,7 @@ class Commands:
         self._pending: deque[ReceivedMessage] = deque(maxlen=PENDING)
         self._lock = threading.Lock()
         self._loop = asyncio.get_running_loop()
+        self._loop_thread = threading.get_ident()
         self._timer: asyncio.TimerHandle | None = None
         self._expiry: asyncio.TimerHandle | None = None
         self._expired_of: deque[str] = deque(maxlen=REMEMBERED)
@@ -102,7 +103,9 @@ class Commands:
         with self._lock:
             waiting = bool(self._pending)
             self._pending.append(ReceivedMessage(message, topic, sender, self._loop.time()))
-        if not waiting:
+        if threading.get_ident() == self._loop_thread:
+            self._drive()
+        elif not waiting:
             hand_over(self._loop, self._drive)
 
     def left(self, sender: Sender) -> None:

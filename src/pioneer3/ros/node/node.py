@@ -8,6 +8,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Final
 
 from pioneer3.arcos.commands import Command
+from pioneer3.arcos.reports import Report, Sip
 from pioneer3.errors import CommandError, DeviceError
 from pioneer3.geometry import Pose2
 from pioneer3.robot.devices.pictures import Image, decode
@@ -82,6 +83,8 @@ class RobotNode:
             moved=self._updates.jumped,
             warn=middleware.warn,
         )
+        self._told: object = None
+        self._publishes_soon = False
         self._unheard: tuple[str, ...] = ()
         self._ended = asyncio.Event()
 
@@ -96,9 +99,9 @@ class RobotNode:
         await asyncio.to_thread(self._advertise)
         self._services.session_began()
         ready()
+        end_reports = self._robot.supervisor.reports.hand_to(self._take_report, Sip)
         try:
             async with running(
-                self._publish_state(),
                 self._publishing.publish_diagnostics(
                     self._diagnose, lambda: hardware_id(self._robot.info)
                 ),
@@ -122,6 +125,7 @@ class RobotNode:
             ):
                 await self._ended.wait()
         finally:
+            end_reports()
             self._commands.end()
             self._robot.stop()
             await asyncio.to_thread(self._middleware.forget)
@@ -187,20 +191,28 @@ class RobotNode:
             return bool(self._robot.devices.camera.presence.there)
         return not topic.sensor or bool(self._sensors[topic.sensor].presence.there)
 
-    async def _publish_state(self) -> None:
-        """Publish each snapshot that somebody subscribes to, or that latched topics tell of."""
-        supervisor, told = self._robot.supervisor, None
-        async for snapshot in supervisor.snapshots.values():
-            model, charging = self._robot.info.model, snapshot.battery.charging
-            emergency, sessions = supervisor.pilot.emergency, snapshot.link.sessions
-            latched = model, sessions, snapshot.motors, charging, emergency
-            if latched != told or self._publishing.has_subscribers(StateUpdate):
-                told = latched
-                self._publishing.publish(self._state_update(snapshot))
-            else:
-                self._updates.pass_over(snapshot, model)
-            if self._navigation is not None:
-                self._navigation.publish(snapshot)
+    def _take_report(self, report: Report, now: float) -> None:
+        """Publish the newest snapshot soon: what it makes the robot do comes first."""
+        if not self._publishes_soon:
+            self._publishes_soon = True
+            self._loop.call_soon(self._publish_state)
+
+    def _publish_state(self) -> None:
+        """Publish a snapshot that somebody subscribes to, or that latched topics tell of."""
+        self._publishes_soon = False
+        supervisor = self._robot.supervisor
+        snapshot = supervisor.snapshots.latest
+        assert snapshot is not None
+        model, charging = self._robot.info.model, snapshot.battery.charging
+        emergency, sessions = supervisor.pilot.emergency, snapshot.link.sessions
+        latched = model, sessions, snapshot.motors, charging, emergency
+        if latched != self._told or self._publishing.has_subscribers(StateUpdate):
+            self._told = latched
+            self._publishing.publish(self._state_update(snapshot))
+        else:
+            self._updates.pass_over(snapshot, model)
+        if self._navigation is not None:
+            self._navigation.publish(snapshot)
 
     def _state_update(self, snapshot: Snapshot) -> StateUpdate:
         return self._updates.state(

@@ -9,7 +9,7 @@ master       the ROS 1 master: registers a node of rospy again with the one that
 environment  checks the variables that tell programs of ROS 1 where the master and this computer
 package      a ROS 1 package that `rosrun` and `roslaunch` find, without catkin and without a build
 middleware   the middleware of ROS 1
-connection   a connection of a `rospy.Publisher` to a subscriber, which never waits
+connection   connections of rospy that wake no thread for a message
 reconfigure  dynamic_reconfigure in ROS 1: a server without a generated configuration
 ===========  ======================================================================================
 """

@@ -1,5 +1,6 @@
 """The middleware of ROS 1: topics, services, parameters and time, by rospy."""
 
+import asyncio
 import sys
 from collections.abc import Callable, Sequence
 from contextlib import suppress
@@ -17,7 +18,7 @@ from pioneer3.ros.definitions import DEFINITIONS
 from pioneer3.ros.node.driving_parameters import DrivingParameters
 from pioneer3.ros.node.middleware import QUEUE, Lose, Receive, Sender, Unsubscribe
 from pioneer3.ros.node.parameters import NodeParameters
-from pioneer3.ros.ros1.connection import DirectConnection
+from pioneer3.ros.ros1.connection import DirectConnection, DirectReading
 from pioneer3.ros.ros1.reconfigure import Reconfigure
 
 DESCRIPTION: Final = "robot_description"
@@ -136,6 +137,7 @@ class RospyTopics:
         import rospy
 
         self._rospy = rospy
+        self._loop = asyncio.get_running_loop()
         self._asked: set[str] = set()
 
     def make(self, type_name: str) -> Any:
@@ -181,7 +183,10 @@ class RospyTopics:
     def subscribe(
         self, name: str, type_name: str, receive: Receive, *, queue: int, left: Lose | None = None
     ) -> Unsubscribe:
-        """Call `receive` in a thread of the connection."""
+        """Call `receive` in a thread of the connection; with `left` in the loop, but for the first.
+
+        What drives the robot is worth a connection that the loop reads itself.
+        """
         full = self._once(name)
         senders: dict[int, Sender] = {}
 
@@ -192,7 +197,7 @@ class RospyTopics:
                 sender = Sender(header.get("callerid", ""), header, latched)
                 senders[id(header)] = sender
                 if left is not None:
-                    _tell_end(full, header, partial(ended, sender))
+                    _read_directly(full, header, self._loop, partial(ended, sender))
             receive(message, sender)
 
         def ended(sender: Sender) -> None:
@@ -235,21 +240,25 @@ def _is_known(name: str) -> bool:
     return True
 
 
-def _tell_end(topic: str, header: object, tell: Callable[[], None]) -> None:
-    """Have the end of a connection told, of which rospy tells nobody, unless this node ends it.
+def _read_directly(
+    topic: str, header: object, loop: asyncio.AbstractEventLoop, tell: Callable[[], None]
+) -> None:
+    """Have the loop read a connection from now on, and `tell` its end unless this node ends it.
 
-    rospy makes a connection anew that has failed: it has another header then.
+    rospy tells nobody. It makes a connection anew that has failed, with another header then.
     """
     from rospy.impl.registration import get_topic_manager
 
     def before(call: Callable[..., object], *arguments: object) -> object:
         if not impl.closed:
             tell()
+        reading.end()
         return call(*arguments)
 
     impl = get_topic_manager().get_subscriber_impl(topic)
     for connection in impl.connections if impl else ():
         if connection.header is header:
+            reading = DirectReading(connection, impl.receive_callback, loop)
             connection.set_cleanup_callback(partial(before, connection.cleanup_cb))
             connection._reconnect = partial(before, connection._reconnect)
             if not connection.done:
