@@ -32,7 +32,7 @@ relocalization    finds the place of a scan that is nowhere near where odometry 
 loops             finds places again
 pose_graph        the poses, edges and pieces of a map while loops are added to it
 graph             poses from the ways that were measured between them
-odometry          where odometry leads to, and how far from there a robot may be
+odometry          where odometry leads to, how far from there a robot may be, and its scale
 mounting          finds out how far a laser is turned from where it is said to look
 mapper            makes a map: poses of a robot, live, from scans and odometry
 contradictions    finds where odometry contradicts the scans of a map

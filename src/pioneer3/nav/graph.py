@@ -11,7 +11,8 @@ from pioneer3.arrays import Float, Int
 from pioneer3.nav.frames import Edge
 
 PHI = 10.0
-"""Squared error above which a loop is taken for partly wrong [squared sigmas]."""
+"""Squared error above which a loop, or a motion that odometry missed, is taken for partly wrong
+[squared sigmas]."""
 GRAPH_ROUNDS = 10
 """Rounds of the search at most."""
 GRAPH_STEP = 1e-4
@@ -29,7 +30,7 @@ class _Graph:
         ways = [edge.second_in_first for edge in edges]
         self.way = np.array([(way.x, way.y, way.theta) for way in ways]).reshape(-1, 3)
         self.information = np.array([edge.information for edge in edges]).reshape(-1, 3, 3)
-        self.loop = np.array([edge.loop for edge in edges], dtype=np.bool_)
+        self.doubtful = np.array([edge.loop or edge.missed for edge in edges], dtype=np.bool_)
 
     def errors(self, poses: Float) -> Float:
         """Return the errors in the frames of the seconds, shape (E, 3)."""
@@ -66,9 +67,10 @@ def optimized(
 ) -> Float:
     """Return the likeliest poses, shape (N, 3); the first `held` ones stay where they are.
 
-    Loops are weighted by dynamic covariance scaling (Agarwal et al., 2013), so that a wrong one
-    does little harm; in `plain` rounds all count in full. An unbroken chain of edges that are no
-    loops leads to each pose from the first. Steps below `small` [m, rad] end the search.
+    Loops, and motions that odometry missed, are weighted by dynamic covariance scaling (Agarwal et
+    al., 2013), so that a wrong one does little harm; in `plain` rounds all count in full. An
+    unbroken chain of edges that are no loops leads to each pose from the first. Steps below `small`
+    [m, rad] end the search.
     """
     result = poses.copy()
     if len(result) <= held:
@@ -100,7 +102,7 @@ def _step(graph: _Graph, poses: Float, held: int, *, robust: bool) -> Float:
     errors, information = graph.errors(poses), graph.information
     if robust:
         squared = np.einsum("ei,eij,ej->e", errors, information, errors)
-        scale = np.where(graph.loop, np.minimum(1.0, 2 * PHI / (PHI + squared)), 1.0)
+        scale = np.where(graph.doubtful, np.minimum(1.0, 2 * PHI / (PHI + squared)), 1.0)
         information = information * (scale**2)[:, None, None]
     count = len(poses) - held
     gradient = np.zeros((count, 3))

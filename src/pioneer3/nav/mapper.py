@@ -24,6 +24,7 @@ from pioneer3.nav.odometry import (
     SEARCHED_SIGMAS,
     SEARCHED_TURN,
     SEARCHED_WAY,
+    LearnedScale,
     backwards,
     expected_pose,
     search_window,
@@ -63,8 +64,9 @@ PLAINLY = 0.2
 """Share of a scan by which it fits better where odometry is called wrong; or half of what does not
 fit by odometry."""
 SLIPPED = 0.01
-"""Share of its information that odometry has where a scan says otherwise, and such a scan has for
-the map."""
+"""Share of its information that odometry has where a scan says otherwise."""
+UNSURE = 0.04
+"""Share of its information that such a scan has for the map."""
 TORN_WAY = 1e-4 * UNKNOWN_WAY
 """Information of a way that odometry missed."""
 
@@ -94,7 +96,7 @@ class Mapper:
         self._way = self._turn = 0.0
         self._way_of_scan = self._turn_of_scan = 0.0
         self._progress = Progress()
-        self._mounting = LearnedMounting()
+        self._mounting, self._scale = LearnedMounting(), LearnedScale()
         self._pieces, self._moves, self._moved_at = 1, 0, -1
         self._missed = False
 
@@ -235,11 +237,11 @@ class Mapper:
         """Find the robot where odometry leads to from the last key frame and scan."""
         key = self._survey.frames[-1]
         since_key = self._signed(key.beams.robot_in_odom.inverse() @ beams.robot_in_odom)
-        odometry = self._mounting.seen(since_key, beams.origin)
+        odometry = self._mounting.seen(self._scale.seen(since_key), beams.origin)
         key_sigmas = slip(self._settings, self._way - key.way, self._turn - key.turn)
         prior = expected = expected_pose(self._survey.poses[-1], odometry, *key_sigmas)
         odometry = self._signed(odom_of_scan.inverse() @ beams.robot_in_odom)
-        odometry = self._mounting.seen(odometry, beams.origin)
+        odometry = self._mounting.seen(self._scale.seen(odometry), beams.origin)
         guess = self._here @ odometry
         way, turn = self._way - self._way_of_scan, self._turn - self._turn_of_scan
         sigma, sigma_theta = slip(self._settings, way, turn)
@@ -271,12 +273,14 @@ class Mapper:
         if match.inliers < (SURE_INLIERS if far else TRACKED_INLIERS):
             match = Match(pose=prior.pose, information=np.zeros((3, 3)), inliers=match.inliers)
             far = False
-        if match.inliers < self._settings.fit and self._find_again(beams, cloud, match, expected):
+        fit = self._settings.fit + (PLAINLY if self._missed else 0.0)
+        if match.inliers < fit and self._find_again(beams, cloud, match, expected):
             return
         self._here = match.pose
         step = self._survey.poses[-1].inverse() @ self._here
         if hypot(step.x, step.y) >= self._settings.way or abs(step.theta) >= self._settings.turn:
             self._mounting.take(since_key, step)
+            self._scale.take(since_key, step, match.share(prior))
             self._link(beams, cloud, match, expected, prior.information)
         elif far:
             # what follows is measured from here: odometry missed a motion
@@ -321,7 +325,7 @@ class Mapper:
         Return whether it was moved: the scan contradicts those before it.
         """
         contradiction = self._vicinity.contradiction(beams, match.pose)
-        if contradiction < CONTRADICTED:
+        if contradiction < CONTRADICTED and not self._missed:
             return False
         fit = max(self._settings.fit, match.inliers + CLEARLY)
         found = self._vicinity.find(cloud, beams, match.pose, way=LIFTED_WAY, fit=fit)
@@ -357,7 +361,7 @@ class Mapper:
         missed = expected.squared_error(self._here) > NEAR_ODOMETRY
         information = certainty(match, known)
         if missed:  # scans while it is pushed are skewed, and loops will know better
-            information = SLIPPED * information
+            information = UNSURE * information
         edge = Edge(number - 1, number, step, information, missed=missed)
         self._keep(KeyFrame.of(beams, cloud, self._way, self._turn), (edge,))
 

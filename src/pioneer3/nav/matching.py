@@ -43,6 +43,8 @@ FINE_CELL = 0.05
 """Side of the cells of a search [m]."""
 FINE_TURN = 0.0087
 """Turns of a search [rad]."""
+COARSE_CELL = 2 * FINE_CELL
+"""Side of the cells of a search of all headings [m]: each is worth the best of four fine ones."""
 COARSE_TURN = 0.0175
 """Turns of a search of all headings [rad]."""
 MOST_LEVELS = 6
@@ -114,6 +116,12 @@ class Match:
         cross = self.information[:2, 2]
         low, high = np.linalg.eigvalsh(self.information[:2, :2] - np.outer(cross, cross) / turning)
         return float(max(0.0, low) / high) if high > 0 else 0.0
+
+    def share(self, prior: "Prior") -> float:
+        """Return the share of the points in the way ahead, 0 to 1; the rest is by a prior."""
+        ahead = np.array([cos(self.pose.theta), sin(self.pose.theta), 0.0])
+        both = self.information + prior.information
+        return float(ahead @ np.linalg.solve(both, self.information) @ ahead)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -227,18 +235,22 @@ class Submap:
         Those are left out that are worth less than `least`.
         """
         way, turn = within
-        shift = max(1, ceil(way / FINE_CELL))
-        levels = min(MOST_LEVELS, shift.bit_length())  # up to three blocks side by side
+        coarse = int(sectors > 1)
+        cell, apart = (COARSE_CELL, COARSE_TURN) if coarse else (FINE_CELL, FINE_TURN)
+        shift = max(1, ceil(way / cell))
+        # up to three blocks side by side
+        levels = min(MOST_LEVELS, shift.bit_length() + coarse)
         if self._pyramid is None or len(self._pyramid[1]) <= levels:
             self._pyramid = self._smeared(levels)
         grid, pyramid = self._pyramid
-        apart = COARSE_TURN if sectors > 1 else FINE_TURN
+        if coarse:
+            pyramid = np.ascontiguousarray(pyramid[1:, ::2, ::2])
         half = max(1, ceil(turn / apart))
         turns: Float = apart * np.arange(-half, half + 1, dtype=np.float64)
         c, s = np.cos(guess.theta + turns), np.sin(guess.theta + turns)
         x = np.outer(c, points[:, 0]) - np.outer(s, points[:, 1]) + guess.x
         y = np.outer(s, points[:, 0]) + np.outer(c, points[:, 1]) + guess.y
-        cells = np.floor(np.stack([y - grid[1], x - grid[0]], axis=2) / FINE_CELL).astype(np.int64)
+        cells = np.floor(np.stack([y - grid[1], x - grid[0]], axis=2) / cell).astype(np.int64)
         full = 255.0 * max(1, len(points))
         limits = np.array([float(shift), half * apart, cost * full, max(NOTHING, least * full)])
         sector = np.arange(len(turns), dtype=np.int64) * sectors // len(turns)
@@ -247,8 +259,8 @@ class Submap:
         return [
             (
                 Pose2(
-                    guess.x + FINE_CELL * column,
-                    guess.y + FINE_CELL * row,
+                    guess.x + cell * column,
+                    guess.y + cell * row,
                     wrap(guess.theta + float(turns[a])),
                 ),
                 worth / full,

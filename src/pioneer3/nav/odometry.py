@@ -1,4 +1,4 @@
-"""Tells where odometry leads to, and how far from there a robot may be."""
+"""Tells where odometry leads to, how far from there a robot may be, and how long its ways are."""
 
 from math import hypot
 
@@ -6,6 +6,7 @@ import numpy as np
 
 from pioneer3.geometry import Pose2
 from pioneer3.nav.matching import Prior
+from pioneer3.nav.mounting import STRAIGHT_TURN
 from pioneer3.nav.settings import MapperSettings
 
 BEND = 0.05
@@ -17,6 +18,12 @@ STILL_ERROR = 0.007
 """Error of a stretch without a way [m]: of the time of odometry, mostly."""
 STILL_TURN_ERROR = 0.01
 """Error of the heading of a stretch without a way [rad]."""
+SCALE_WEIGHT = 1.0
+"""Weight against all ways that odometry tells their lengths right [m]."""
+FIXED_SHARE = 0.6
+"""Share of a scan in a way, beside odometry, from which on it tells the length of that."""
+MOST_SCALED = 0.1
+"""Share by which odometry tells a way wrong at most: above, wheels slipped."""
 SEARCHED_SIGMAS = 2.5
 """Standard deviations of odometry within which the pose is searched for."""
 SEARCHED_WAY = 1.5
@@ -24,6 +31,37 @@ SEARCHED_WAY = 1.5
 takes time with its area."""
 SEARCHED_TURN = 1.5
 """Turn within which the pose is searched for at most [rad]."""
+
+
+class LearnedScale:
+    """Finds out how long the ways are that odometry tells, where scans fix them.
+
+    In a corridor nothing but odometry tells how far a robot has driven.
+    """
+
+    def __init__(self) -> None:
+        self._told = self._driven = SCALE_WEIGHT
+
+    @property
+    def ratio(self) -> float:
+        """Length of a way by that which odometry tells."""
+        return self._driven / self._told
+
+    def take(self, odometry: Pose2, step: Pose2, share: float) -> None:
+        """Learn from a way that is known as `step`, to a `share` by scans, else by odometry."""
+        told = hypot(odometry.x, odometry.y)
+        if share < FIXED_SHARE or max(abs(odometry.theta), abs(step.theta)) > STRAIGHT_TURN:
+            return
+        driven = (step.x * odometry.x + step.y * odometry.y) / told if told else 0.0
+        expected = self.ratio * told
+        driven = expected + (driven - expected) / share  # had odometry not drawn it there
+        if abs(driven - told) < MOST_SCALED * told:
+            self._told += share * told
+            self._driven += share * driven
+
+    def seen(self, odometry: Pose2) -> Pose2:
+        """Return a way by odometry in its length by scans."""
+        return Pose2(self.ratio * odometry.x, self.ratio * odometry.y, odometry.theta)
 
 
 def slip(settings: MapperSettings, way: float, turn: float) -> tuple[float, float]:

@@ -83,6 +83,19 @@ def test_a_laser_that_looks_where_it_is_said_to_is_left_alone() -> None:
     assert mapper.remarks(ORIGIN) == ()
 
 
+@pytest.mark.parametrize("told", [0.96, 1.03])
+def test_a_corridor_is_as_long_as_it_is_though_wheels_tell_ways_wrong(told: float) -> None:
+    room = [[0.0, 0.0, 6.0, 0.0], [0.0, 0.0, 0.0, 4.0], [0.0, 4.0, 6.0, 4.0]]
+    door = [[6.0, 0.0, 6.0, 1.0], [6.0, 3.0, 6.0, 4.0]]
+    corridor = [[6.0, y, 60.0, y] for y in (1.0, 3.0)]
+    walls, rng, mapper = np.array(room + door + corridor), np.random.default_rng(4), Mapper()
+    for x in [*np.linspace(1, 5, 25), *np.linspace(5, 1, 25), *np.linspace(1, 31, 180)]:
+        seen = look(walls, Pose2(x, 2.0), Pose2(told * (x - 1)), noise=0.005, rng=rng)
+        near = np.hypot(*seen.points.T) < 6.0
+        mapper.add(replace(seen, points=seen.points[near]))
+    assert mapper.robot_in_map.x == pytest.approx(30.0, abs=0.1)
+
+
 def test_a_robot_that_stands_makes_no_key_frames() -> None:
     mapper = Mapper()
     for _ in range(5):
