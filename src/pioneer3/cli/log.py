@@ -188,7 +188,7 @@ def info(name: LogName = "", /, *, json: Flag = False) -> int:
 
 @log_app.command
 def pin(name: Annotated[str, Parameter(metavar="LOG")], /, *, off: Flag = False) -> int:
-    """Keep all files of a log until you remove them yourself, whatever room others need.
+    """Keep all files of a log until you remove them, whatever room others need.
 
     Example: pioneer3 log pin drive
 
