@@ -2,6 +2,8 @@
 
 import asyncio
 import time
+from collections.abc import Awaitable, Callable
+from contextlib import AbstractContextManager, nullcontext
 from math import inf, radians
 from random import Random
 
@@ -11,6 +13,7 @@ from pioneer3 import BlockingRobot, connect, connect_async
 from pioneer3.arcos.commands import RVel, to_payload
 from pioneer3.arcos.packet import encode
 from pioneer3.links import Link, open_link
+from pioneer3.links.base import HandingLink
 
 COMMANDS = 120
 PAUSES = (0.02, 0.2)
@@ -34,10 +37,21 @@ class TimedLink:
         self.read_at = time.perf_counter()
         return data
 
-    async def write(self, data: bytes) -> None:
-        """Note when the bytes are in the hands of the operating system."""
-        await self._link.write(data)
+    def handing(self, take: Callable[[bytes], None]) -> AbstractContextManager[None]:
+        """Note when bytes come that are handed over."""
+
+        def timed(data: bytes) -> None:
+            self.read_at = time.perf_counter()
+            take(data)
+
+        link = self._link
+        return link.handing(timed) if isinstance(link, HandingLink) else nullcontext()
+
+    def write(self, data: bytes) -> Awaitable[None]:
+        """Note when the bytes are in the hands of the operating system, if that takes them."""
+        written = self._link.write(data)
         self.written.append((time.perf_counter(), data))
+        return written
 
     async def set_speed(self, baud: int) -> None:
         """Change the speed of the link inside."""
