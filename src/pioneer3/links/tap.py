@@ -116,7 +116,7 @@ class TapLink:
         return data
 
     def handing(self, take: Callable[[bytes], None]) -> AbstractContextManager[None]:
-        """Tell what the link inside hands over, then hand it over."""
+        """Record the bytes that the link inside hands over, then pass them on."""
 
         def tell(data: bytes) -> None:
             self.read_at = now = self._tap.now()

@@ -44,7 +44,7 @@ class LearnedScale:
 
     @property
     def ratio(self) -> float:
-        """Length of a way by that which odometry tells."""
+        """Ratio of the length of a way to its length by odometry."""
         return self._driven / self._told
 
     def take(self, odometry: Pose2, step: Pose2, share: float) -> None:

@@ -97,7 +97,7 @@ class DirectReading:
         self._ended.set()
 
     def _read(self, connection: socket) -> None:
-        """Take what has come, in the loop; a malformed message ends the connection, as in rospy."""
+        """Take new bytes, in the loop; a malformed message ends the connection, as in rospy."""
         goes_on = False
         try:
             goes_on = self._take(connection)
