@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from math import inf
-from typing import Protocol
+from typing import Any, Protocol
 
 from pioneer3.behaviors.action import MODE, Action, ProgressChecker, Situation, Stack
 from pioneer3.behaviors.actions import Hold
@@ -154,7 +154,8 @@ class Arbiter:
         self._apart: Stack | None = None
         self._last_checks: list[Stack] = []
         self._alone: tuple[object, Decision] = None, self.decision
-        self._clock = asyncio.get_running_loop().time
+        self._loop = asyncio.get_running_loop()
+        self._clock = self._loop.time
         supervisor.snapshot_taken = self._take
 
     @property
@@ -214,13 +215,21 @@ class Arbiter:
             self.decision = decision = self._resolved(stacks, situation)
         except ActionError as error:
             return self._fail(error)
-        if self.log is not None:
-            mode = self.mode.name if self.mode else ""
-            self.log.decided(mode, decision, info.limits, now)
+        mode = self.mode.name if self.mode else ""
         if why_it_ends := self._why_mode_ends(decision):
+            self._note_decision(mode, decision, info.limits, now)
             self._forget_mode(why_it_ends)
             self.decide()
             return Refusal(why_it_ends)
+        drove = before.wanted and now < before.until
+        refused = self._drive(decision, info.limits, last, drove=drove)
+        self._note_decision(mode, decision, info.limits, now)
+        return refused
+
+    def _drive(
+        self, decision: Decision, limits: Limits, last: Stop, *, drove: bool
+    ) -> Refusal | None:
+        """Drive by a decision made after the stop `last`; stand if it lets go of one that drove."""
         if decision.wanted:
             self._stop_before_decision = last
             command = VelocityCommand(
@@ -228,12 +237,12 @@ class Arbiter:
                 decision.until,
                 after=last.number,
                 answers_stall=decision.answers_stall,
-                accelerations=_accelerations(decision, info.limits),
+                accelerations=_accelerations(decision, limits),
             )
             return self._supervisor.drive(command)
         stopped = last != self._stop_before_decision
         self._stop_before_decision = last
-        if before.wanted and now < before.until and not stopped:
+        if drove and not stopped:
             return self._stand()  # somebody let go; the pilot itself ends what expires
         return None
 
@@ -417,6 +426,11 @@ class Arbiter:
         """The actions that decide and their reasons, a sentence each; empty while nobody drives."""
         return explain(self.decision) if self._clock() < self.decision.until else ()
 
+    def _note_decision(self, mode: str, decision: Decision, limits: Limits, now: float) -> None:
+        """Put a decision into the log after its bytes, which do not wait for that."""
+        if self.log is not None:
+            self._loop.call_soon(self.log.decided, mode, decision, limits, now)
+
     def _note(
         self,
         by: str,
@@ -425,14 +439,18 @@ class Arbiter:
         twist: Twist2 = STILL,
         seconds: float = 0.0,
     ) -> Refusal | None:
-        """Put a command into the log; return its refusal."""
+        """Put a command into the log after its bytes; return its refusal."""
         if self.log is not None:
-            why = refused.text if refused else ""
-            self.log.asked(CommandGiven(by, command, twist, seconds, why), self._clock())
-            snapshot = self._supervisor.snapshot
-            if snapshot is None or stands(snapshot):
-                asyncio.get_running_loop().call_later(SENT_AFTER, self._log_reason)
+            why, now = refused.text if refused else "", self._clock()
+            self._loop.call_soon(self._log_command, now, by, command, twist, seconds, why)
         return refused
+
+    def _log_command(self, now: float, *told: Any) -> None:
+        assert self.log is not None
+        self.log.asked(CommandGiven(*told), now)
+        snapshot = self._supervisor.snapshot
+        if snapshot is None or stands(snapshot):
+            self._loop.call_later(SENT_AFTER, self._log_reason)
 
     def _log_reason(self) -> None:
         """Put the reason that the robot stands still into the log."""
