@@ -20,7 +20,6 @@ from pioneer3.arrays import Float
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2, arc_to, wrap
 from pioneer3.links.tap import ROBOT
-from pioneer3.log.reader import RunLog
 from pioneer3.models import OdometryCorrection, RobotModel, load_model
 from pioneer3.models.odometry import (
     GREATEST_RATIO,
@@ -369,7 +368,7 @@ def _sent(log: OpenLog) -> Iterator[tuple[float, bytes]]:
     """Yield the bytes that the robot was sent, with their times [s]."""
     topic = f"wire/{log.prefixes[log.robots[0]]}{ROBOT}/out"
     began = log.info().began
-    for message in RunLog(log.path).messages(topic.__eq__):
+    for message in log.source.messages(topic.__eq__):
         yield (message.time - began) / NANOSECONDS, message.data
 
 

@@ -1,5 +1,6 @@
 """`pioneer3 log`: what robots did, as their logs have it."""
 
+from contextlib import suppress
 from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -103,20 +104,17 @@ def list_(*, json: Flag = False) -> int:
 
     from pioneer3.cli.terminal import Terminal
     from pioneer3.log.folder import is_being_written, logs_folder, user_logs
-    from pioneer3.log.reader import open_log
+    from pioneer3.log.reader import whole_logs
     from pioneer3.names import printable
 
-    found, empty = [], 0
+    filled, empty = list[Path](), 0
     for path in user_logs(logs_folder()):
-        try:
+        with suppress(OSError):  # it has gone just now
             if path.stat().st_size:
-                found.append(open_log(path).info())
+                filled.append(path)
             elif not is_being_written(path):  # else its program has just begun
                 empty += 1
-        except ConfigError as error:
-            write_warning(str(error))
-        except OSError:  # it has gone just now
-            continue
+    found = [*whole_logs(filled, lambda error: write_warning(str(error)))]
     if empty:
         logs = "1 log is" if empty == 1 else f"{empty} logs are"
         write_warning(f"{logs} empty: killed, without power, or without room on the disk")
@@ -154,10 +152,10 @@ def info(name: LogName = "", /, *, json: Flag = False) -> int:
         json: Print JSON.
     """
     from pioneer3.log.folder import named_log_path
-    from pioneer3.log.reader import open_log
+    from pioneer3.log.reader import whole_log
     from pioneer3.names import printable
 
-    known = open_log(named_log_path(name)).info()
+    known = whole_log(named_log_path(name)).info()
     if json:
         write_json(_facts(known))
         return 0
@@ -169,6 +167,8 @@ def info(name: LogName = "", /, *, json: Flag = False) -> int:
         "end": known.end,
         "size": _size(known.size) + (", pinned" if known.pinned else ""),
     }
+    if rest := known.files[1:]:
+        rows["goes on in"] = ", ".join(each.name for each in rest)
     for about, texts in known.texts.items():
         if about.endswith("robot"):
             keys = ("name", "model", "kind", "url")
@@ -182,7 +182,8 @@ def info(name: LogName = "", /, *, json: Flag = False) -> int:
     for label, text in lines:
         write_line(f"{printable(label):{width}}  {printable(text)}".rstrip())
     if known.counts is None:
-        write_line("Its end is missing: it was not counted. Everything before can be read.")
+        end = "The end of a file" if rest else "Its end"
+        write_line(f"{end} is missing: it was not counted. Everything before can be read.")
     return 0
 
 
@@ -263,6 +264,7 @@ def _moment(option: str, text: str, known: "LogInfo") -> int:
 def _facts(known: "LogInfo") -> dict[str, object]:
     return {
         "file": str(known.path),
+        "files": [str(path) for path in known.files],
         "command": known.command,
         "robot": known.robot,
         "began": known.began / 1e9,

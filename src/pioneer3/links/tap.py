@@ -11,7 +11,6 @@ start with # are comments. The oldest have no heading, and restart at 0 s with e
 """
 
 import asyncio
-from collections import deque
 from collections.abc import Awaitable, Callable, Iterator
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
@@ -22,7 +21,7 @@ from typing import Final, Protocol
 
 from pioneer3.errors import ConfigError, RecordingOverError
 from pioneer3.links.base import HandingLink, Link, Opener
-from pioneer3.log.reader import is_mcap, open_log
+from pioneer3.log.reader import is_mcap, whole_log
 from pioneer3.log.topics import EXACT, ROUGH, LogTopic, is_wire
 from pioneer3.log.writer import LogWriter
 
@@ -154,16 +153,10 @@ class Replay:
 
     def __init__(self, path: Path, link: str = ROBOT) -> None:
         self.url = f"replay:{path}" if link == ROBOT else f"replay:{path}#{link}"
-        self._chunks: deque[Chunk] = deque()
+        self._chunks = _of_robot(read_recording(path, link))
+        self._next = next(self._chunks, None)
         self._began: float | None = None
-        offset = latest = 0.0
-        for chunk in read_recording(path, link):
-            if chunk.time + offset < latest:  # an older file: the time restarted
-                offset = latest
-            latest = chunk.time + offset
-            if chunk.way == FROM_ROBOT:
-                self._chunks.append(replace(chunk, time=latest))
-        self._first = self._chunks[0].time if self._chunks else 0.0
+        self._first = self._next.time if self._next else 0.0
 
     async def open(self) -> Link:
         """Return a link to the recorded robot; it goes on where the previous link ended."""
@@ -177,13 +170,26 @@ class Replay:
     def due(self) -> float:
         """Return the time of the next chunk [s, loop time]; RecordingOverError if there is none."""
         assert self._began is not None
-        if not self._chunks:
+        if self._next is None:
             raise RecordingOverError(f"{self.url}: the recording is over")
-        return self._began + self._chunks[0].time - self._first
+        return self._began + self._next.time - self._first
 
     def take(self) -> bytes:
         """Return the next chunk."""
-        return self._chunks.popleft().data
+        assert self._next is not None
+        data, self._next = self._next.data, next(self._chunks, None)
+        return data
+
+
+def _of_robot(chunks: Iterator[Chunk]) -> Iterator[Chunk]:
+    """Yield the chunks of a robot, in time that does not go back: in older files it restarted."""
+    offset = latest = 0.0
+    for chunk in chunks:
+        if chunk.time + offset < latest:
+            offset = latest
+        latest = chunk.time + offset
+        if chunk.way == FROM_ROBOT:
+            yield replace(chunk, time=latest)
 
 
 class ReplayLink:
@@ -225,7 +231,7 @@ class ReplayLink:
 
 
 def read_recording(path: Path, link: str = ROBOT) -> Iterator[Chunk]:
-    """Yield the chunks of a link in a recording; an older one has only one.
+    """Yield the chunks of a link in a recording, in all its files; an older one has only one.
 
     Raises:
         PortNotFoundError: there is no such file.
@@ -238,7 +244,7 @@ def recorded_links(path: Path) -> list[str]:
     """Return the names of the links in a recording; errors as of :func:`read_recording`."""
     if not is_mcap(path):
         return [ROBOT]
-    topics = open_log(path).topics()
+    topics = whole_log(path).topics()
     found = {topic.removeprefix("wire/").rpartition("/")[0] for topic in topics if is_wire(topic)}
     return sorted(found)
 
@@ -246,7 +252,7 @@ def recorded_links(path: Path) -> list[str]:
 def _read_log(path: Path, link: str) -> Iterator[Chunk]:
     topics = {f"wire/{link}/{end}": way for way, end in WAYS.items()}
     began = None
-    for message in open_log(path).messages(topics.__contains__):
+    for message in whole_log(path).messages(topics.__contains__):
         began = message.time if began is None else began
         yield Chunk((message.time - began) / 1e9, topics[message.topic], message.data)
     if began is None:

@@ -86,6 +86,7 @@ class LogInfo:
     """Facts of a log, without its messages.
 
     Attributes:
+        files: In their order; most logs have one.
         began: When its first message was taken, and `ended` its last one [ns since 1970]; without
             messages, when the file was written last.
         size: [bytes].
@@ -93,7 +94,7 @@ class LogInfo:
         texts: Descriptions by their names, such as `program` and `robot`.
     """
 
-    path: Path
+    files: tuple[Path, ...]
     began: int
     ended: int
     size: int
@@ -101,6 +102,11 @@ class LogInfo:
     texts: Mapping[str, Mapping[str, str]]
     pinned: bool = False
     being_written: bool = False
+
+    @property
+    def path(self) -> Path:
+        """The first file."""
+        return self.files[0]
 
     @property
     def seconds(self) -> float:
@@ -168,7 +174,7 @@ class RunLog:
             texts.pop(END, None)
             texts |= each.texts
         return LogInfo(
-            path=self.path,
+            files=self.files,
             began=min(each.began for each in infos),
             ended=max(each.ended for each in infos),
             size=sum(each.size for each in infos),
@@ -193,7 +199,7 @@ class RunLog:
         if not index.ended:  # it has no messages
             index.began = index.ended = path.stat().st_mtime_ns
         return LogInfo(
-            path=path,
+            files=(path,),
             began=index.began,
             ended=index.ended,
             size=size,
@@ -308,6 +314,25 @@ def whole_log(path: Path) -> RunLog:
         if not whole or each.began > whole[-1].ended - FIRST_MESSAGE:
             whole.append(each)
     return RunLog(*(each.path for each in whole))
+
+
+def whole_logs(
+    paths: Iterable[Path], tell: Callable[[ConfigError], None] = lambda error: None
+) -> Iterator[LogInfo]:
+    """Yield the facts of the logs in files, each log once; a file that cannot be read is told."""
+    known = set[Path]()
+    for path in paths:
+        if path in known:
+            continue
+        try:
+            info = whole_log(path).info()
+        except ConfigError as error:
+            tell(error)
+        except (PortNotFoundError, OSError):  # it has gone just now
+            continue
+        else:
+            known |= {*info.files}
+            yield info
 
 
 def is_mcap(path: Path) -> bool:

@@ -160,8 +160,7 @@ async def map_recording(
         ConfigError: The file is no recording.
         DeviceError: There are no scans in it.
     """
-    chunks = [chunk.time for chunk in read_recording(path)]
-    length = max(chunks, default=0.0) or 1.0
+    length = max((chunk.time for chunk in read_recording(path)), default=0.0) or 1.0
     beside = path.with_stem(f"{path.stem}-laser")
     own = [f"replay:{path}#{LASER}"] if LASER in recorded_links(path) else []
     found = lasers or ([f"replay:{beside}"] if beside.exists() else own)

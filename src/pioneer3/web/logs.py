@@ -1,16 +1,16 @@
 """The user's logs on a page of robots: their list, an excerpt that is kept, replays beside it."""
 
 import asyncio
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Callable, Sequence
 from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Final
 
-from pioneer3.errors import CommandError, ConfigError, PortNotFoundError
+from pioneer3.errors import CommandError, ConfigError
 from pioneer3.log.excerpt import NOTE, save_excerpt
 from pioneer3.log.folder import logs_folder, user_logs
 from pioneer3.log.index import LogIndex
-from pioneer3.log.reader import RunLog, open_log, whole_log
+from pioneer3.log.reader import LogInfo, open_log, whole_log, whole_logs
 from pioneer3.log.writer import CHUNK_PERIOD
 from pioneer3.names import printable
 from pioneer3.web.api.types import LoggedRun
@@ -51,18 +51,8 @@ class PageLogs:
         return await asyncio.to_thread(self._listed)
 
     def _listed(self) -> list[LoggedRun]:
-        found = list[LoggedRun]()
-        listed = set[Path]()
-        for path in reversed(user_logs(self._folder)[-MOST_LISTED:]):
-            if path in listed:  # it is part of a later one
-                continue
-            try:
-                log = whole_log(path)
-                found.append(_facts(log))
-            except (ConfigError, PortNotFoundError, OSError):  # it is damaged, or has gone just now
-                continue
-            listed |= {*log.files}
-        return found
+        newest = user_logs(self._folder)[-MOST_LISTED:]
+        return [*map(_facts, whole_logs(reversed(newest)))]
 
     async def save(self, note: str, by: str) -> LoggedRun:
         """Keep the last minutes of the log that is written, with a note.
@@ -78,13 +68,14 @@ class PageLogs:
         await asyncio.sleep(2 * CHUNK_PERIOD)  # the last second is not in the file yet
         about = {"text": printable(note), "by": printable(by), "of": Path(writer.path).name}
         try:
-            return await asyncio.to_thread(self._save, Path(writer.path), until, about)
+            return await asyncio.to_thread(self._save, writer.files, until, about)
         except ConfigError as error:
             raise CommandError(str(error)) from None
 
-    def _save(self, running: Path, until: int, about: dict[str, str]) -> LoggedRun:
+    def _save(self, files: Sequence[Path], until: int, about: dict[str, str]) -> LoggedRun:
+        log = LogIndex(*(each for each in files if each.exists()))  # the oldest go for want of room
         begin = until - round(SAVED_TIME * 1e9)
-        return _facts(open_log(save_excerpt(LogIndex(running), self._folder, begin, until, about)))
+        return _facts(open_log(save_excerpt(log, self._folder, begin, until, about)).info())
 
     @asynccontextmanager
     async def opened(self, name: str) -> AsyncIterator[LogIndex]:
@@ -105,16 +96,11 @@ class PageLogs:
             self._replays -= 1
 
 
-def _facts(log: RunLog) -> LoggedRun:
-    """Return the facts of a log.
-
-    Raises:
-        ConfigError, OSError: It cannot be read.
-    """
-    info = log.info()
+def _facts(info: LogInfo) -> LoggedRun:
+    """Return the facts of a log, for the page."""
     return LoggedRun(
-        file=log.path.name,
-        more=tuple(each.name for each in log.files[1:]),
+        file=info.path.name,
+        more=tuple(each.name for each in info.files[1:]),
         began=info.began / 1e9,
         seconds=info.seconds,
         size=info.size,

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import time
 from collections.abc import Callable
 from datetime import datetime
@@ -68,6 +69,24 @@ def test_the_list_says_of_which_robot_how_long_and_why_it_ended(output: Output) 
     known = json.loads(output())
     assert [each["seconds"] for each in known] == [10.0, 3700.0, 10.0]
     assert [each["messages"] and each["messages"]["event"] for each in known] == [11, 3701, None]
+
+
+def test_a_log_in_two_files_is_one_in_the_list_and_whichever_is_named(output: Output) -> None:
+    first, second = (
+        each.rename(each.with_name(f"2026-03-01T09-30-0{number}Z-run.mcap"))
+        for number, each in enumerate(write_parts(a_log("drive").parent))
+    )
+    assert list_(json=True) == 0
+    _, listed = json.loads(output())
+    assert listed["files"] == [str(first), str(second)]
+    assert (round(listed["seconds"]), listed["end"]) == (4, "left as usual")
+    for name in ("00Z-run", "01Z-run"):
+        assert info(name, json=True) == 0
+        assert json.loads(output()) == listed
+        assert info(name) == 0
+        text = output()
+        assert re.search(rf"\ngoes on in +{second.name}\n", text)
+        assert "\nThe end of a file is missing: " in text
 
 
 def test_a_log_that_is_damaged_does_not_hide_the_others(output: Output) -> None:

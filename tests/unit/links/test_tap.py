@@ -18,8 +18,10 @@ from pioneer3.links.tap import (
     WireRecording,
     read_recording,
 )
+from pioneer3.log.folder import create
+from pioneer3.log.mcap import McapFile
 from pioneer3.log.reader import open_log
-from pioneer3.log.topics import EVENT
+from pioneer3.log.topics import END, EVENT, GOES_ON, PROGRAM, LogTopic
 from pioneer3.log.writer import named_log
 from tests.support import disk_of
 
@@ -98,6 +100,28 @@ async def test_a_recording_goes_on_over_links_and_does_not_begin_anew(tmp_path: 
     assert (await second.read(), clock() - began) == (b"\3", 3.0)
     for link in (second, await open_()):
         await link.write(b"x")
+        with pytest.raises(RecordingOverError):
+            await link.read()
+
+
+async def test_a_recording_in_several_files_is_one_whichever_is_named(tmp_path: Path) -> None:
+    sent = [bytes([number]) * 400 for number in range(9)]
+    told = {"command": "pioneer3 run", "began_ns": str(10**18)}
+    files = []
+    for number in range(3):
+        files.append(tmp_path / f"{number}.mcap")
+        file = McapFile(create(files[-1]))
+        file.add_metadata(PROGRAM, told)
+        begin = 10**18 + number * 10**10
+        part = sent[number * 3 :][:3]
+        file.add(LogTopic("wire/robot/in", bytes), [(begin + n, d) for n, d in enumerate(part)])
+        file.add_metadata(END, {"why": GOES_ON if number < 2 else "done"})
+        file.finish()
+    for path in files:
+        assert [chunk.data for chunk in read_recording(path)] == sent
+        link = await opener(f"replay:{path}")()
+        await link.write(b"x")
+        assert [await link.read() for _ in sent] == sent
         with pytest.raises(RecordingOverError):
             await link.read()
 

@@ -5,6 +5,7 @@ import os
 import time
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
+from functools import partial
 from pathlib import Path
 from urllib.parse import quote
 
@@ -185,10 +186,12 @@ async def test_the_last_minutes_are_saved_with_a_note(folder: Path) -> None:
         assert (answer.status, answer.detail) == (409, "nothing is recorded here")
         clock = asyncio.get_running_loop().time
         page.clients.log = writer = LogWriter(UserFolder(folder, "run", 10**9, clock), clock)
+        writer._target.most = 1  # each snapshot is in another file
         log = RobotLog(writer)
         writer.describe("robot", {"name": "bob", "model": "p3dx-sh"})
-        for second in range(3):
-            log.snapshot(snapshot(float(second)), load_model("p3dx-sh"))
+        for number in range(3):
+            log.snapshot(snapshot(float(number)), load_model("p3dx-sh"))
+            await until(partial(lambda number: len(writer.files) > number + 1, number))
         answer = await script.ask("POST", "/api/logs", {"note": "it hit\x1b[2J the door"})
         assert answer.status == 200
         saved = folder / answer.json["file"]
