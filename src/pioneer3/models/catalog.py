@@ -15,11 +15,8 @@ from pioneer3.errors import ConfigError
 from pioneer3.models.aria import parse_aria
 from pioneer3.models.model import (
     BOUNDS,
-    BUMPERS,
     CAREFUL_BRAKING,
     CAREFUL_TURN_BRAKING,
-    START_ACCELERATION,
-    START_TURN_ACCELERATION,
     OwnFile,
     RobotModel,
     UnknownModel,
@@ -138,18 +135,7 @@ def loaded_model(given: GivenModel) -> RobotModel | Fallback | None:
     return given
 
 
-def generic_model(
-    name: str,
-    *,
-    max_speed: float,
-    max_turn_rate: float,
-    acceleration: float = START_ACCELERATION,
-    deceleration: float = START_ACCELERATION,
-    turn_acceleration: float = START_TURN_ACCELERATION,
-    turn_deceleration: float = START_TURN_ACCELERATION,
-    front_bumpers: int = 0,
-    rear_bumpers: int = 0,
-) -> UnknownModel:
+def generic_model(name: str, *, max_speed: float, max_turn_rate: float) -> UnknownModel:
     """Return a model for an unknown robot, made of values in its CONFIG.
 
     Factors are a P3-DX-SH's, sizes a P3-AT's, the largest of the shipped models; no sonar mount
@@ -168,14 +154,8 @@ def generic_model(
         distance_factor=MM,
         max_speed=_usable("max_speed", max_speed, _SPEED),
         max_turn_rate=_usable("max_turn_rate", max_turn_rate, _TURN_RATE),
-        acceleration=_usable("acceleration", acceleration, START_ACCELERATION),
-        deceleration=_usable("deceleration", deceleration, START_ACCELERATION),
-        turn_acceleration=_usable("turn_acceleration", turn_acceleration, START_TURN_ACCELERATION),
-        turn_deceleration=_usable("turn_deceleration", turn_deceleration, START_TURN_ACCELERATION),
         braking=CAREFUL_BRAKING,
         turn_braking=CAREFUL_TURN_BRAKING,
-        front_bumpers=max(0, min(front_bumpers, int(BUMPERS.high))),
-        rear_bumpers=max(0, min(rear_bumpers, int(BUMPERS.high))),
         settable_speed=False,
         settable_acceleration=False,
     )

@@ -285,10 +285,10 @@ def test_a_model_cannot_be_changed() -> None:
 
 
 def test_a_generic_model_has_modern_factors_and_knows_no_sonars() -> None:
-    model = generic_model("p9xx", max_speed=0.9, max_turn_rate=2.0, front_bumpers=5)
+    model = generic_model("p9xx", max_speed=0.9, max_turn_rate=2.0)
     assert (model.name, model.max_speed, model.max_turn_rate) == ("p9xx", 0.9, 2.0)
     assert (model.distance_factor, model.heading_factor) == (0.001, 2 * pi / 4096)
-    assert (model.sonars, model.laser, model.front_bumpers) == ((), None, 5)
+    assert (model.sonars, model.laser, model.front_bumpers) == ((), None, 0)
 
 
 def test_a_generic_model_is_as_large_as_the_largest_common_one() -> None:
@@ -301,23 +301,12 @@ def test_a_generic_model_is_as_large_as_the_largest_common_one() -> None:
 
 @pytest.mark.parametrize("value", [0.0, -1.0, nan, inf, 1e-12, 174.5])
 def test_a_generic_model_survives_whatever_a_robot_says(value: float) -> None:
-    model = generic_model(
-        "\x00",
-        max_speed=value,
-        max_turn_rate=value,
-        acceleration=value,
-        deceleration=value,
-        turn_acceleration=value,
-        turn_deceleration=value,
-        front_bumpers=255,
-        rear_bumpers=-1,
-    )
+    model = generic_model("\x00", max_speed=value, max_turn_rate=value)
     assert isinstance(model, RobotModel)
     assert model.name == "unknown"
-    assert (model.front_bumpers, model.rear_bumpers) == (7, 0)
 
 
 def test_zeros_of_a_short_config_become_what_a_real_robot_starts_with() -> None:
-    model = generic_model("p9xx", max_speed=0, max_turn_rate=0, deceleration=0)
+    model = generic_model("p9xx", max_speed=0, max_turn_rate=0)
     assert (model.max_speed, model.max_turn_rate) == (0.75, radians(100))
     assert model.deceleration == 0.3

@@ -1,6 +1,7 @@
 import re
 import shutil
 import subprocess
+from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
@@ -48,10 +49,15 @@ MESSAGES = {
 every = pytest.mark.parametrize("model", EVERY, ids=lambda model: model.name)
 
 
-def parsed(model: RobotModel, bumpers: tuple[int, int] | None = None) -> ET.Element:
+def parsed(model: RobotModel) -> ET.Element:
     """Return the element of the model."""
-    (found,) = ET.fromstring(sdf_of(model, bumpers=bumpers)).findall("model")
+    (found,) = ET.fromstring(sdf_of(model)).findall("model")
     return found
+
+
+def with_bumpers(model: RobotModel, segments: int) -> RobotModel:
+    """Return the model with so many segments in front, and behind."""
+    return replace(model, front_bumpers=segments, rear_bumpers=segments)
 
 
 def number(element: ET.Element, path: str) -> float:
@@ -82,23 +88,23 @@ def sdf_check(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.mark.thorough  # a program is compiled for it
 def test_gazebos_library_accepts_each_robot_without_a_word(sdf_check: Path, tmp_path: Path) -> None:
-    robots = [(model, bumpers) for model in EVERY for bumpers in (None, (5, 5))]
-    files = [tmp_path / f"{model.name}-{bumpers}.sdf" for model, bumpers in robots]
-    for file, (model, bumpers) in zip(files, robots, strict=True):
-        file.write_text(sdf_of(model, bumpers=bumpers))
+    robots = [each for model in EVERY for each in (model, with_bumpers(model, 5))]
+    files = [tmp_path / f"{number}.sdf" for number in range(len(robots))]
+    for file, model in zip(files, robots, strict=True):
+        file.write_text(sdf_of(model))
     done = subprocess.run([sdf_check, *files], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (0, "")
-    for line, (model, bumpers) in zip(done.stdout.splitlines(), robots, strict=True):
+    for line, model in zip(done.stdout.splitlines(), robots, strict=True):
         links, joints, sensors = map(int, line.split())
         moving = len(body_tree(model, Frames()).moving)
         assert (links, joints) == (1 + moving, moving), model.name
-        assert sensors == len(parsed(model, bumpers).findall("link/sensor")), model.name
+        assert sensors == len(parsed(model).findall("link/sensor")), model.name
         assert sensors >= 1 + len(model.sonars) + (model.laser is not None), model.name
 
 
 @every
 def test_plugins_and_sensors_are_those_that_gazebo_has(model: RobotModel) -> None:
-    robot = parsed(model, (5, 5))
+    robot = parsed(with_bumpers(model, 5))
     plugins = robot.findall("plugin")
     assert {(each.get("filename"), each.get("name")) for each in plugins} == set(KNOWN)
     for each in plugins:
@@ -144,26 +150,26 @@ def test_topics_are_those_of_the_node_in_its_standard_profile() -> None:
 
 
 @every
-@pytest.mark.parametrize("bumpers", [(0, 0), (5, 5)])
-def test_the_bridge_has_all_topics_of_the_robot(
-    model: RobotModel, bumpers: tuple[int, int]
-) -> None:
-    entries = yaml.safe_load(bridge_of(model, bumpers=bumpers))
+@pytest.mark.parametrize("segments", [0, 5])
+def test_the_bridge_has_all_topics_of_the_robot(model: RobotModel, segments: int) -> None:
+    model = with_bumpers(model, segments)
+    entries = yaml.safe_load(bridge_of(model))
     assert all(MESSAGES[each["ros_type_name"]] == each["gz_type_name"] for each in entries)
     assert [each["direction"] for each in entries].count("ROS_TO_GZ") == 1
     assert entries[0]["ros_topic_name"] == gazebo.COMMAND.topic
     assert entries[0]["direction"] == "ROS_TO_GZ"
     bridged = {each["gz_topic_name"] for each in entries}
-    robot = parsed(model, bumpers)
+    robot = parsed(model)
     topics = {each.text for each in robot.iter() if re.fullmatch(r"(odom_|tf_)?topic", each.tag)}
     assert bridged == topics | {"/clock"}
 
 
 def test_a_robot_without_laser_has_no_scan() -> None:
+    blind = replace(P3DX, laser=None)
     assert "<topic>scan</topic>" in sdf_of(P3DX)
-    assert "<topic>scan</topic>" not in sdf_of(P3DX, laser=False)
+    assert "<topic>scan</topic>" not in sdf_of(blind)
     assert "topic_name: scan\n" in bridge_of(P3DX)
-    assert "topic_name: scan\n" not in bridge_of(P3DX, laser=False)
+    assert "topic_name: scan\n" not in bridge_of(blind)
 
 
 @every

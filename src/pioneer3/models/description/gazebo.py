@@ -65,23 +65,19 @@ def sonar(number: int) -> Exchange:
     return Exchange(f"sonar/scan_{number}", SCAN.ros_type, SCAN.gazebo_type)
 
 
-def exchanges_of(
-    model: RobotModel, *, bumpers: tuple[int, int] | None = None, laser: bool = True
-) -> Iterator[Exchange]:
-    """Yield the topics of a robot in Gazebo; the arguments are those of :func:`sdf_of`."""
+def exchanges_of(model: RobotModel) -> Iterator[Exchange]:
+    """Yield the topics of a robot in Gazebo."""
     yield from (COMMAND, ODOMETRY, TRANSFORMS, WHEELS, TURN_RATE)
-    if laser and model.laser is not None:
+    if model.laser is not None:
         yield SCAN
-    if any((model.front_bumpers, model.rear_bumpers) if bumpers is None else bumpers):
+    if model.front_bumpers or model.rear_bumpers:
         yield BUMPERS
     yield from map(sonar, range(len(model.sonars)))
     yield CLOCK
 
 
-def bridge_of(
-    model: RobotModel, *, bumpers: tuple[int, int] | None = None, laser: bool = True
-) -> str:
-    """Return the YAML of ros_gz_bridge for a robot; the arguments are those of :func:`sdf_of`."""
+def bridge_of(model: RobotModel) -> str:
+    """Return the YAML of ros_gz_bridge for a robot."""
     entries = [
         {
             "ros_topic_name": each.topic,
@@ -90,6 +86,6 @@ def bridge_of(
             "gz_type_name": each.gazebo_type,
             "direction": str(each.direction),
         }
-        for each in exchanges_of(model, bumpers=bumpers, laser=laser)
+        for each in exchanges_of(model)
     ]
     return yaml.safe_dump(entries, sort_keys=False)

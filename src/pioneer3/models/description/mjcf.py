@@ -31,13 +31,7 @@ CAMERA_VIEW: Final = 37.0
 """Angle from the bottom of a picture to its top [deg]: 48 wide at 320 x 240, as a VC-C4's."""
 
 
-def mjcf_of(
-    model: RobotModel,
-    *,
-    bumpers: tuple[int, int] | None = None,
-    laser: bool = True,
-    floor: bool = False,
-) -> str:
+def mjcf_of(model: RobotModel, *, floor: bool = False) -> str:
     """Return the MJCF of one robot, which can be attached to a world.
 
     Its body `base_link` has the free joint `base`; its origin is on the floor, in the centre of the
@@ -46,14 +40,11 @@ def mjcf_of(
     Wheels have the names of the tree's joints. Solids that touch things are in group 3, those that
     are only seen in group 2.
 
-    `bumpers` are the numbers of segments in front and behind, `None` for the model's; `laser` is
-    that of its model. A file that is simulated by itself needs a `floor`, which has a light, too.
+    A file that is simulated by itself needs a `floor`, which has a light, too.
     """
     shape, physics, frames = shape_of(model), physics_of(model), Frames()
     tree = body_tree(model, frames)
-    if bumpers is None:
-        bumpers = model.front_bumpers, model.rear_bumpers
-    solids = solids_of(model, tree, frames, bumpers=bumpers, laser=laser)
+    solids = solids_of(model, tree, frames)
     root = ET.Element("mujoco", model=model.name)
     root.append(ET.Comment(f" {MAKER} "))
     ET.SubElement(root, "compiler", angle="radian", autolimits="true")
@@ -87,8 +78,7 @@ def mjcf_of(
 def bumper_geoms(model: RobotModel) -> list[str]:
     """Return the geoms of the bumpers' segments that touch: in front, then behind."""
     frames = Frames()
-    bumpers = model.front_bumpers, model.rear_bumpers
-    solids = solids_of(model, body_tree(model, frames), frames, bumpers=bumpers, laser=False)
+    solids = solids_of(model, body_tree(model, frames), frames)
     link = frames.bumper_link
     names = _names(link, solids.get(link, ()), touching=True)
     return [name for name, (_, kind) in names if kind == COLLIDES]

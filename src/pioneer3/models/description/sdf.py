@@ -32,19 +32,16 @@ USUAL_LASER: Final = LASERS["lms-200"]
 """In the place of a laser that is not known."""
 
 
-def sdf_of(model: RobotModel, *, bumpers: tuple[int, int] | None = None, laser: bool = True) -> str:
+def sdf_of(model: RobotModel) -> str:
     """Return the SDF of one robot.
 
     Links that never move are frames of `base_link`, whose origin is on the floor, in the centre
     of the robot's rotation. Topics are those of `gazebo.bridge_of`. The world must have Gazebo's
-    systems for sensors, IMU and contacts. `bumpers` are the numbers of segments in front and
-    behind, `None` for the model's; `laser` is that of its model.
+    systems for sensors, IMU and contacts.
     """
     frames = Frames()
     tree, shape, physics = body_tree(model, frames), shape_of(model), physics_of(model)
-    if bumpers is None:
-        bumpers = model.front_bumpers, model.rear_bumpers
-    solids = solids_of(model, tree, frames, bumpers=bumpers, laser=laser)
+    solids = solids_of(model, tree, frames)
     inertials = inertials_of(model, tree)
     root = ET.Element("sdf", version=VERSION)
     robot = ET.SubElement(root, "model", name=model.name, canonical_link=tree.base)
@@ -58,7 +55,7 @@ def sdf_of(model: RobotModel, *, bumpers: tuple[int, int] | None = None, laser: 
     base = _link(robot, tree.base, inertials[tree.base])
     for name in tree.fixed_in_base():
         _solids(base, name, solids.get(name, ()), on="" if name == tree.base else name)
-    _sensors(base, model, frames, laser=laser)
+    _sensors(base, model, frames)
     _touch(base, frames, solids.get(frames.bumper_link, ()))
     for joint in tree.moving:
         link = _link(robot, joint.child, inertials[joint.child], joint)
@@ -142,9 +139,9 @@ def _solid(link: ET.Element, kind: str, name: str, solid: LinkSolid, on: str) ->
     return part
 
 
-def _sensors(base: ET.Element, model: RobotModel, frames: Frames, *, laser: bool) -> None:
+def _sensors(base: ET.Element, model: RobotModel, frames: Frames) -> None:
     _sensor(base, "imu", frames.imu, gazebo.TURN_RATE, IMU_RATE)
-    if laser and model.laser is not None:
+    if model.laser is not None:
         name = model.laser.kind.lower()
         kind = next((laser for laser in LASERS.values() if name in laser.kinds), USUAL_LASER)
         sensor = _sensor(base, "gpu_lidar", frames.laser, gazebo.SCAN, 1 / kind.turn)

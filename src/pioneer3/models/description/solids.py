@@ -63,12 +63,20 @@ class LinkSolid:
 
 
 def solids_of(
-    model: RobotModel, tree: FrameTree, frames: Frames, *, bumpers: tuple[int, int], laser: bool
+    model: RobotModel,
+    tree: FrameTree,
+    frames: Frames,
+    *,
+    bumpers: tuple[int, int] | None = None,
+    laser: bool = True,
 ) -> dict[str, tuple[LinkSolid, ...]]:
     """Return the solids of each link of `tree` that has any.
 
-    `frames` are its names without the prefix, `bumpers` numbers of segments in front and behind.
+    `frames` are its names without the prefix, `bumpers` numbers of segments in front and behind,
+    `None` for the model's; `laser` is that of its model.
     """
+    if bumpers is None:
+        bumpers = model.front_bumpers, model.rear_bumpers
     shape = shape_of(model)
     solids = {tree.base: _body(model, shape), "top_plate": _top(model)}
     for joint in tree.wheels:

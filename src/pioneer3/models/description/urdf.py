@@ -30,8 +30,6 @@ def describe(
     for name, rgb in COLORS.items():
         material = ET.SubElement(robot, "material", name=name)
         ET.SubElement(material, "color", rgba=row(*rgb, 1.0))
-    if bumpers is None:
-        bumpers = model.front_bumpers, model.rear_bumpers
     solids = solids_of(model, tree, frames, bumpers=bumpers, laser=laser)
     inertials = inertials_of(model, tree)
     for name in (tree.root, *(joint.child for joint in tree.joints)):

@@ -233,9 +233,7 @@ def body_of(model: RobotModel) -> types.RobotBody:
     """Return the body of a robot of this type."""
     frames = Frames()
     tree = tree_of(model, frames)
-    bumpers = model.front_bumpers, model.rear_bumpers
-    solids = solids_of(model, tree, frames, bumpers=bumpers, laser=True)
-    return types.RobotBody(model.name, tuple(_links(tree, solids)))
+    return types.RobotBody(model.name, tuple(_links(tree, solids_of(model, tree, frames))))
 
 
 def _model(page: Page, name: str) -> RobotModel | None:
