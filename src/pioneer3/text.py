@@ -24,8 +24,16 @@ LARGEST_MM = 1e8
 
 def state_folder(environment: Mapping[str, str] = os.environ) -> Path:
     """Return the folder of what we keep for this user: logs, certificates, places, backups."""
-    base = environment.get("XDG_STATE_HOME") or Path.home() / ".local/state"
-    return Path(base) / "pioneer3"
+    return user_folder("XDG_STATE_HOME", ".local/state", environment)
+
+
+def user_folder(variable: str, usual: str, environment: Mapping[str, str] = os.environ) -> Path:
+    """Return our folder in the one that a variable names, which counts where it is absolute.
+
+    Else it is in the `usual` one, below the user's home. Source: XDG Base Directory Specification.
+    """
+    base = Path(environment.get(variable, ""))
+    return (base if base.is_absolute() else Path.home() / usual) / "pioneer3"
 
 
 @dataclass(frozen=True, slots=True)

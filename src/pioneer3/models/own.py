@@ -19,6 +19,7 @@ from pioneer3.models.catalog import parse_own, read_model_text
 from pioneer3.models.model import OwnFile, OwnLaser, RobotModel
 from pioneer3.names import printable
 from pioneer3.tables import Source, table_of, written
+from pioneer3.text import user_folder
 
 TOML: Final = ".toml"
 """Ending of our files; they count before the others."""
@@ -50,8 +51,7 @@ LASER_EXAMPLE: Final = """\
 
 def own_folder() -> Path:
     """Return the folder of the robots' own files."""
-    base = os.environ.get("XDG_CONFIG_HOME") or Path.home() / ".config"
-    return Path(base) / "pioneer3" / "robots"
+    return user_folder("XDG_CONFIG_HOME", ".config") / "robots"
 
 
 def own_path(name: str, ending: str = TOML) -> Path | None:

@@ -74,7 +74,8 @@ def test_a_spoilt_memory_is_no_memory(text: str) -> None:
 
 def test_the_state_is_kept_where_users_keep_state(tmp_path: Path) -> None:
     assert state_file({"XDG_STATE_HOME": str(tmp_path)}) == tmp_path / "pioneer3/speeds"
-    assert state_file({}) == Path.home() / ".local/state/pioneer3/speeds"
+    for relative in ({}, {"XDG_STATE_HOME": ""}, {"XDG_STATE_HOME": "state"}):
+        assert state_file(relative) == Path.home() / ".local/state/pioneer3/speeds"
 
 
 def test_a_pseudo_terminal_passes_every_byte_as_it_is() -> None:
