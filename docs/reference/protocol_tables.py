@@ -134,7 +134,7 @@ def report_index() -> str:
             f"`{cls.__name__}`",
             one_line(cls.__doc__),
         )
-        for cls in reports.ALL
+        for cls in sorted(reports.ALL, key=reports.numbers)
     ]
     return table(("id", "class", "meaning"), rows)
 

@@ -5,7 +5,7 @@ from functools import cache
 from typing import ClassVar, Final
 
 from pioneer3.arcos.layout import Report, layout, pack, unpack
-from pioneer3.arcos.reports import devices, session, simulators
+from pioneer3.arcos.reports import devices, session, simulators, sip
 from pioneer3.arcos.reports.sip import SIP_NUMBERS, Sip, read_sip, write_sip
 from pioneer3.arcos.wire import U8, PacketId, Rest
 
@@ -21,36 +21,6 @@ class UnknownReport(Report, frozen=True):
     data: Rest = b""
 
 
-ALL: tuple[type[Report], ...] = (
-    session.SyncIdentity,
-    session.SyncEcho,
-    devices.IrRing,
-    session.Config,
-    Sip,
-    simulators.SimLaser,
-    simulators.SimLaserExtended,
-    simulators.SimStat,
-    simulators.SimInfo,
-    simulators.MapChanged,
-    devices.Encoders,
-    devices.LaserLog,
-    devices.GyroRates,
-    devices.Imu,
-    devices.ArmStatus,
-    devices.ArmInfo,
-    devices.SerialAux,
-    devices.Compass,
-    devices.Playlist,
-    devices.FirmwareText,
-    devices.SafetyState,
-    devices.SafetyWarning,
-    devices.GripperState,
-    devices.Io,
-    devices.Joystick,
-    devices.BatteryInfo,
-    session.LinkLost,
-)
-"""Every report class but :class:`UnknownReport`, by id."""
 EXACT: Final[frozenset[type[Report]]] = frozenset(
     {simulators.SimLaser, simulators.SimLaserExtended, simulators.SimStat}
 )
@@ -65,6 +35,20 @@ def numbers(cls: type[Report]) -> tuple[int, ...]:
         return tuple(SIP_NUMBERS)
     first = layout(cls)[0].kind
     return first.choices if isinstance(first, PacketId) else (cls.ID,)
+
+
+ALL: Final[tuple[type[Report], ...]] = tuple(
+    sorted(
+        (
+            member
+            for module in (session, sip, devices, simulators)
+            for name in module.__all__
+            if hasattr(member := getattr(module, name), "ID")
+        ),
+        key=lambda cls: len(numbers(cls)),
+    )
+)
+"""Every report class but :class:`UnknownReport`; what has an id of its own comes first."""
 
 
 @cache
