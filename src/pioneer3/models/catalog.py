@@ -8,7 +8,6 @@ from functools import cache
 from importlib.resources import files
 from math import radians
 from pathlib import Path
-from stat import S_ISDIR, S_ISREG
 from typing import Any, NamedTuple
 
 from pioneer3.errors import ConfigError
@@ -23,6 +22,7 @@ from pioneer3.models.model import (
 )
 from pioneer3.names import printable
 from pioneer3.tables import Source, converted, load, table_of
+from pioneer3.text import read_bytes, wrong
 from pioneer3.units import MM
 
 LIKE = "like"
@@ -32,7 +32,7 @@ _SUBTYPE = re.compile("[a-z0-9_+-]+")
 """A robot or the network tells it, and it becomes part of fleet files: never a path."""
 _SPEED = 0.75
 _TURN_RATE = radians(100)
-_LARGEST_FILE = 1_000_000
+_LARGEST_FILE = 1024 * 1024
 
 
 def model_names() -> tuple[str, ...]:
@@ -188,15 +188,9 @@ def _usable(field: str, value: float, default: float) -> float:
 
 def read_model_text(path: Path) -> str:
     """Return the text of a model's file, whose comments need not be UTF-8; ConfigError for none."""
-    try:
-        there = path.stat()
-        plain = S_ISREG(there.st_mode) or S_ISDIR(there.st_mode)  # reading a folder says why
-        data = path.read_bytes() if plain and there.st_size <= _LARGEST_FILE else b"\0"
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise ConfigError(f"{_shown(path)}: cannot be read: {reason}") from error
+    data = read_bytes(path, _LARGEST_FILE, "model")
     if b"\0" in data:
-        raise ConfigError(f"{_shown(path)}: not a text file, expected a robot model")
+        raise wrong(path, " not a text file, expected a robot model")
     return data.decode("utf-8-sig", errors="replace")
 
 

@@ -190,5 +190,5 @@ def test_a_link_to_a_file_that_is_gone_is_told() -> None:
     path = save("rosie.toml", "")
     path.unlink()
     path.symlink_to("gone.toml")
-    with pytest.raises(ConfigError, match=r"rosie\.toml: cannot be read: No such file"):
+    with pytest.raises(ConfigError, match="cannot read this model file: No such file"):
         find_own(("rosie",), KIN)
