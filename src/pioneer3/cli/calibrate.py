@@ -20,6 +20,7 @@ from pioneer3.cli.process import (
 )
 from pioneer3.errors import CommandError, ConfigError, DeviceError, MotionError
 from pioneer3.nav.place_text import pose_of
+from pioneer3.units import ANGLE, LENGTH
 
 if TYPE_CHECKING:
     from pioneer3.calibration.calibration import Calibration
@@ -208,7 +209,6 @@ async def _take(
 async def _answers(step: "CalibrationStep") -> dict[str, float]:
     """Return the measurements of a person [m, rad]; NaN where there is no answer."""
     from pioneer3.calibration.steps import ANGLES, OPTIONAL, QUESTIONS
-    from pioneer3.units import ANGLE, LENGTH
 
     answers: dict[str, float] = {}
     for name in step.asks:

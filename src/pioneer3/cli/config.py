@@ -1,11 +1,15 @@
 """`pioneer3 config`: the settings of a robot's controller, and their backups."""
 
+from dataclasses import asdict, replace
+from time import time
 from typing import TYPE_CHECKING, Annotated, Final
 
 from cyclopts import App, Parameter
 
 from pioneer3.cli.options import LINK, Flag, Json, LinkOptions
 from pioneer3.cli.process import until_told_to_leave, write_json, write_line, write_warning
+from pioneer3.errors import ConfigError, DeviceError, MotionError
+from pioneer3.names import printable
 
 if TYPE_CHECKING:
     from pioneer3.arcos.reports import Config
@@ -42,8 +46,6 @@ async def show(*, link: LinkOptions = LINK, json: Json = False) -> int:
 
     Example: pioneer3 config show --port /dev/ttyUSB0
     """
-    from dataclasses import asdict
-
     from pioneer3.cli.tables import config_table
     from pioneer3.cli.terminal import Terminal
     from pioneer3.robot.config_backup import defaults_of, last_backup, with_defaults
@@ -71,8 +73,6 @@ async def backup(*, link: LinkOptions = LINK) -> int:
 
     Example: pioneer3 config backup --port /dev/ttyUSB0
     """
-    from time import time
-
     from pioneer3.robot.config_backup import save_backup
 
     async with link.connect(auto_enable=False, shown=True) as robot:
@@ -87,8 +87,6 @@ def list_() -> int:
 
     Example: pioneer3 config list
     """
-    from pioneer3.errors import ConfigError
-    from pioneer3.names import printable
     from pioneer3.robot.config_backup import backups_folder, read_backup, user_backups
 
     paths = user_backups()
@@ -170,9 +168,6 @@ async def restore(name: Backup = None, *, link: LinkOptions = LINK, force: Flag 
         name: The backup; else the last one of the robot.
         force: Take the backup of another robot.
     """
-    from dataclasses import replace
-
-    from pioneer3.errors import ConfigError, MotionError
     from pioneer3.robot.config_backup import differing, find_backup, restoring, with_encoders
     from pioneer3.robot.config_table import rows_by_field
     from pioneer3.robot.pilot import stands
@@ -209,15 +204,12 @@ async def restore(name: Backup = None, *, link: LinkOptions = LINK, force: Flag 
 
 def _config_of(robot: "Robot") -> "Config":
     """Return CONFIG as it was before this session set anything."""
-    from pioneer3.errors import DeviceError
-
     if robot.info.config is None:
         raise DeviceError("the robot did not send its configuration: older controllers have none")
     return robot.info.config
 
 
 def _last(robot: "Robot") -> "ConfigBackup":
-    from pioneer3.errors import ConfigError
     from pioneer3.robot.config_backup import last_backup
 
     found = last_backup(robot.info)

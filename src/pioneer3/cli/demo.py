@@ -1,6 +1,7 @@
 """`pioneer3 demo`."""
 
 import sys
+from functools import partial
 
 from pioneer3.cli.options import LINK, Flag, LinkOptions, MaxSpeed, Patience
 from pioneer3.cli.process import until_told_to_leave, write_line
@@ -31,8 +32,6 @@ async def demo(
         acts: The colour tracker of the acts mode.
         plain: Print ARIA's lines, for pipes and screen readers; keys come from standard input.
     """
-    from functools import partial
-
     from pioneer3.demo.modes import MODES
     from pioneer3.demo.start import start_plain, start_screen
     from pioneer3.robot.devices import Acts

@@ -1,9 +1,11 @@
 """`pioneer3 info`, `doctor` and `find-port`."""
 
+from math import pi
 from typing import TYPE_CHECKING
 
 from pioneer3.cli.options import LINK, WHICH, Baud, Flag, Json, LinkOptions, RobotOptions, Seconds
 from pioneer3.cli.process import busy_sign, read_line, until_told_to_leave, write_error, write_json
+from pioneer3.errors import MotionError
 
 COURSE = 1.0
 """How far `doctor --drive` drives, there and back [m]."""
@@ -106,12 +108,10 @@ async def _driven(
 ) -> "Finding":
     """Drive a short course beside a simulated twin; return the finding about it."""
     import asyncio
-    from math import pi
 
     from pioneer3.calibration.course import CourseLeg, drive, ground_of
     from pioneer3.cli.live import announce, how_to_stop, show_while
     from pioneer3.doctor.robot_checks import drive_finding
-    from pioneer3.errors import MotionError
     from pioneer3.runtime.connect import connect_robot
     from pioneer3.runtime.shadow import STALL
     from pioneer3.tasks import running

@@ -3,14 +3,17 @@
 import os
 import sys
 import webbrowser
+from contextlib import suppress
+from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pioneer3.cli.options import Flag, TcpPort
 from pioneer3.cli.process import write_line
+from pioneer3.errors import PortBusyError
 
 if TYPE_CHECKING:
     from http.server import ThreadingHTTPServer
-    from pathlib import Path
 
 PORT = 8090
 """The book's own port; the next free one serves where it is taken."""
@@ -52,11 +55,7 @@ def _has_browser() -> bool:
 
 
 def _listen(folder: "Path", port: int) -> "ThreadingHTTPServer":
-    from contextlib import suppress
-    from functools import partial
     from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
-
-    from pioneer3.errors import PortBusyError
 
     class Pages(SimpleHTTPRequestHandler):
         """Serves the book's folder, and writes no log."""

@@ -4,6 +4,7 @@ import shutil
 import sys
 from collections.abc import AsyncIterator, Callable, Coroutine
 from math import degrees, inf
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pioneer3.cli.options import NAVIGATION, LinkOptions, MotionOptions, NavigationOptions
@@ -19,8 +20,6 @@ from pioneer3.names import printable
 from pioneer3.units import SPEED, TURN_RATE
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from pioneer3.geometry import Pose2
     from pioneer3.limits import Limits
     from pioneer3.runtime.driven import Driven

@@ -1,11 +1,13 @@
 """`pioneer3 map build`: make a map while somebody drives, or while the robot explores."""
 
+import signal
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import AbstractAsyncContextManager, contextmanager, suppress
 from dataclasses import dataclass
+from datetime import datetime
 from functools import partial
-from math import radians
+from math import inf, radians
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -252,8 +254,6 @@ class _Keeper:
 
 
 async def _drive(keeper: _Keeper, begin: _Begin, connect: "Connect", speed: float) -> None:
-    from math import inf
-
     from pioneer3.navigation.connect import prepare_navigation
     from pioneer3.tasks import running
     from pioneer3.teleop.keyboard import Manner
@@ -417,8 +417,6 @@ def _tell_changes(update: "ContinuedMap", line_map: "LineMap") -> None:
 
 def _target(output: Path | None, old: Path | None, *, force: bool) -> Path:
     """Return the name of the new map."""
-    from datetime import datetime
-
     from pioneer3.navigation.map_files import files_of
 
     now = datetime.now().astimezone()
@@ -437,8 +435,6 @@ def _target(output: Path | None, old: Path | None, *, force: bool) -> Path:
 @contextmanager
 def _deaf() -> Iterator[None]:
     """Ignore signals that would end the program: a map is being saved."""
-    import signal
-
     before = {number: signal.signal(number, signal.SIG_IGN) for number in LEAVE}
     try:
         yield

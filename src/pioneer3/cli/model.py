@@ -1,5 +1,6 @@
 """`pioneer3 model`: the numbers of a robot's body, and its description for other programs."""
 
+from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -35,7 +36,6 @@ def list_models(*, json: Json = False) -> int:
     """
     from rich.table import Table
 
-    from pioneer3.cli.process import write_json
     from pioneer3.cli.terminal import Terminal
     from pioneer3.models import load_model, model_names
 
@@ -132,8 +132,6 @@ def _described(model: "RobotModel", format_: Format) -> str:
 
 
 def _table(model: "RobotModel", numbers: "tuple[Number, ...]") -> "Table":
-    from itertools import groupby
-
     from rich.table import Table
     from rich.text import Text
 

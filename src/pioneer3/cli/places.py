@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from pioneer3.errors import MotionError
+from pioneer3.geometry import Pose2
 from pioneer3.nav.place_text import numbers_of, pose_of
 
 if TYPE_CHECKING:
-    from pioneer3.geometry import Pose2
     from pioneer3.maps import LineMap
     from pioneer3.nav.places import Destination
     from pioneer3.navigation.navigator import Navigator

@@ -1,5 +1,7 @@
 """`pioneer3 robot`: the own file of a robot, found by its name or serial number."""
 
+import os
+import shlex
 from contextlib import suppress
 from pathlib import Path
 from shlex import quote
@@ -8,6 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Final
 from cyclopts import App, Parameter
 
 from pioneer3.cli.options import LINK, Flag, LinkOptions
+from pioneer3.cli.process import run_until_told_to_leave, write_line
+from pioneer3.errors import ConfigError
 
 if TYPE_CHECKING:
     from pioneer3.models import RobotModel
@@ -39,7 +43,6 @@ def show(name: Name | None = None) -> int:
     Args:
         name: That the robot says, or its serial number.
     """
-    from pioneer3.cli.process import write_line
     from pioneer3.models.catalog import read_model_text
     from pioneer3.models.own import ARIA, own_files, own_folder
 
@@ -71,14 +74,10 @@ def init(name: str | None = None, *, link: LinkOptions = LINK, force: Flag = Fal
         name: That the robot says; else the robot is asked.
         force: Write over a file that is there.
     """
-    from pioneer3.cli.process import run_until_told_to_leave
-
     return run_until_told_to_leave(_init(name, link, force=force))
 
 
 async def _init(name: str | None, link: LinkOptions, *, force: bool) -> int:
-    from pioneer3.cli.process import write_line
-    from pioneer3.errors import ConfigError
     from pioneer3.models import load_model
     from pioneer3.models.own import ARIA, TOML, new_own_text, own_folder, own_path, path_of
     from pioneer3.robot.lasers.spec import own_laser
@@ -117,12 +116,7 @@ def edit(name: Name) -> int:
     Args:
         name: That the robot says, or its serial number.
     """
-    import os
-    import shlex
     import subprocess
-
-    from pioneer3.cli.process import write_line
-    from pioneer3.errors import ConfigError
 
     path = _path(name)
     editors = (os.environ.get(each, "").strip() for each in ("VISUAL", "EDITOR"))
@@ -140,7 +134,6 @@ def edit(name: Name) -> int:
 
 def _checked(path: Path) -> "RobotModel | None":
     """Return the model of an own file; `None` if it has only what differs from the robot's type."""
-    from pioneer3.errors import ConfigError
     from pioneer3.models import load_model
     from pioneer3.models.own import read_own
     from pioneer3.runtime.connect import USUAL, fitted_by
@@ -156,7 +149,6 @@ def _checked(path: Path) -> "RobotModel | None":
 
 def _path(name: str) -> Path:
     """Return the path of the own file of a robot."""
-    from pioneer3.errors import ConfigError
     from pioneer3.models.own import own_folder, path_of
 
     path = path_of((name,))

@@ -2,6 +2,7 @@
 
 import os
 import sys
+from contextlib import AbstractAsyncContextManager
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -38,8 +39,6 @@ from pioneer3.cli.process import run_until_told_to_leave, write_line, write_warn
 from pioneer3.errors import ConfigError
 
 if TYPE_CHECKING:
-    from contextlib import AbstractAsyncContextManager
-
     from pioneer3.sim.worldfile import RobotSpec
     from pioneer3.web.hosting import ConnectTarget
     from pioneer3.web.server import Served

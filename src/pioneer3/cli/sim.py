@@ -6,7 +6,7 @@ Options that are wrong, or contradict each other, raise :exc:`ConfigError`.
 import logging
 import os
 from collections.abc import Iterator, Sequence
-from contextlib import AsyncExitStack, ExitStack
+from contextlib import AbstractAsyncContextManager, AsyncExitStack, ExitStack
 from dataclasses import dataclass
 from math import inf
 from pathlib import Path
@@ -25,8 +25,6 @@ from pioneer3.cli.process import (
 from pioneer3.errors import ConfigError, PortBusyError
 
 if TYPE_CHECKING:
-    from contextlib import AbstractAsyncContextManager
-
     from pioneer3.sim.realism import Realism
     from pioneer3.sim.server.faults import LinkFaults
     from pioneer3.sim.server.pacer import Pacer

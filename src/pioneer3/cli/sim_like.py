@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, fields
+from math import degrees
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Final
@@ -126,8 +127,6 @@ def _ratios(twin: "FittedTwin") -> "Table":
 
 def _ends(alike: "Likeness") -> "Table":
     """Return where the drive ended, seen from its start, and where the twin's runs did."""
-    from math import degrees
-
     from rich.text import Text
 
     table = _table("end of the drive", "robot", f"{len(alike.runs)} runs of its twin")

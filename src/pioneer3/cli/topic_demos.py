@@ -1,6 +1,6 @@
 """The demos on topics, from any computer: one description of each for ROS 1 and ROS 2."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Coroutine, Sequence
 from dataclasses import dataclass
 from inspect import Parameter as Argument
 from inspect import signature
@@ -22,8 +22,6 @@ from pioneer3.cli.topic_driving import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Coroutine
-
     from pioneer3.ros.client.graph import RobotTopics
     from pioneer3.ros.client.robot import TopicRobot
     from pioneer3.ros.node.middleware import Topics

@@ -1,5 +1,6 @@
 """Drives a robot on topics by keys or by a mode; the same in ROS 1 and ROS 2."""
 
+from collections.abc import Sequence
 from math import inf
 from typing import TYPE_CHECKING
 
@@ -7,8 +8,6 @@ from pioneer3.cli.live import announce, rewrite, show_while, tell_cuts
 from pioneer3.cli.process import write_line
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from pioneer3.behaviors.modes import Mode
     from pioneer3.ros.client.robot import TopicRobot
     from pioneer3.ros.node.middleware import Topics

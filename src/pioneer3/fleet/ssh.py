@@ -6,6 +6,7 @@ from the agent and from the usual files in `~/.ssh`; passwords only where a call
 
 import asyncio
 import errno
+import os
 import socket
 from collections.abc import AsyncIterator, Sequence
 from contextlib import asynccontextmanager
@@ -317,8 +318,6 @@ def _is_locked(path: Path) -> bool:
 
 def _agent_answers() -> bool:
     """Whether an agent is there; its keys have been tried then."""
-    import os
-
     name = os.environ.get("SSH_AUTH_SOCK")
     if not name:
         return False

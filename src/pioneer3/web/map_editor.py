@@ -15,6 +15,7 @@ from typing import Any
 
 from pioneer3.errors import CommandError, PioneerError
 from pioneer3.maps import Extent, LineMap, edit
+from pioneer3.navigation.map_files import free_path, left_out, save_map
 from pioneer3.sim.relief import Relief
 from pioneer3.web import messages, requests
 from pioneer3.web.page_map import PageMap
@@ -117,8 +118,6 @@ class MapEditor:
         self._take(before, text)
 
     async def _save(self, request: requests.SaveMap, used: LineMap, answer: Answer) -> None:
-        from pioneer3.navigation.map_files import free_path, left_out, save_map
-
         draft = self._draft
         if draft is None:
             raise CommandError("nothing was edited")

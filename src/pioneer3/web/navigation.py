@@ -20,6 +20,7 @@ from pioneer3.nav.places import Destination, home
 from pioneer3.navigation.connect import prepare_navigation
 from pioneer3.navigation.goals import GONE, GoalServer, GoalStatus, NavigationGoal
 from pioneer3.navigation.recording import points_of
+from pioneer3.navigation.traffic import Traffic
 from pioneer3.runtime.robot import Robot
 from pioneer3.tasks import next_tick, running
 from pioneer3.web import messages, requests
@@ -31,7 +32,6 @@ if TYPE_CHECKING:
     from pioneer3.nav.planner import NoWay, Way
     from pioneer3.navigation.navigator import Navigator
     from pioneer3.navigation.navigator import NavigatorState as State
-    from pioneer3.navigation.traffic import Traffic
 
 log = logging.getLogger(__name__)
 

@@ -1,5 +1,6 @@
 """The camera of a robot: its pictures, and the motors that turn it."""
 
+import asyncio
 from collections.abc import AsyncGenerator
 from contextlib import aclosing
 from dataclasses import dataclass
@@ -105,8 +106,6 @@ class RobotCamera:
         Raises:
             DeviceError: None came for `patience` [s], it is broken, or no camera is known.
         """
-        import asyncio
-
         return await asyncio.to_thread(decode, await self.picture(max_age, patience))
 
     async def picture(self, max_age: float = 1.0, patience: float = 6.0) -> Picture:

@@ -6,6 +6,8 @@ from functools import partial
 from itertools import count
 from typing import Any, Final
 
+import numpy as np
+
 from pioneer3.errors import ConfigError
 from pioneer3.ros.messages.sensors import fill_rows
 from pioneer3.ros.ros2.types import MessageTypes
@@ -93,8 +95,6 @@ class Converter:
 
     def _bumper_state(self, message: Any) -> Any:
         """Return a rosaria/BumperState for a std_msgs/UInt8MultiArray of two rows."""
-        import numpy as np
-
         made = self.ros1.make(BUMPERS[0])
         pressed = np.asarray(message.data, bool)
         half = len(pressed) // 2

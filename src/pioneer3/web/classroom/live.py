@@ -10,6 +10,8 @@ from tempfile import TemporaryDirectory
 from threading import Event
 from time import time
 
+from numpy.random import default_rng
+
 from pioneer3.bridge import Bridge
 from pioneer3.classroom.downloads import Downloads
 from pioneer3.classroom.runs import RunFolder
@@ -234,8 +236,6 @@ def _check_room(world: WorldFile, overrides: WorldOverrides, name: str) -> None:
 
 
 def _fit(world: WorldFile, overrides: WorldOverrides, count: int) -> bool:
-    from numpy.random import default_rng
-
     some = replace(overrides, robots=overrides.robots[:count]).applied_to(world)
     try:
         spawn_robots(some, some.line_map(), default_rng(some.seed))
