@@ -18,7 +18,7 @@ pan_tilt_zoom  the three axes of a pan-tilt-zoom camera, which move at constant 
 
 from pioneer3.sim.accessories.base import CarryingRobot, SipFields
 from pioneer3.sim.accessories.collection import Accessories
-from pioneer3.sim.accessories.digital_io import TableSensor, TableTop
+from pioneer3.sim.accessories.digital_io import TableSensor
 from pioneer3.sim.accessories.gauges import StickPosition
 from pioneer3.sim.accessories.gripper import HeldObject
 from pioneer3.sim.equipment import Equipment
@@ -31,5 +31,4 @@ __all__ = [
     "SipFields",
     "StickPosition",
     "TableSensor",
-    "TableTop",
 ]

@@ -69,7 +69,7 @@ class Accessories:
         """Without `equipment` the robot has that of its model; `rng` makes the noise."""
         self.equipment = fitted = equipment or Equipment.of(body.model)
         noise = rng or default_rng(0)
-        self.table_ir = TableIr(body, fitted.table_ir) if fitted.table_ir else None
+        self.table_ir = TableIr(fitted.table_ir) if fitted.table_ir else None
         self.digital = DigitalIo(self.table_ir.held_low) if self.table_ir else DigitalIo()
         self.encoders = SimulatedEncoders(body)
         self.battery = BatteryGauge(body)

@@ -1,7 +1,6 @@
 """Digital and analog inputs and outputs, and table sensors (protocol.md 3.2, 4.2, 4.7, 5.3)."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from enum import IntFlag
 from math import isfinite
 
@@ -9,8 +8,7 @@ from pioneer3.arcos import commands
 from pioneer3.arcos.commands import Command
 from pioneer3.arcos.reports import Io, Report
 from pioneer3.errors import ConfigError
-from pioneer3.geometry import Pose2
-from pioneer3.sim.accessories.base import CarryingRobot, ReportingAccessory, SipFields
+from pioneer3.sim.accessories.base import ReportingAccessory, SipFields
 from pioneer3.sim.equipment import TableWiring
 
 BYTES_IN = 4
@@ -117,52 +115,15 @@ OLD_LINES = {
 """Digital inputs of the old wiring."""
 NEW_LINES = {sensor: 24 + bit for bit, sensor in enumerate(TableSensor)}
 """The fourth byte of the inputs."""
-NONE = TableSensor(0)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class TableTop:
-    """A rectangular table top, or another surface above the robot, around `center` [m, rad].
-
-    It has its length along the x axis of this pose in the world, and its width along the y axis.
-    """
-
-    center: Pose2
-    length: float
-    width: float
-
-    def __post_init__(self) -> None:
-        """Refuse a table without surface."""
-        if not (self.length > 0 and self.width > 0):
-            raise ConfigError(f"table of {self.length} x {self.width} m: both must be positive")
-
-    def covers(self, x: float, y: float) -> bool:
-        """Whether the point [m, world] lies below it."""
-        point = self.center.inverse() @ Pose2(x, y)
-        return abs(point.x) <= self.length / 2 and abs(point.y) <= self.width / 2
 
 
 class TableIr:
-    """Holds an input line low while a surface is above its sensor, or covers it by hand."""
+    """Holds an input line low while its sensor is covered, which is done by hand."""
 
-    def __init__(self, body: CarryingRobot, wiring: TableWiring = "new") -> None:
-        self.tables: tuple[TableTop, ...] = ()
-        self.covered = NONE
-        self._body = body
+    def __init__(self, wiring: TableWiring = "new") -> None:
+        self.covered = TableSensor(0)
         self._lines = OLD_LINES if wiring == "old" else NEW_LINES
-
-    def triggered(self) -> TableSensor:
-        """Return the sensors below a surface."""
-        seen = self.covered
-        if not self.tables:
-            return seen
-        for sensor, mount in zip(TableSensor, self._body.model.table_irs, strict=False):
-            at = self._body.robot_in_world @ Pose2(mount.x, mount.y)
-            if any(table.covers(at.x, at.y) for table in self.tables):
-                seen |= sensor
-        return seen
 
     def held_low(self) -> int:
         """Return the digital inputs that the sensors hold low, as bits."""
-        seen = self.triggered()
-        return sum(1 << line for sensor, line in self._lines.items() if sensor in seen)
+        return sum(1 << line for sensor, line in self._lines.items() if sensor in self.covered)
