@@ -184,7 +184,7 @@ def test_a_configuration_is_34_bytes_or_32() -> None:
     assert config.to_bytes() == block
     assert (config.blanking_cm, config.stop_threshold, config.sensitivity) == (0x0201, 3, 4)
     assert (config.availability, config.measuring_mode, config.units) == (5, 6, 7)
-    assert config.contour_b == bytes(range(19, 24))
+    assert config.rest == bytes(range(8, 33))
     assert config.dazzle_evaluations == 0x2221
     older = UnitConfig.from_bytes(block[:32])
     assert older == replace(config, dazzle_evaluations=0)
@@ -195,7 +195,7 @@ def test_a_configuration_is_34_bytes_or_32() -> None:
 
 @pytest.mark.parametrize("size", [7, 8, 32, 34])
 def test_the_first_bytes_of_a_configuration_can_be_written(size: int) -> None:
-    before = UnitConfig(restart_time=9, dazzle_evaluations=7)
+    before = UnitConfig(rest=bytes(range(25)), dazzle_evaluations=7)
     block = replace(before, measuring_mode=5, units=MM, stop_threshold=70).to_bytes()
     after = before.overwritten(block[:size])
     assert after == UnitConfig.from_bytes(block)

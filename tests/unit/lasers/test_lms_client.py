@@ -115,7 +115,7 @@ def test_a_unit_that_starts_is_found_when_it_is_ready(boot: float) -> None:
 
 def test_the_configuration_is_written_once_and_its_rest_is_kept() -> None:
     cable = Cable(LmsDevice(LMS200))
-    before = UnitConfig(stop_threshold=60, restart_mode=1, contour_a=b"fence")
+    before = UnitConfig(stop_threshold=60, rest=bytes(range(25)))
     cable.device.unit.config = before
     events = run(cable, LmsClient(cable.now, SPEEDS), Measured, 3.0)
     assert cable.device.unit.config == replace(before, measuring_mode=5, units=Units.MILLIMETRES)

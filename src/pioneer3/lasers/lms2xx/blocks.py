@@ -67,12 +67,11 @@ def _pack(block: object, size: int) -> bytes:
 class UnitConfig:
     """The configuration, which the unit keeps in its EEPROM; as delivered, unless told.
 
-    Fields overlook objects nearer than `blanking_cm`, and switch once so many scans agree,
-    `evaluations`. `stop_threshold` is of the LMS-200 [mV], 0 in an LMS-291; `sensitivity` its peak
-    threshold, or the LMS-291's sensitivity. Bits of `availability`: 1 fog, 2 indices in scans, 4
-    dazzling does not switch outputs. `measuring_mode` is a key of :data:`MEASURING_MODES`. A
-    contour is its reference size, the band above and below, the first and the last angle. Older
-    units have no `dazzle_evaluations`.
+    Fields overlook objects nearer than `blanking_cm`. `stop_threshold` is of the LMS-200 [mV], 0 in
+    an LMS-291; `sensitivity` its peak threshold, or the LMS-291's sensitivity. Bits of
+    `availability`: 1 fog, 2 indices in scans, 4 dazzling does not switch outputs. `measuring_mode`
+    is a key of :data:`MEASURING_MODES`. The `rest` is kept as it is: evaluations, restarts and
+    contours of fields. Older units have no `dazzle_evaluations`.
     """
 
     SIZE = 34
@@ -84,18 +83,7 @@ class UnitConfig:
     availability: Annotated[int, _u8(4)] = 0
     measuring_mode: Annotated[int, _u8(5)] = 0
     units: Annotated[int, _u8(6)] = Units.CENTIMETRES
-    temporary_field: Annotated[int, _u8(7)] = 0
-    subtractive_fields: Annotated[int, _u8(8)] = 0
-    evaluations: Annotated[int, _u8(9)] = 2
-    restart_mode: Annotated[int, _u8(10)] = 2
-    restart_time: Annotated[int, _u8(11)] = 0
-    suppressed_evaluations: Annotated[int, _u8(12)] = 0
-    contour_a: Annotated[bytes, At(13, "5s")] = bytes(5)
-    contour_b: Annotated[bytes, At(18, "5s")] = bytes(5)
-    contour_c: Annotated[bytes, At(23, "5s")] = bytes(5)
-    pixel_evaluation: Annotated[int, _u8(28)] = 0
-    single_value_evaluation: Annotated[int, _u8(29)] = 0
-    restart_times_b_c: Annotated[int, _u16(30)] = 0
+    rest: Annotated[bytes, At(7, "25s")] = bytes((0, 0, 2, 2)) + bytes(21)
     dazzle_evaluations: Annotated[int, _u16(32)] = 0
 
     @classmethod
