@@ -2,10 +2,12 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
-from math import atan2, cos, hypot, isfinite, isnan, pi, sin
+from dataclasses import replace
+from math import atan2, hypot, isfinite, isnan, pi
 
 from pioneer3.demo.columns import ColumnCell, ColumnRow, millimetres
 from pioneer3.demo.mode import Context, DemoMode, Description, Gauge
+from pioneer3.geometry import ORIGIN
 from pioneer3.robot.devices import Presence
 from pioneer3.state import Bumpers, Scan, Sonar
 from pioneer3.units import DEGREE, MM
@@ -179,15 +181,7 @@ def laser(context: Context, about: Description) -> DemoMode:
 
 def points_in_robot(scan: Scan) -> list[Point]:
     """Return where the laser hit something, in the robot's frame [m]."""
-    mount = scan.sensor_in_robot
-    return [
-        (
-            mount.x + distance * cos(mount.theta + angle),
-            mount.y + distance * sin(mount.theta + angle),
-        )
-        for angle, distance in zip(scan.angles, scan.ranges, strict=True)
-        if isfinite(distance)
-    ]
+    return replace(scan, robot_in_odom=ORIGIN, last_in_odom=None).points_in_odom()
 
 
 def buffer_line(scan: Scan) -> str:
