@@ -86,11 +86,6 @@ def print_json(value: object, outcomes: Sequence[Outcome]) -> int:
     return exit_code(outcomes)
 
 
-def print_table(table: Table) -> None:
-    """Print a table to standard output."""
-    Terminal().print(table)
-
-
 def status_table(facts: Mapping[str, HostFacts]) -> Table:
     """Return a row for each robot's computer that was reached."""
     table = Table(box=None, pad_edge=False, header_style="bold")

@@ -186,7 +186,8 @@ async def status(*, json: Json = False, which: RobotsOptions = ROBOTS) -> int:
 
     Example: pioneer3 fleet status
     """
-    from pioneer3.cli.fleet_output import finish, print_json, print_table, status_table
+    from pioneer3.cli.fleet_output import finish, print_json, status_table
+    from pioneer3.cli.terminal import Terminal
     from pioneer3.fleet.doctor import gather
 
     robots = which.robots()
@@ -195,7 +196,7 @@ async def status(*, json: Json = False, which: RobotsOptions = ROBOTS) -> int:
         facts, outcomes = await gather(fleet, robots, login=which.login)
     if json:
         return print_json({each.robot: facts.get(each.robot) for each in outcomes}, outcomes)
-    print_table(status_table(facts))
+    Terminal().print(status_table(facts))
     return finish(outcomes, quiet=True)
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from pioneer3.geometry import Pose2
-from pioneer3.sim.worldfile import Person, outlines_at
+from pioneer3.sim.worldfile import Person
 
 CORNER = ((0.0, 0.0), (2.0, 0.0), (2.0, 1.0))
 
@@ -73,12 +73,6 @@ def test_the_outline_is_a_closed_octagon_around_the_circle() -> None:
     np.testing.assert_array_equal(sides[:, 2:], np.roll(sides[:, :2], -1, axis=0))
     middles = (sides[:, :2] + sides[:, 2:]) / 2 - (1.0, 2.0)
     np.testing.assert_allclose(np.hypot(*middles.T), 0.3)
-
-
-def test_all_outlines_come_in_one_array() -> None:
-    people = [Person(path=CORNER), Person(path=((5.0, 5.0),))]
-    assert outlines_at(people, 1.0).shape == (16, 4)
-    assert outlines_at([], 1.0).shape == (0, 4)
 
 
 def test_the_foot_on_the_ground_stands_still_while_the_other_one_swings() -> None:

@@ -69,11 +69,7 @@ def mounting_of(mount: LaserMount) -> Mounting:
 
 
 def parse_lasers(
-    lasers: Sequence[str],
-    poses: Sequence[str] = (),
-    masks: Sequence[str] = (),
-    *,
-    settings: ScanSettings = AS_DELIVERED,
+    lasers: Sequence[str], poses: Sequence[str] = (), masks: Sequence[str] = ()
 ) -> tuple[LaserSpec, ...]:
     """Read the options of a command line: `[MODEL@]PORT` of each laser.
 
@@ -87,7 +83,7 @@ def parse_lasers(
     specs = []
     for number, text in enumerate(lasers):
         name = "laser" if number == 0 else f"laser{number + 1}"
-        spec = replace(parse_laser(text), name=name, settings=settings)
+        spec = replace(parse_laser(text), name=name)
         if number < len(poses):
             spec = replace(spec, mounting=parse_mounting(poses[number]))
         if number < len(masks):

@@ -24,21 +24,15 @@ class Pacer:
     at which real time a tick happens.
 
     In lock step a cycle of 100 ms begins only when every host has sent a valid packet since its
-    last report, or the patience [s, real] has passed. A host whose watchdog has expired is not
+    last report, or :data:`PATIENCE` has passed. A host whose watchdog has expired is not
     waited for, and without hosts time runs at :attr:`speed`. Bytes of a cycle are taken at its end,
     so one packet, or one write, per report makes a run repeatable.
     """
 
     def __init__(
-        self,
-        speed: float = 1.0,
-        *,
-        lock_step: bool = False,
-        paused: bool = False,
-        patience: float = PATIENCE,
+        self, speed: float = 1.0, *, lock_step: bool = False, paused: bool = False
     ) -> None:
         self.lock_step = lock_step
-        self.patience = patience
         self.speed = speed
         self._paused = paused
         self._granted = 0

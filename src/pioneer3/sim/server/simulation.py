@@ -26,7 +26,7 @@ from pioneer3.sim.firmware.console import StepTimes
 from pioneer3.sim.server.laser import SimulatedLaser
 from pioneer3.sim.server.laser_ports import LaserPorts
 from pioneer3.sim.server.listeners import PtyListener, TcpListener, listening
-from pioneer3.sim.server.pacer import LATELY, TICK, Pacer
+from pioneer3.sim.server.pacer import LATELY, PATIENCE, TICK, Pacer
 from pioneer3.sim.server.port import RobotPort
 from pioneer3.sim.world import World
 
@@ -345,7 +345,7 @@ class Simulation:
         if any(port.awaited for port in self.ports):
             if self._waiting_since is None:
                 self._waiting_since = now
-            if now - self._waiting_since < self.pace.patience:
+            if now - self._waiting_since < PATIENCE:
                 self.pace.postpone(now)
                 return False
         self._waiting_since = None

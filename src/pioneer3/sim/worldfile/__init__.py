@@ -29,7 +29,7 @@ from pioneer3.sim.worldfile.load import (
     maps_in,
     shipped_worlds,
 )
-from pioneer3.sim.worldfile.person import Person, outlines_at
+from pioneer3.sim.worldfile.person import Person
 from pioneer3.sim.worldfile.spec import (
     Box,
     Place,
@@ -59,7 +59,6 @@ __all__ = [
     "load_map",
     "load_world",
     "maps_in",
-    "outlines_at",
     "parse_equipment",
     "parse_world",
     "read_world",

@@ -1,6 +1,6 @@
 """People who walk: their position is a function of time alone."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from math import atan2, cos, hypot, pi, sin
@@ -109,11 +109,6 @@ class Person:
         back = self.path[:1] if self.loop else self.path[-2::-1]
         points = self.path + back
         return [p for p, before in zip(points, (None, *points), strict=False) if p != before]
-
-
-def outlines_at(people: Iterable[Person], time: float) -> Float:
-    """Return the outlines of all `people` at `time` [s], shape (8 P, 4) [m]."""
-    return np.concatenate([np.empty((0, 4)), *(person.outline_at(time) for person in people)])
 
 
 def _octagon(radius: float) -> Float:
