@@ -24,10 +24,11 @@ FINE_COSTS = 4_000_000
 """Cells above which they are made twice as large: 100 by 100 m; each plan works on them."""
 SQUEEZE_COST = 60.0
 """Cost of a metre where the robot does not fit [m in the open]: it may get out of there."""
-PEOPLE_COST = 2.0
-"""Cost of a metre on the lines on which people come, besides that of the open [m in the open]."""
-PEOPLE_FADE = 0.15
-"""Distance over which this cost falls to nothing, from where they pass beside the robot on [m]."""
+PEOPLE_COST = 4.0
+"""Cost of a metre on the lines on which people come, besides that of the open [m in the open]: more
+than that of a place along a wall, as in a corridor that is left to them."""
+PEOPLE_FADE = 0.1
+"""Distance over which this cost falls to nothing where they pass beside the robot [m]."""
 PASSING_DISTANCE = 0.25 + 0.15
 """Distance from the middle of somebody who passes to the robot's side [m]."""
 BARRIER = 2.0
@@ -140,10 +141,9 @@ class CostMap:
         if not len(lines):
             return self
         apart = np.float32(self.needed - self.settings.margin + PASSING_DISTANCE)
-        reach = apart + np.float32(PEOPLE_FADE)
-        away = np.full(self.raster.shape, reach, dtype=np.float32)
-        fast(nearest_wall, CACHE)(lines, (*self.raster.edges, float(reach)), 0.0, away)
-        return replace(self, busy=np.clip((apart - away) / np.float32(PEOPLE_FADE) + 1, 0, 1))
+        away = np.full(self.raster.shape, apart, dtype=np.float32)
+        fast(nearest_wall, CACHE)(lines, (*self.raster.edges, float(apart)), 0.0, away)
+        return replace(self, busy=np.clip((apart - away) / np.float32(PEOPLE_FADE), 0, 1))
 
     def speed_at(self, x: float, y: float) -> float:
         """Return the highest speed that is wanted at a place [m/s]; `inf` where any is."""

@@ -263,8 +263,10 @@ def test_a_robot_passes_a_door_of_a_large_map_whose_cells_are_larger() -> None:
     assert way(on, (50.0, 20.0), (70.0, 20.0)).length == pytest.approx(2 * hypot(10, 60.4), abs=1.5)
 
 
-def test_a_way_keeps_beside_the_line_on_which_somebody_comes() -> None:
-    on, line = costs(room()), np.array([[8.0, 3.0, 4.0, 3.0]])
+@pytest.mark.parametrize("width", [2.0, 6.0])
+def test_a_way_keeps_beside_the_line_on_which_somebody_comes(width: float) -> None:
+    low, high = 3.0 - width / 2, 3.0 + width / 2
+    on, line = costs(room([0, low, 10, low], [0, high, 10, high])), np.array([[8.0, 3.0, 4.0, 3.0]])
     straight = way(on, (1.0, 3.0), (9.0, 3.0))
     beside = way(on.with_lines(line), (1.0, 3.0), (9.0, 3.0))
     middle = [y for x, y in beside.points.tolist() if 5.0 < x < 7.0]
