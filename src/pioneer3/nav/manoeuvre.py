@@ -47,6 +47,9 @@ TURN_COST = 0.3
 GAP = 0.03
 """Distance kept from everything, and needed to turn freely in the end [m]; where the robot has
 less of it already, that is kept."""
+BODY_GAP = 0.02
+"""Distance kept from people, who are taken wider than they are [m]: a P3-AT can turn before one
+who has stepped up to it."""
 PROGRESS = 0.3
 """Way to its goal that a manoeuvre saves [m in the open]."""
 MOST_STATES = 16_000
@@ -86,6 +89,7 @@ class Search:
         to_go: The cost to its goal.
         ways: Points of the ways of others, which it gets out of [m], shape (K, 2); else it looks
             for a drive to where its own way goes on.
+        ahead: Whether it only drives ahead and turns: people step up to a robot that backs off.
 
     Attributes:
         aside: Whether it looks for the nearest place beside the ways of others; that is one pose
@@ -102,22 +106,25 @@ class Search:
         obstacles: Float,
         to_go: CostToGo,
         ways: Float | None = None,
+        *,
+        ahead: bool = False,
     ) -> None:
-        self.aside, self.done = ways is not None, False
+        self.aside, self.ahead, self.done = ways is not None, ahead, False
         self.poses: Float | None = None
         ways = np.empty((0, 2)) if ways is None else ways
         reach = SIDE * COST_CELL / 2 + model.corner
         near = _within(reach, here, obstacles)
         things = np.ascontiguousarray(near[:, [0, 1, 4]])  # else another kernel is compiled
         # a robot that is nearer to something already only comes no nearer to that
-        things[:, 2] -= np.maximum(GAP - gaps_at(here, model, near) + ROUNDING, 0.0)
+        kept = np.where(things[:, 2] > 0.0, BODY_GAP, GAP)
+        things[:, 2] += np.minimum(kept, gaps_at(here, model, near) - ROUNDING) - GAP
         outline = (model.length_front, model.length_rear, model.width / 2, GAP, model.corner + GAP)
         least = to_go.at(here.x, here.y) - PROGRESS
         raster, places, states = to_go.raster, SIDE * SIDE, SIDE * SIDE * HEADINGS
         self._found, self._before = np.empty((states, 3)), np.full(states, -1, dtype=np.int32)
         self._arguments = (
             np.array([here.x, here.y, here.theta]),
-            _moves(),
+            _moves((1,) if ahead else (1, -1)),
             np.array([*outline, least, PASSING_DISTANCE]),
             things,
             np.pad(_within(reach + PASSING_DISTANCE, here, ways), ((0, 0), (0, 1))),
@@ -204,9 +211,10 @@ class Manoeuvre:
         return way * v, w
 
 
-def _moves() -> Float:
+def _moves(ways: tuple[int, ...]) -> Float:
+    """Return the moves of a robot that drives these `ways`: 1 for ahead, -1 for backwards."""
     bend, turn = MOVE_LENGTH / RADIUS, 2 * pi / HEADINGS
-    rows = [(way * MOVE_LENGTH, side * bend) for way in (1, -1) for side in (0, 1, -1)]
+    rows = [(way * MOVE_LENGTH, side * bend) for way in ways for side in (0, 1, -1)]
     rows += [(0.0, turn), (0.0, -turn)]
     costs = [abs(way) + TURN_COST * abs(turn) for way, turn in rows]
     return np.column_stack([rows, costs])

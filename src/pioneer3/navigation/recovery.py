@@ -1,4 +1,4 @@
-"""Brings a robot on that is held up: through a narrow place, or aside for people who wait."""
+"""Brings a robot on that is held up: through a narrow place, round people, or aside for them."""
 
 from dataclasses import dataclass, field
 from math import hypot, inf
@@ -38,6 +38,7 @@ class Recovery:
     _manoeuvre: Manoeuvre | None = field(default=None, init=False)
     _search: Search | None = field(default=None, init=False)
     _aside: bool = field(default=False, init=False)
+    _shut: bool = field(default=False, init=False)
     _met: float = field(default=-inf, init=False)
     _searched: float = field(default=-inf, init=False)
     _anchor: Pose2 = field(default=Pose2(inf), init=False)
@@ -75,24 +76,28 @@ class Recovery:
         if self._manoeuvre is not None:
             command = self._manoeuvre.step(here)
             if command and not (self._aside and passed) and still < HELD_UP_TIME:
-                why = "goes aside for somebody" if self._aside else "lines up with a narrow place"
+                why = "goes round somebody" if waiting else "lines up with a narrow place"
+                why = "goes aside for somebody" if self._aside else why
                 return Desire(v=command[0], w=command[1], reason=why)
             self._aside &= command is None
             self._manoeuvre, self._anchored, still = None, now, 0.0
         self._aside &= now - self._met < BLOCKED_TIME and still < HELD_UP_TIME
         if self._aside:
             return Desire(v=0.0, w=0.0, reason="lets somebody pass")
-        waits = bool(waiting) and blocked and still > BLOCKED_TIME
-        if waits:
-            may_search = still > STANDING_TIME
-        else:
-            may_search = min(held_up, still, now - self._met) > HELD_UP_TIME
-        if self._search is not None and self._search.aside != waits:
+        arrives = to_go.at(here.x, here.y) <= PROGRESS
+        meets = bool(waiting) or (arrives and self.sightings.movers.are_about(now))
+        waits = meets and blocked and still > BLOCKED_TIME
+        may_search = waits or min(held_up, still, now - self._met) > HELD_UP_TIME
+        search = self._search
+        if search is not None and (search.aside or search.ahead) != waits:
             self._search = None
         if self._search is None and may_search and now - self._searched > HELD_UP_TIME / 2:
-            ways = self._ways(waiting, here, situation.model) if waits else None
-            if waits or to_go.at(here.x, here.y) > PROGRESS:
+            aside = waits and still > HELD_UP_TIME and held_up > STANDING_TIME
+            if aside and (arrives or self._shut):
+                ways = self._ways(waiting, here, situation.model)
                 self._search = Search(here, situation.model, obstacles, to_go, ways)
+            elif not arrives:
+                self._search = Search(here, situation.model, obstacles, to_go, ahead=waits)
             self._searched = now
         if self._goes_on_searching(situation):
             why = "waits for somebody" if waits else "looks for a way on"
@@ -109,13 +114,17 @@ class Recovery:
         if not self._search.done:
             return True
         poses, aside, self._search = self._search.poses, self._search.aside, None
+        self._shut = poses is None and not aside
         if poses is not None:
             self._manoeuvre = Manoeuvre(poses, situation.limits)
             self._aside, self._anchored = aside, situation.now
         return False
 
     def _ways(self, people: list[Mover], here: Pose2, model: RobotModel) -> Float:
-        """Return points on the ways of people who wait for the robot [m], (K, 2)."""
+        """Return points on the ways of people who wait for the robot [m], (K, 2).
+
+        Somebody whom nothing sees wants to where the robot is.
+        """
         ways = []
         for each in people:
             place = each.x, each.y
@@ -125,7 +134,7 @@ class Recovery:
                 # nobody waits for a robot beside their way: they have turned round
                 way = self.sightings.way_of(place, (here.x - each.x, here.y - each.y))
             ways.append(way)
-        return np.concatenate(ways)
+        return np.concatenate(ways or [np.array([(here.x, here.y)])])
 
     def _waiting(self, here: Pose2, now: float) -> list[Mover]:
         """Return the people who stand so near that the robot may be in their way."""

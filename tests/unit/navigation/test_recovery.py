@@ -1,5 +1,7 @@
 """A robot that is held up: by a narrow place, or by somebody who waits for it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -14,6 +16,8 @@ from tests.unit.nav.offices import NO_OBSTACLES, costs, room
 
 HERE = Pose2(5.0, 3.0, 0.0)
 DT = 0.1
+ASIDE = STANDING_TIME + HELD_UP_TIME
+"""Time after which it has begun to go aside [s]."""
 
 
 @pytest.fixture(scope="module")
@@ -26,6 +30,10 @@ def to_go() -> CostToGo:
 @pytest.fixture
 def recovery() -> Recovery:
     return Recovery(Sightings(costs(room())))
+
+
+FENCE = np.array([(5.6, 1.0 + 0.1 * number, 0.0, 0.0, 0.0) for number in range(41)])
+"""Things that leave no way round somebody who stands behind them."""
 
 
 def meet(recovery: Recovery, x: float, now: float, *, ahead: float = -1.0) -> Mover:
@@ -44,16 +52,24 @@ def reasons(
     seconds: float,
     *,
     speed: float = 0.0,
-    held_up: float = 0.0,
+    held_up: float | None = None,
     blocked: bool = True,
     obstacles: Float = NO_OBSTACLES,
 ) -> list[str]:
-    """Return what a robot does that drives at a speed [m/s], or else stands at the same place."""
+    """Return what a robot does that drives at a speed [m/s], or else stands at the same place.
+
+    It is `held_up` since 0 s, if nothing else is told.
+    """
     found = []
     for tick in range(round(seconds / DT)):
         here = Pose2(HERE.x + speed * tick * DT, HERE.y)
         now = seen(begin + tick * DT)
-        desire = recovery.decide(now, here, obstacles, to_go, held_up, blocked=blocked)
+        since = now.now if held_up is None else held_up
+        for thing in recovery.sightings.movers.things:
+            thing.seen = now.now
+        people = recovery.sightings.movers.discs(now.now)
+        around = np.concatenate([obstacles, people])
+        desire = recovery.decide(now, here, around, to_go, since, blocked=blocked)
         found.append(desire.reason if desire else "")
         if desire and desire.reason == "waits for somebody":
             assert (desire.v, desire.w) == (0.0, 0.0)
@@ -61,38 +77,54 @@ def reasons(
 
 
 def test_a_robot_that_is_alone_goes_on(recovery: Recovery, to_go: CostToGo) -> None:
-    assert not any(reasons(recovery, to_go, 0.0, 10.0))
+    assert not any(reasons(recovery, to_go, 0.0, 10.0, held_up=0.0))
 
 
 def test_it_waits_for_somebody_then_goes_aside(recovery: Recovery, to_go: CostToGo) -> None:
     meet(recovery, 5.8, 0.0)
-    found = reasons(recovery, to_go, 0.0, STANDING_TIME + 1.0)
+    found = reasons(recovery, to_go, 0.0, ASIDE, obstacles=FENCE)
     assert not any(found[: round(BLOCKED_TIME / DT)])
     waits = found[round(BLOCKED_TIME / DT) + 1 : round(STANDING_TIME / DT)]
     assert set(waits) == {"waits for somebody"}
     assert found[-1] == "goes aside for somebody"
 
 
+def test_it_goes_round_somebody_where_there_is_room(recovery: Recovery, to_go: CostToGo) -> None:
+    meet(recovery, 5.8, 0.0)
+    assert reasons(recovery, to_go, 0.0, 3 * BLOCKED_TIME)[-1] == "goes round somebody"
+
+
+def test_a_robot_that_may_not_turn_at_its_goal_leaves_it_for_a_while(
+    recovery: Recovery, to_go: CostToGo
+) -> None:
+    """Somebody may stand behind it, whom nothing sees, and wait for it."""
+    recovery.sightings.movers.met = 0.0
+    arrives = replace(to_go, values=np.zeros_like(to_go.values))
+    found = reasons(recovery, arrives, 0.0, ASIDE)
+    assert "goes aside for somebody" not in found[: round(STANDING_TIME / DT)]
+    assert found[-1] == "goes aside for somebody"
+
+
 def test_who_walked_away_and_stands_wants_back_past_it(recovery: Recovery, to_go: CostToGo) -> None:
     meet(recovery, 5.8, 0.0, ahead=1.0)
-    assert reasons(recovery, to_go, 0.0, STANDING_TIME + 1.0)[-1] == "goes aside for somebody"
+    assert reasons(recovery, to_go, 0.0, ASIDE, obstacles=FENCE)[-1] == "goes aside for somebody"
 
 
 def test_a_robot_that_cannot_go_aside_does_not_behave_as_if_it_had(
     recovery: Recovery, to_go: CostToGo
 ) -> None:
     meet(recovery, 5.8, 0.0)
-    found = reasons(recovery, to_go, 0.0, STANDING_TIME + 2 * HELD_UP_TIME)
-    assert "goes aside for somebody" in found
-    assert found[-1] == "waits for somebody"
+    found = reasons(recovery, to_go, 0.0, ASIDE + 2 * HELD_UP_TIME, obstacles=FENCE)
+    begins = found.index("goes aside for somebody")
+    assert "waits for somebody" in found[begins:]
+    assert "lets somebody pass" not in found
 
 
 def test_it_goes_on_as_soon_as_nobody_waits_any_more(recovery: Recovery, to_go: CostToGo) -> None:
     meet(recovery, 5.8, 0.0)
-    begins = STANDING_TIME + 1.0
-    assert reasons(recovery, to_go, 0.0, begins)[-1] == "goes aside for somebody"
+    assert reasons(recovery, to_go, 0.0, ASIDE, obstacles=FENCE)[-1] == "goes aside for somebody"
     recovery.sightings.movers.forget()
-    found = reasons(recovery, to_go, begins, 2 * BLOCKED_TIME, blocked=False)
+    found = reasons(recovery, to_go, ASIDE, 2 * BLOCKED_TIME, blocked=False)
     assert found[0] == "goes aside for somebody"
     assert not found[-1]
 
@@ -107,12 +139,12 @@ def test_a_robot_that_gets_on_waits_for_nobody(
 
 def test_who_stands_farther_away_is_let_be(recovery: Recovery, to_go: CostToGo) -> None:
     meet(recovery, 7.0, 0.0)
-    assert not any(reasons(recovery, to_go, 0.0, 5.0))
+    assert not any(reasons(recovery, to_go, 0.0, 5.0, held_up=0.0))
 
 
 def test_it_goes_on_when_they_have_gone(recovery: Recovery, to_go: CostToGo) -> None:
     meet(recovery, 5.8, 0.0)
-    assert reasons(recovery, to_go, 0.0, 2.0)[-1]
+    assert reasons(recovery, to_go, 0.0, 2.0, obstacles=FENCE)[-1] == "waits for somebody"
     recovery.sightings.movers.forget()
     assert not reasons(recovery, to_go, 2.0, 0.5)[-1]
 
@@ -120,7 +152,7 @@ def test_it_goes_on_when_they_have_gone(recovery: Recovery, to_go: CostToGo) -> 
 def test_who_does_not_pass_is_let_be(recovery: Recovery, to_go: CostToGo) -> None:
     """A thing may look like the legs of somebody."""
     thing = meet(recovery, 5.8, 0.0)
-    found = reasons(recovery, to_go, 0.0, STAYING_TIME + HELD_UP_TIME)
+    found = reasons(recovery, to_go, 0.0, STAYING_TIME + HELD_UP_TIME, obstacles=FENCE)
     assert "goes aside for somebody" in found
     assert not found[-1]
     thing.x, thing.stands = 4.2, 2 * STAYING_TIME  # somebody else comes
