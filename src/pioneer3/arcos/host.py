@@ -27,6 +27,7 @@ Facts: protocol.md 2.1 to 2.7.
 """
 
 from collections.abc import Sequence
+from math import inf
 from typing import Final
 
 from pioneer3.arcos import commands, reports
@@ -59,6 +60,9 @@ WAIT_FOR_REPORT: Final = 0.25
 CONFIG_STEP: Final = 0.5
 """Longest time between two reads that counts as one without CONFIG [s]: who reads may be late."""
 CLOSE_AGAIN_EVERY: Final = 0.1
+PULSE_EARLY: Final = 0.75
+"""Share of the longest pause between two packets after which a PULSE goes out with a report: to
+wake up for it alone costs more."""
 SLOWEST_RETRY: Final = 2.0
 """Networks may be slower than robots: without speeds to try, each try is as patient as two before,
 up to this [s]."""
@@ -74,7 +78,6 @@ class Host:
         round_trip: How much later than over a cable an answer may come [s].
 
     Attributes:
-        deadline: When :meth:`tick` must next be called [s].
         identity: Known once open.
         config: Known once :class:`Configured` has been returned, where the robot sent it.
     """
@@ -88,7 +91,7 @@ class Host:
         round_trip: float = 0.0,
     ) -> None:
         self.state = SessionState.LISTENING
-        self.deadline = now
+        self._tick_at = now
         self.identity: Identity | None = None
         self.config: reports.Config | None = None
         self.reader = PacketReader()
@@ -107,6 +110,16 @@ class Host:
         self._doubtful_config = b""
         self._heard_sip = self._left = False
         self._outbox: list[bytes] = []
+
+    @property
+    def deadline(self) -> float:
+        """When :meth:`tick` must next be called [s]."""
+        if self.state is not SessionState.OPEN:
+            return self._tick_at
+        config_due = inf if self._config_due is None else self._config_due
+        return min(
+            self._sip_at + self._timing.silence, self._sent_at + self._timing.pulse, config_due
+        )
 
     @property
     def speed(self) -> int | None:
@@ -151,7 +164,7 @@ class Host:
         events = self._consider_silence(now)
         skipped = self.reader.bytes_skipped
         if self.state is SessionState.LISTENING and self._turns and data and not self._overheard:
-            self._overheard, self.deadline = True, now + WAIT_FOR_REPORT
+            self._overheard, self._tick_at = True, now + WAIT_FOR_REPORT
         for payload in self.reader.feed(data, now):
             match self.state:
                 case SessionState.OPEN:
@@ -186,7 +199,7 @@ class Host:
         self._began += seconds
         self._sip_at += seconds
         if self.state is not SessionState.OPEN:  # else a pulse may be due
-            self.deadline += seconds
+            self._tick_at += seconds
 
     def _is_noise(self) -> bool:
         """Whether a robot sends at a speed that has not been listened to yet."""
@@ -228,7 +241,7 @@ class Host:
         self._wait(now, self._retry)
 
     def _wait(self, now: float, seconds: float) -> None:
-        self.deadline = min(now + seconds, self._began + self._timing.give_up)
+        self._tick_at = min(now + seconds, self._began + self._timing.give_up)
 
     def _shake_hands(self, payload: bytes, now: float) -> list[Event]:
         answer = reports.from_payload(payload)
@@ -253,7 +266,7 @@ class Host:
             return [self._lose("the robot sends, but does not receive: its receive line is dead")]
         self.state, self._tries = SessionState.SYNC0, 1  # it answers, so this is its speed
         self._overheard = True
-        self.deadline = now + self._timing.drain
+        self._tick_at = now + self._timing.drain
         if now >= self._closed_earlier_at + CLOSE_AGAIN_EVERY:
             self._closed_earlier_at = now
             self._queue(commands.Stop(), now)
@@ -280,6 +293,7 @@ class Host:
                 return [self._configure(report)]
             case reports.Sip():
                 self._sip_at, self._heard_sip = now, True
+                self._pulse(now, PULSE_EARLY * self._timing.pulse)
         return [ReportReceived(report)]
 
     def _configure(self, config: reports.Config | None, *, trusted: bool = True) -> Configured:
@@ -301,7 +315,7 @@ class Host:
             if payload == self._doubtful_config:
                 return [self._configure(config, trusted=False)]
             if not self._doubtful_config:  # ask again at once, once
-                self._config_due = self.deadline = now
+                self._config_due = now
             self._doubtful_config = payload
         return []
 
@@ -315,7 +329,6 @@ class Host:
         return [self._configure(None)] if is_over else []
 
     def _keep_open(self, now: float) -> list[Event]:
-        events: list[Event] = []
         if now >= self._sip_at + self._timing.silence:
             return [self._lose(f"the robot has said nothing for {self._timing.silence:g} s")]
         if self._config_due is not None and now >= self._config_due:
@@ -323,16 +336,15 @@ class Host:
                 self._queue(commands.Open(), now)
             self._queue(commands.RequestConfig(), now)
             self._config_due = now + self._timing.config_retry
-        if now >= self._sent_at + self._timing.pulse:
+        self._pulse(now, self._timing.pulse)
+        return []
+
+    def _pulse(self, now: float, pause: float) -> None:
+        """Send a PULSE if nothing has been sent for a `pause` [s]."""
+        if now >= self._sent_at + pause:
             if not self._outbox:  # packets that wait for the link restart the watchdog too
                 self._queue(commands.Pulse(), now)
             self._sent_at = now
-        self.deadline = min(
-            self._sip_at + self._timing.silence,
-            self._sent_at + self._timing.pulse,
-            now + self._timing.silence if self._config_due is None else self._config_due,
-        )
-        return events
 
     def _lose(self, reason: str) -> Lost:
         self.state = SessionState.CLOSED

@@ -341,15 +341,25 @@ def test_reports_are_handed_on() -> None:
     ]
 
 
-def test_a_quiet_host_pulses_twice_a_second() -> None:
+def test_a_quiet_host_pulses_with_a_report_before_a_pulse_alone_is_due() -> None:
     host = configured()
     host.outgoing()
     sent = b""
     for tenth in range(1, 21):
         host.receive(wire(SIP), tenth / 10)
+        assert host.deadline > tenth / 10 + 0.1
+        sent += host.outgoing()
+    assert decoded(sent) == [commands.Pulse()] * 5
+
+
+def test_a_quiet_host_pulses_twice_a_second_without_reports() -> None:
+    host = configured()
+    host.outgoing()
+    sent = b""
+    for tenth in range(1, 20):
         host.tick(tenth / 10)
         sent += host.outgoing()
-    assert decoded(sent) == [commands.Pulse()] * 4
+    assert decoded(sent) == [commands.Pulse()] * 3
 
 
 def test_pulses_do_not_queue_up_for_a_link_that_takes_nothing() -> None:

@@ -20,6 +20,7 @@ from pioneer3.robot.pilot import (
     MIN_INTERVAL,
     REPEAT,
     REPORT_TIMEOUT,
+    SHARED,
     STALL_RECOVERY,
     MotionRequest,
     Pilot,
@@ -261,11 +262,11 @@ def test_zero_is_repeated_until_the_robot_stands() -> None:
     ask(pilot, STILL, 0.1)
     assert frames(pilot) == vel(0.0)
     moving = seen(v=0.2, enabled=True)
-    assert not sends(pilot, moving, 0.29)
-    assert pilot.deadline == pytest.approx(0.1 + REPEAT)
-    assert sends(pilot, moving, 0.31)
-    assert not sends(pilot, moving, 0.5)
-    assert sends(pilot, moving, 0.52)
+    assert not sends(pilot, moving, 0.24)
+    assert pilot.deadline == pytest.approx(0.1 + REPEAT + SHARED)
+    assert sends(pilot, moving, 0.26)
+    assert not sends(pilot, moving, 0.4)
+    assert sends(pilot, moving, 0.46)
     assert not any(sends(pilot, READY, t / 10) for t in range(8, 30))
     turning = seen(w=0.2, enabled=True)
     assert sends(pilot, turning, 3.0)
