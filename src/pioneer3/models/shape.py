@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from types import MappingProxyType
 from typing import Final
 
@@ -164,5 +165,10 @@ def kin_of(model: RobotModel) -> str:
 
 def shape_of(model: RobotModel) -> BodyShape:
     """Return the body of `model`, or that of the most similar type; wheels stay below its shell."""
-    shape = SHAPES[kin_of(model)]
-    return replace(shape, track=min(shape.track, model.width - shape.wheel_width))
+    return _shape_within(kin_of(model), model.width)
+
+
+@lru_cache(maxsize=64)
+def _shape_within(kin: str, width: float) -> BodyShape:
+    shape = SHAPES[kin]
+    return replace(shape, track=min(shape.track, width - shape.wheel_width))
