@@ -63,7 +63,7 @@ def when(topic: Topic) -> str:
     if topic.direction is Direction.SUBSCRIBED:
         return "subscribed to"
     period = f"every {topic.period:g} s" if topic.period else ""
-    each = "on change" if topic.changes else EVERY[topic.source]
+    each = "on change" if topic.changes and topic.period != 0 else EVERY[topic.source]
     latched = "latched" if topic.latched else ""
     return ", ".join(filter(None, (latched, period, each)))
 

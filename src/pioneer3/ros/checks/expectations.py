@@ -132,7 +132,7 @@ def _all(topics: Iterable[Topic], facts: RobotFacts) -> Iterator[Expectation]:
 
 def _expected(topic: Topic, name: str, facts: RobotFacts) -> Expectation:
     device = topic.source in DEVICES
-    rate = topic.rate if topic.period is None else 1 / topic.period
+    rate = 1 / topic.period if topic.period else topic.rate
     speaks = topic.has_data is always and (topic.latched or topic.changes is None)
     return Expectation(
         name=_of_tree(name, facts) if name in OF_TF else full(name, facts),

@@ -51,7 +51,8 @@ class LaserNode:
             lambda: device_id(self._laser.identity) if self._laser.identity else "",
         )
         try:
-            async with running(self._laser.run(), scans, diagnostics, self._follow_link()):
+            looking = self._publishing.keep_looking()
+            async with running(self._laser.run(), scans, looking, diagnostics, self._follow_link()):
                 await self._ended.wait()
         finally:
             await asyncio.to_thread(self._middleware.forget)

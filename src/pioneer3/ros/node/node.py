@@ -211,6 +211,7 @@ class RobotNode:
             self._publishing.publish(self._state_update(snapshot))
         else:
             self._updates.pass_over(snapshot, model)
+        self._publishing.look()
         if self._navigation is not None:
             self._navigation.publish(snapshot)
 
@@ -298,6 +299,7 @@ class RobotNode:
         async for status in statuses.values(latest_first=True):
             while status.connection is Connection.LOST and status is statuses.latest:
                 self._publishing.lose_robot()
+                self._publishing.look()
                 await asyncio.sleep(REPEAT)
 
     def _set(self, values: Values) -> None:

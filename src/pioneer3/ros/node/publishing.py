@@ -25,10 +25,12 @@ LOST: Final = object()
 EARLY: Final = 0.05
 """Snapshots come a little early or late: a topic that is due this soon [s] is due."""
 LOOK: Final = 0.2
-"""Pause between two looks whether a device has subscribers [s]."""
+"""Pause between two looks whether a device has subscribers, where no reports come [s]."""
 SILENCE: Final = 1.0
 """Pause between two looks whether a device that is read still has subscribers [s]. With each of its
 values it is looked at, too."""
+TOGETHER: Final = 4
+"""Most messages that are filled before the first of them is sent, so that none waits for many."""
 PAUSE: Final = 0.5
 """Pause after a device turned out to be missing [s]."""
 
@@ -48,9 +50,12 @@ class _Row:
 
     @property
     def subscribed(self) -> bool:
-        return any(publisher.subscribed for publisher in self.publishers)
+        for publisher in self.publishers:  # noqa: SIM110  a generator takes twice as long
+            if publisher.subscribed:
+                return True
+        return False
 
-    def is_due(self, update: Update) -> bool:
+    def is_due(self, update: Update, *, subscribed: bool) -> bool:
         """Return whether to publish now, and take note of it."""
         topic = self.topic
         if not topic.has_data(update):
@@ -59,7 +64,8 @@ class _Row:
             self.content = None
             return True
         content, now = topic.changes(update), update.moment
-        waited = topic.period is not None and now - self.at >= topic.period - EARLY
+        waits = subscribed and topic.period is not None
+        waited = waits and now - self.at >= (topic.period or 0.0) - EARLY
         if content == self.content and not waited:
             return False
         self.content, self.at = content, now
@@ -68,6 +74,13 @@ class _Row:
     def publish(self, message: Any) -> None:
         for publisher in self.publishers:
             publisher.publish(message)
+
+
+def _send(filled: list[_Row]) -> None:
+    """Send the messages of rows, and forget these."""
+    for row in filled:
+        row.publish(row.message)
+    filled.clear()
 
 
 class Publishing:
@@ -80,8 +93,9 @@ class Publishing:
         for row in self._rows:
             topic = row.topic
             self._rows_of[topic.source, topic.sensor].append(row)
-            if not topic.latched or topic.changes is None:
+            if not topic.latched or topic.is_repeated:
                 self._awaited[topic.source, topic.sensor].append(row)
+        self._unread: dict[tuple[type[Update], str], asyncio.Event] = {}
         self._profile = profile
         self._middleware = middleware
 
@@ -102,23 +116,30 @@ class Publishing:
             self._middleware.warn(f"nothing is published on {' and '.join(several)}: {reason}")
 
     def publish(self, update: Update, sensor: str = "") -> None:
-        """Publish the topics of this kind of update, and of this sensor, that are due."""
+        """Publish the topics of this kind of update, and of this sensor, that are due.
+
+        Some are filled first and then sent together: whom the first wakes finds the others, too.
+        """
+        filled: list[_Row] = []
         for row in self._rows_of[type(update), sensor]:
-            wanted = row.subscribed or (row.topic.latched and row.publishers)
-            if wanted and row.is_due(update):
+            subscribed = row.subscribed
+            wanted = subscribed or (row.topic.latched and row.publishers)
+            if wanted and row.is_due(update, subscribed=subscribed):
                 assert row.topic.fill is not None
                 if row.message is None or row.topic.latched:  # rospy keeps a latched one
                     row.message = self._middleware.make(row.topic.type_name)
                 row.topic.fill(row.message, update)
-                row.publish(row.message)
+                filled.append(row)
+                if len(filled) == TOGETHER:
+                    _send(filled)
+        _send(filled)
 
     def has_subscribers(self, source: type[Update], sensor: str = "") -> bool:
         """Return whether anybody subscribes to a topic of this kind of update and sensor.
 
         Latched ones that are sent when their content changes do not count.
         """
-        rows = self._awaited[source, sensor]
-        return any(publisher.subscribed for row in rows for publisher in row.publishers)
+        return any(row.subscribed for row in self._awaited[source, sensor])
 
     def lose_robot(self) -> None:
         """Publish on latched topics that nothing is known: they must not outlive it.
@@ -127,10 +148,22 @@ class Publishing:
         """
         for row in self._rows:
             topic = row.topic
-            again = topic.changes is None or row.content is not LOST
+            again = topic.is_repeated or row.content is not LOST
             if topic.latched and topic.when_lost is not None and again:
                 row.content = LOST
                 row.publish(topic.when_lost)
+
+    def look(self) -> None:
+        """Begin to read the devices that have subscribers now."""
+        for (source, sensor), wanted in self._unread.items():
+            if not wanted.is_set() and self.has_subscribers(source, sensor):
+                wanted.set()
+
+    async def keep_looking(self) -> None:
+        """Look again and again, where no reports come to do it with."""
+        while True:
+            self.look()
+            await next_tick(LOOK)
 
     async def publish_diagnostics(
         self, found: Callable[[], tuple[DiagnosticStatus, ...]], hardware: Callable[[], str]
@@ -156,10 +189,15 @@ class Publishing:
         update_of: Callable[[V], Update],
         sensor: str = "",
     ) -> None:
-        """Read the values of a device while its topic has subscribers; without that, do nothing."""
-        while any(row.publishers for row in self._rows_of[source, sensor]):
+        """Read the values of a device while its topic has subscribers; without that, do nothing.
+
+        Somebody must :meth:`look` again and again whether it has.
+        """
+        key = source, sensor
+        while any(row.publishers for row in self._rows_of[key]):
             if not self.has_subscribers(source, sensor):
-                await next_tick(LOOK)
+                self._unread[key] = asyncio.Event()
+                await self._unread[key].wait()
                 continue
 
             async def read() -> bool:

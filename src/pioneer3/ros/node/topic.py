@@ -66,7 +66,8 @@ class Topic:
         changes: Returns the content that matters, where a message is sent only when that is new;
             `None` for a topic that is sent with every update. Updates then have a `moment`.
         latched: Whether a late subscriber gets the last message.
-        period: Longest pause between two messages [s]; `None` where only changes are sent.
+        period: Longest pause between two messages while somebody subscribes [s]; 0 for none, `None`
+            where only changes are sent.
         when_lost: Content of a latched topic while there is no robot; `None` if it stays true.
         rate: Messages that come in a second [Hz]; `None` where they come with a device's readings,
             with events or with changes.
@@ -98,6 +99,11 @@ class Topic:
     def direction(self) -> Direction:
         """Whether the node publishes it or subscribes to it."""
         return Direction.PUBLISHED if self.fill else Direction.SUBSCRIBED
+
+    @property
+    def is_repeated(self) -> bool:
+        """Whether it is sent without a change, too."""
+        return self.changes is None or self.period is not None
 
     def names(self, profile: Profile) -> tuple[str, ...]:
         """Return its names in `profile`."""
