@@ -5,7 +5,7 @@ One thread takes everything that comes; it hands messages over and never waits f
 
 import logging
 import threading
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing
 from importlib import import_module
 from importlib.metadata import version
@@ -223,8 +223,7 @@ class DdsBackend:
         """Take everything that comes, until the end; in a thread."""
         try:
             while not self._closed:
-                self._entities.wait()
-                self._take_some()
+                self._take_some(self._entities.wait())
         except Exception:
             log.exception("the thread of DDS has failed: nothing is received any more")
             self._fail()
@@ -238,11 +237,14 @@ class DdsBackend:
         if failed is not None:
             failed(FAILED)
 
-    def _take_some(self) -> None:
-        """Take a part of all that has come: news, messages, and departures after them."""
-        participants, writers, ended = self._arrivals()
+    def _take_some(self, only: Sequence[Any] | None = None) -> None:
+        """Take a part of all that has come: news, messages, and departures after them.
+
+        Nothing else has come if `only` these readers of the library have messages.
+        """
+        participants, writers, ended = self._arrivals() if only is None else ((), (), ())
         with self._lock:
-            readers = list(self._readers)
+            readers = [each for each in self._readers if only is None or each.reader in only]
         for reader in readers:
             reader.take()
         for guid in participants:

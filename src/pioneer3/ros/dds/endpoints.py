@@ -24,6 +24,9 @@ class DdsWriter:
 
     `writer` and `sample`, the class of its samples, are of the library; `release` is called when it
     is closed.
+
+    Attributes:
+        matched: Whether anybody subscribes.
     """
 
     def __init__(self, writer: Any, sample: Any, release: Callable[[], None]) -> None:
@@ -32,18 +35,13 @@ class DdsWriter:
         self._error: type[Exception] = core.DDSException
         self._open, self._told = True, False
         self.dropped = 0
-        self._matched = False
+        self.matched = False
         writer.set_listener(core.Listener(on_publication_matched=self._match))
-        self._matched |= bool(writer.get_matched_subscriptions())  # those that came before
-
-    @property
-    def matched(self) -> bool:
-        """Whether anybody subscribes."""
-        return self._open and self._matched
+        self.matched |= bool(writer.get_matched_subscriptions())  # those that came before
 
     def _match(self, writer: Any, status: Any) -> None:
         """Take note of subscribers that come and go, in a thread of the library's."""
-        self._matched = status.current_count > 0
+        self.matched = self._open and status.current_count > 0
 
     def write(self, cdr: bytes) -> None:
         """Send a serialized message."""
@@ -65,7 +63,7 @@ class DdsWriter:
     def close(self) -> None:
         """Publish no more."""
         if self._open:
-            self._open = False
+            self._open = self.matched = False
             self._release()
 
 
@@ -84,7 +82,7 @@ class DdsReader:
         left: Left,
         release: "Callable[[DdsReader], None]",
     ) -> None:
-        self._reader, self.topic = reader, topic
+        self.reader, self.topic = reader, topic
         self._received, self._left, self._release = received, left, release
         self._gids: dict[int, bytes] = {}
         self._gone: deque[bytes] = deque(maxlen=REMEMBERED)
@@ -98,7 +96,7 @@ class DdsReader:
         from cyclonedds.core import DDSException
 
         try:
-            samples = self._reader.take(SAMPLES)
+            samples = self.reader.take(SAMPLES)
         except DDSException:
             if self._open:
                 raise
@@ -128,7 +126,7 @@ class DdsReader:
     @property
     def matched(self) -> bool:
         """Whether anybody publishes."""
-        return bool(self._reader.get_matched_publications())
+        return bool(self.reader.get_matched_publications())
 
     def close(self) -> None:
         """Receive no more."""
@@ -148,7 +146,7 @@ class DdsReader:
         if handle not in self._gids:
             found = None
             with suppress(Exception):  # its description cannot be read; the library has no class
-                found = self._reader.get_matched_publication_data(handle)
+                found = self.reader.get_matched_publication_data(handle)
             if found is None or found.key.bytes in self._gone:
                 return GONE
             self._gids[handle] = found.key.bytes

@@ -1,7 +1,8 @@
 """The objects of Cyclone DDS that belong to one participant; none of them outlives its use."""
 
 import threading
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from ctypes import addressof
 from math import isinf
 from typing import Any, Final, NamedTuple
 
@@ -11,6 +12,8 @@ from pioneer3.ros.ros2.types import MessageTypes
 
 FOREVER: Final = 10 * 1_000_000_000
 """Longest wait for anything [ns]."""
+TRIGGERED: Final = 8
+"""Readers with samples that are told apart; of more, all are looked at."""
 Key = tuple[str, Any]
 """Name of a topic, and the class of its samples."""
 
@@ -31,6 +34,7 @@ class Entities:
     def __init__(self, domain: int, types: MessageTypes) -> None:
         from cyclonedds.core import GuardCondition, WaitSet
         from cyclonedds.domain import DomainParticipant
+        from cyclonedds.internal import dds_c_t
         from cyclonedds.qos import Policy
         from cyclonedds.qos import Qos as DdsQos
 
@@ -38,8 +42,10 @@ class Entities:
         self._participant = DomainParticipant(domain, qos=DdsQos(Policy.Userdata(b"enclave=/;")))
         self._waitset, self._woken = WaitSet(self._participant), GuardCondition(self._participant)
         self._waitset.attach(self._woken)
+        self._triggered = (dds_c_t.attach * TRIGGERED)()
         self._topics: dict[Key, Any] = {}
         self._parts: dict[Any, EndpointParts] = {}
+        self._readers: dict[int | None, Any] = {}
         self._lock = threading.RLock()  # two threads would register a type twice
 
     @property
@@ -67,7 +73,8 @@ class Entities:
         with self._lock:
             key = topic, self._samples.of(type_, head)
             made = DataReader(self._participant, self._topic(key), _dds_qos(qos, type_))
-            self._parts[made] = EndpointParts(key, self._attach(made))
+            self._parts[made] = EndpointParts(key, condition := self._attach(made))
+            self._readers[self._mark(condition)] = made
         self.wake()  # for messages that came before it was attached
         return made
 
@@ -87,10 +94,23 @@ class Entities:
             self._attach(each)
         return participants, writers, readers
 
-    def wait(self) -> None:
-        """Wait for samples, or for :meth:`wake`."""
-        self._waitset.wait(FOREVER)
+    def wait(self) -> Sequence[Any] | None:
+        """Wait for samples or :meth:`wake`; return the readers with samples, if that is all.
+
+        To ask each reader takes as long as all the rest.
+        """
+        from cyclonedds.core import DDSException
+
+        number = self._waitset._waitset_wait(
+            self._waitset._ref, self._triggered, TRIGGERED, FOREVER
+        )
+        if number < 0:
+            raise DDSException(number)
+        found = [self._readers.get(mark) for mark in self._triggered[:number]]
+        if 0 < number <= TRIGGERED and None not in found:  # neither news nor a call of `wake`
+            return found
         self._woken.set(False)
+        return None
 
     def wake(self) -> None:
         """End the wait."""
@@ -103,6 +123,7 @@ class Entities:
             if part is None:
                 return
             if part.condition is not None:
+                del self._readers[self._mark(part.condition)]
                 self._waitset.detach(part.condition)
                 _delete(part.condition)
             _delete(endpoint)
@@ -122,6 +143,11 @@ class Entities:
         if key not in self._topics:
             self._topics[key] = Topic(self._participant, *key)
         return self._topics[key]
+
+    def _mark(self, condition: Any) -> int:
+        """Return what the library tells of a condition that has triggered."""
+        marks = (mark for attached, mark in self._waitset.attached if attached is condition)
+        return addressof(next(marks))
 
     def _attach(self, reader: Any) -> Any:
         from cyclonedds.core import InstanceState, ReadCondition, SampleState, ViewState
