@@ -119,15 +119,15 @@ def test_messages_arrive_whatever_the_quality_of_service(
     assert inbox.gids == {publisher.gid}
 
 
-def test_a_publisher_knows_whether_anybody_subscribes(router: str, nodes: Nodes) -> None:
+@pytest.mark.parametrize("qos", [Qos(), LATCHED], ids=["volatile", "latched"])
+def test_a_publisher_knows_whether_anybody_subscribes(qos: Qos, router: str, nodes: Nodes) -> None:
     talker, listener, inbox = nodes("talker", router), nodes("listener", router), Inbox()
-    writer = talker.advertise("/chat", TEXT, Qos())
+    writer = talker.advertise("/chat", TEXT, qos)
     assert not writer.matched
-    reader = inbox.subscribe(listener)
+    reader = inbox.subscribe(listener, "/chat", qos)
     wait_for(lambda: writer.matched, "matched")
     reader.close()
     wait_for(lambda: not writer.matched, "not matched")
-    assert talker.advertise("/latched", TEXT, LATCHED).matched
 
 
 def test_late_subscribers_get_latched_messages_large_ones_too(

@@ -7,7 +7,8 @@ from collections.abc import Callable
 from dataclasses import replace
 from itertools import count
 from math import isinf
-from threading import BoundedSemaphore, Condition, Thread, current_thread
+from queue import SimpleQueue
+from threading import BoundedSemaphore, Lock, Thread, current_thread
 from typing import TYPE_CHECKING, Any, Final
 
 from pioneer3.ros.ros2.backend import Left, Qos, Received, Unread
@@ -47,8 +48,22 @@ def matching(end: "zenoh.Publisher | zenoh.Querier") -> bool:
     return bool(status.matching)
 
 
+def in_its_thread(call: Callable[[Any], None]) -> Any:
+    """Return a callback for quick work that calls nothing of Zenoh, in Zenoh's own thread.
+
+    Any other has a thread of its own that waits for it.
+    """
+    from zenoh.handlers import Callback
+
+    return Callback(call, indirect=False)
+
+
 class ZenohWriter:
-    """A publisher; its `gid` comes with its messages, and `release` is called when it is closed."""
+    """A publisher; its `gid` comes with its messages, and `release` is called when it is closed.
+
+    Attributes:
+        matched: Whether anybody subscribes.
+    """
 
     def __init__(
         self, session: "zenoh.Session", key: str, qos: Qos, gid: bytes, release: Callable[[], None]
@@ -57,23 +72,16 @@ class ZenohWriter:
         self._release = release
         self._numbers = count(1)
         self.is_open = True
-        self._matched = qos.transient_local
+        self.matched = False
         self._publisher: Any  # zenoh's stubs leave the end of the latched one untyped
-        if qos.transient_local:
+        self._publisher = self._plain = _publisher(session, key, qos)
+        if qos.transient_local:  # which does not tell whether anybody subscribes
             self._publisher = _latched_publisher(session, key, qos)
-        else:
-            self._publisher = plain = _publisher(session, key, qos)
-            self._matching = plain.declare_matching_listener(self._match)
-            if matching(plain):
-                self._matched = True
-
-    @property
-    def matched(self) -> bool:
-        """Whether anybody subscribes; of a latched topic always, for others may come."""
-        return self.is_open and self._matched
+        self._matching = self._plain.declare_matching_listener(in_its_thread(self._match))
+        self.matched |= matching(self._plain)
 
     def _match(self, status: Any) -> None:
-        self._matched = bool(status.matching)
+        self.matched = self.is_open and bool(status.matching)
 
     def write(self, cdr: bytes) -> None:
         """Send a message; after :meth:`close` nothing."""
@@ -90,9 +98,10 @@ class ZenohWriter:
     def close(self) -> None:
         """Publish no more."""
         if self.is_open:
-            self.is_open = False
+            self.is_open = self.matched = False
             self._release()
-            self._publisher.undeclare()
+            for each in {self._publisher, self._plain}:
+                each.undeclare()
 
 
 def _publisher(session: "zenoh.Session", key: str, qos: Qos) -> "zenoh.Publisher":
@@ -126,7 +135,8 @@ def _latched_publisher(
 class ZenohReader:
     """A subscriber: messages and departures in a thread of its own, in their order.
 
-    Of the messages that wait the newest stay. `left` is given each publisher that is gone.
+    Of the messages that wait the newest stay; there is a piece of `_news` for each, as a condition
+    takes longer. `left` is given each publisher that is gone.
     """
 
     def __init__(self, qos: Qos, received: Received, left: Left) -> None:
@@ -135,7 +145,8 @@ class ZenohReader:
         self._room = max(qos.depth, LATCHED_DEPTH) if qos.transient_local else qos.depth
         self._samples = 0
         self._waiting: deque[zenoh.Sample | bytes] = deque()
-        self._changed = Condition()
+        self._lock = Lock()
+        self._news: SimpleQueue[None] = SimpleQueue()
         self.is_open = True
         self._releases: list[Callable[[], None]] = []
         self._thread = Thread(target=self._run, name="zenoh-reader", daemon=True)
@@ -146,20 +157,20 @@ class ZenohReader:
     ) -> None:
         """Subscribe to a key; `releases` are called when the reader is closed."""
         subscriber = (
-            _latched_subscriber(session, key, qos, self._put)
+            _latched_subscriber(session, key, qos, in_its_thread(self._put))
             if qos.transient_local
-            else session.declare_subscriber(key, self._put)
+            else session.declare_subscriber(key, in_its_thread(self._put))
         )
         self._releases = [*releases, subscriber.undeclare]
 
     def close(self) -> None:
         """Receive no more."""
-        with self._changed:
+        with self._lock:
             if not self.is_open:
                 return
             self.is_open = False
             self._waiting.clear()
-            self._changed.notify()
+            self._news.put(None)
         for release in self._releases:
             release()
         if self._thread is not current_thread():
@@ -167,27 +178,27 @@ class ZenohReader:
 
     def gone(self, gid: bytes) -> None:
         """Tell that a publisher is gone, after its messages."""
-        with self._changed:
+        with self._lock:
             if self.is_open:
                 self._waiting.append(gid)
-                self._changed.notify()
+                self._news.put(None)
 
     def _put(self, sample: "zenoh.Sample") -> None:
-        with self._changed:
+        with self._lock:
             if not self.is_open:
                 return
+            self._waiting.append(sample)
             if self._samples >= self._room:
                 oldest = next(each for each in self._waiting if not isinstance(each, bytes))
                 self._waiting.remove(oldest)
-                self._samples -= 1
-            self._waiting.append(sample)
-            self._samples += 1
-            self._changed.notify()
+            else:
+                self._samples += 1
+                self._news.put(None)
 
     def _run(self) -> None:
         while True:
-            with self._changed:
-                self._changed.wait_for(lambda: self._waiting or not self.is_open)
+            self._news.get()
+            with self._lock:
                 if not self.is_open:
                     return
                 event = self._waiting.popleft()
@@ -206,7 +217,7 @@ class ZenohReader:
 
 
 def _latched_subscriber(
-    session: "zenoh.Session", key: str, qos: Qos, put: "Callable[[zenoh.Sample], None]"
+    session: "zenoh.Session", key: str, qos: Qos, put: Any
 ) -> "zenoh.ext.AdvancedSubscriber[None]":
     from zenoh import ext
 
@@ -238,7 +249,7 @@ class ZenohServer:
         self.is_open = True
         self._room = BoundedSemaphore(REQUESTS)
         self._unread = Unread(f"requests of {key}")
-        self._queryable = session.declare_queryable(key, self._asked, complete=True)
+        self._queryable = session.declare_queryable(key, in_its_thread(self._asked), complete=True)
 
     def close(self) -> None:
         """Offer the service no more."""
