@@ -3,12 +3,14 @@
 import asyncio
 import inspect
 from collections.abc import AsyncIterator, Callable
+from pathlib import Path
 from typing import Any
 
 import pytest
 
 from pioneer3 import BlockingRobot, DeviceError, Robot, connect
 from pioneer3.arcos.reports import Config
+from pioneer3.log.reader import open_log
 from pioneer3.mjpeg import START
 from pioneer3.robot.devices import (
     Camera,
@@ -143,6 +145,29 @@ async def test_a_robot_can_be_closed_in_another_thread_than_it_was_opened_in() -
         assert await site.run(program) == (143, "")
         await said_goodbye(site)
         assert site.firmware.heard.count(BYE) == 2
+
+
+ENDS = {
+    "left as usual": "pass",
+    "ValueError: no door": "raise ValueError('no door')",
+    "told to leave": "signal.raise_signal(signal.SIGTERM)",
+}
+
+
+@pytest.mark.parametrize("why", ENDS)
+async def test_a_log_tells_why_the_block_ended(why: str, tmp_path: Path) -> None:
+    path = tmp_path / "a.mcap"
+    async with running() as site:
+        program = f"""
+            import signal
+            from pathlib import Path
+            from pioneer3 import connect
+            with connect(url, record=Path({str(path)!r})) as robot:
+                {ENDS[why]}
+            """
+        await site.run(program)
+        await said_goodbye(site)
+    assert open_log(path).info().end == why
 
 
 async def test_a_robot_can_be_opened_and_forgotten_in_a_thread() -> None:

@@ -28,8 +28,9 @@ class BlockingConnection(Facade):
         super().__init__(None, LoopThread())
         self._stack = AsyncExitStack()
         self._closed = False
+        self._ended_by: BaseException | None = None
         atexit.register(self.close)
-        self._signals = StopOnSignals(self._thread.loop, self._stand, self.close)
+        self._signals = StopOnSignals(self._thread.loop, self._stand, self._close_on_signal)
         self._signals.__enter__()
         try:
             self._target = self._thread.wait(self._stack.enter_async_context(connection))
@@ -40,7 +41,8 @@ class BlockingConnection(Facade):
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(self, *_: object) -> None:
+    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
+        self._ended_by = error
         self.close()
 
     def close(self) -> None:
@@ -59,12 +61,21 @@ class BlockingConnection(Facade):
         finally:
             self._signals.__exit__()
 
+    def _close_on_signal(self) -> None:
+        self._ended_by = SystemExit()
+        self.close()
+
     def _stand(self) -> None:
         """Let stand what moves; called in the loop."""
 
     async def _leave(self) -> None:
-        """End the session, also one that was interrupted before it began."""
-        await self._stack.aclose()
+        """End the session, also one that was interrupted before it began.
+
+        The connection is told the error that ended the block, as `async with` tells it.
+        """
+        error = self._ended_by
+        trace = None if error is None else error.__traceback__
+        await self._stack.__aexit__(None if error is None else type(error), error, trace)
         tasks = asyncio.all_tasks() - {asyncio.current_task()}
         for task in tasks:
             task.cancel()
