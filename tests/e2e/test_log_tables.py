@@ -2,6 +2,7 @@
 
 import asyncio
 import csv
+import re
 import signal
 import sys
 from pathlib import Path
@@ -10,7 +11,7 @@ import pytest
 
 from pioneer3.errors import ConfigError
 from pioneer3.log import tables
-from pioneer3.log.folder import logs_folder, user_logs
+from pioneer3.log.folder import GIB, ROOM, logs_folder, user_logs
 from pioneer3.navigation.connect import connect_async
 from pioneer3.runtime.recording import WithTables
 from pioneer3.sim.server.start import simulator
@@ -81,3 +82,19 @@ async def test_tables_that_cannot_be_written_hide_no_other_error(
         await run()
     assert (told[-1] == "no tables: no space left") == fails
     assert (tmp_path / "a.mcap").exists()
+
+
+async def test_the_tables_of_a_long_log_begin_with_the_files_that_are_left(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv(ROOM, str(100_000 / GIB))
+    told: list[str] = []
+    record = WithTables(tmp_path / "run", True, told.append)
+    async with SimulatedRobot() as sim, connect_async(sim.open, record=record) as robot:
+        log = robot.arbiter.log
+        assert log is not None
+        while not log.log.files or log.log.files[0].exists():
+            await asyncio.sleep(1)
+    assert re.search("without the log's first [0-9]+ files", told[-1])
+    begin = float(rows(tmp_path / "run" / "snapshot.csv")[0]["stamp [s]"])
+    assert begin > 1

@@ -332,14 +332,21 @@ class WithTables:
     def write(self, files: Sequence[Path]) -> None:
         """Write the tables of a log that has ended; the folder is there whole, or not at all.
 
+        Of a long log the first files may have gone for want of room.
+
         Raises:
             ConfigError: They cannot be written; the log stays.
         """
         from pioneer3.log.reader import RunLog
         from pioneer3.log.tables import TableKind, write_tables
 
-        self.tell(f"writing tables to {self.folder}")
-        write_tables(RunLog(*files), self.folder, TableKind.CSV)
+        left = [path for path in files if path.exists()]
+        if not left:
+            raise ConfigError("no file of the log is left")
+        gone = len(files) - len(left)
+        lacks = f": without the log's first {gone} files, which went for want of room"
+        self.tell(f"writing tables to {self.folder}{lacks if gone else ''}")
+        write_tables(RunLog(*left), self.folder, TableKind.CSV)
 
 
 Record = Path | bool | RobotLog | WithTables | None
