@@ -93,7 +93,7 @@ async def test_the_tables_of_a_long_log_begin_with_the_files_that_are_left(
     async with SimulatedRobot() as sim, connect_async(sim.open, record=record) as robot:
         log = robot.arbiter.log
         assert log is not None
-        while not log.log.files or log.log.files[0].exists():
+        while not log.log.files or log.log.files[0].exists():  # noqa: ASYNC110 - a thread writes
             await asyncio.sleep(1)
     assert re.search("without the log's first [0-9]+ files", told[-1])
     begin = float(rows(tmp_path / "run" / "snapshot.csv")[0]["stamp [s]"])

@@ -38,6 +38,7 @@ from pioneer3.ros.node.services import Services
 from pioneer3.runtime.recording import RobotLog, recorded
 from pioneer3.runtime.verification import verify
 from pioneer3.state import Scan, Snapshot
+from pioneer3.tasks import FastTimeLoop
 from tests.lasers import LaserUnit, OpenedSpec
 from tests.logs import snapshot
 from tests.support import SimulatedRobot, until
@@ -291,6 +292,25 @@ def test_all_files_of_a_log_are_verified_whichever_is_named(
     counts = whole_log(first).info().counts
     assert counts is not None
     assert every.startswith(f"{counts['snapshot']} readings, {counts['decision']} decisions")
+
+
+def test_a_log_whose_file_in_the_middle_has_gone_is_refused(tmp_path: Path) -> None:
+    async def drive() -> list[Path]:
+        clock = asyncio.get_running_loop().time
+        folder = UserFolder(tmp_path, "drive", GIB, time.time)
+        folder.most = 1000
+        log = LogWriter(folder, clock)
+        async with SimulatedRobot() as sim, connect_async(sim.open, record=RobotLog(log)) as robot:
+            while len(log.files) < 3:
+                await robot.turn(1.0)
+        log.close("done")
+        return log.files
+
+    with asyncio.Runner(loop_factory=lambda: FastTimeLoop(0.0)) as runner:
+        first, second, *_ = runner.run(drive())
+    second.unlink()
+    with pytest.raises(ConfigError, match="a file of this log has gone"):
+        verify(whole_log(first))
 
 
 def test_a_laser_that_was_opened_some_time_after_the_log_began_has_its_scans(

@@ -88,6 +88,11 @@ class OpenLog:
         )
         return replace(self, _begin=first, _end=last)
 
+    def is_gap(self, time: float) -> bool:
+        """Whether the file of a time [s] has gone."""
+        at = self._info.began + time * NANOSECONDS
+        return any(begin < at < end for begin, end in self._info.gaps)
+
     def topics(self) -> tuple[str, ...]:
         """Return the topics of the robot that :meth:`messages` reads."""
         own = (

@@ -1,6 +1,7 @@
 """The reason that a robot stood or moved at a time: what was told, wanted and decided."""
 
 from dataclasses import dataclass
+from typing import Final
 
 import msgspec
 
@@ -17,10 +18,14 @@ from pioneer3.robot.explain import (
     STALLED,
     SWITCHED_OFF,
     Reason,
+    ReasonKind,
 )
 from pioneer3.robot.pilot import REPORT_TIMEOUT, stands
 from pioneer3.runtime.recording import CommandGiven, DecisionMade, StandsBecause
 from pioneer3.state import Snapshot
+
+GONE: Final = Reason(ReasonKind.NORMAL, "The log does not tell: its file with this time has gone.")
+"""In place of a reason, where there is none to be had."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -56,7 +61,9 @@ def told_at(log: OpenLog, time: float) -> MomentTold:
     before = log.between(end=time)
     snapshot, reason = before.newest("snapshot"), before.newest("standing")
     decision, event = before.newest("decision"), before.newest("event")
-    stands_because, was_told = _reason(time, snapshot, reason, decision, event)
+    stands_because, was_told = (
+        (GONE, False) if log.is_gap(time) else _reason(time, snapshot, reason, decision, event)
+    )
     return MomentTold(
         time=time,
         stands=stands_because,

@@ -169,6 +169,8 @@ def info(name: LogName = "", /, *, json: Flag = False) -> int:
     }
     if rest := known.files[1:]:
         rows["goes on in"] = ", ".join(each.name for each in rest)
+    if known.gaps:
+        rows["lacks"] = ", ".join(map(_gap, known.gaps)) + ": files that have gone"
     for about, texts in known.texts.items():
         if about.endswith("robot"):
             keys = ("name", "model", "kind", "url")
@@ -261,10 +263,16 @@ def _moment(option: str, text: str, known: "LogInfo") -> int:
         raise ConfigError(f"--{option} {error}") from None
 
 
+def _gap(times: tuple[int, int]) -> str:
+    begin, end = (datetime.fromtimestamp(each / 1e9) for each in times)
+    return f"{begin:%H:%M:%S} to {end:%H:%M:%S}"
+
+
 def _facts(known: "LogInfo") -> dict[str, object]:
     return {
         "file": str(known.path),
         "files": [str(path) for path in known.files],
+        "gaps": [[begin / 1e9, end / 1e9] for begin, end in known.gaps],
         "command": known.command,
         "robot": known.robot,
         "began": known.began / 1e9,

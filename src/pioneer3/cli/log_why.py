@@ -93,6 +93,7 @@ def _seconds(log: "OpenLog", at: str | None) -> float:
 
 def _rows(log: "OpenLog", told: "MomentTold") -> Iterator[tuple[str, str]]:
     """Yield labels and words."""
+    from pioneer3.analysis.why import GONE
     from pioneer3.robot.explain import advised
 
     def ago(time: float) -> str:
@@ -101,7 +102,7 @@ def _rows(log: "OpenLog", told: "MomentTold") -> Iterator[tuple[str, str]]:
     yield "log", log.path.name
     when = (log.began + timedelta(seconds=told.time)).astimezone()
     yield "time", f"{when:%Y-%m-%d %H:%M:%S}, {told.time:.1f} s after the log began"
-    later = "" if told.was_told else " (by its readings: it was not logged)"
+    later = "" if told.was_told or told.stands is GONE else " (by its readings: it was not logged)"
     yield "why", (advised(told.stands) if told.stands else _moves(told)) + later
     if told.snapshot:
         time, snapshot = told.snapshot

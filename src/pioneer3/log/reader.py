@@ -4,6 +4,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
+from itertools import pairwise
 from operator import attrgetter
 from pathlib import Path
 from typing import BinaryIO, Final, TypeVar
@@ -59,6 +60,8 @@ OF_EACH: Final = 256
 """Memory that a message takes besides its bytes [bytes], about."""
 FIRST_MESSAGE: Final = 1_000_000_000
 """The first message of a log is taken so soon after it began [ns]; of its later files, not."""
+MOST_APART: Final = 2_000_000_000
+"""A file of a log goes on so soon after the one before [ns]: else one between them has gone."""
 MOST_BESIDE: Final = 4096
 """Files of a folder that are looked at for the rest of a log."""
 
@@ -92,6 +95,8 @@ class LogInfo:
         size: [bytes].
         counts: Messages by topic; `None` where the end is missing, which has them.
         texts: Descriptions by their names, such as `program` and `robot`.
+        gaps: Times of files that have gone: the end of the one before each, and the begin of the
+            one after it [ns since 1970].
     """
 
     files: tuple[Path, ...]
@@ -102,6 +107,7 @@ class LogInfo:
     texts: Mapping[str, Mapping[str, str]]
     pinned: bool = False
     being_written: bool = False
+    gaps: tuple[tuple[int, int], ...] = ()
 
     @property
     def path(self) -> Path:
@@ -182,6 +188,11 @@ class RunLog:
             texts=texts,
             pinned=all(each.pinned for each in infos),
             being_written=infos[-1].being_written,
+            gaps=tuple(
+                (before.ended, after.began)
+                for before, after in pairwise(each for each in infos if each.seconds)
+                if after.began - before.ended > MOST_APART
+            ),
         )
 
     def _info_of(self, path: Path) -> LogInfo:

@@ -117,13 +117,16 @@ def verify(log: RunLog, model: GivenModel = None) -> list[Verification]:
     `model` is given if somebody named one at the recording, and an older version wrote the log.
 
     Raises:
-        ConfigError: The log is damaged, or has nothing to compare; or there is no such model.
+        ConfigError: The log is damaged, lacks a file, or has nothing to compare; or there is no
+            such model.
     """
     log = log.as_of_now()
     topics = log.topics()
     prefixes = [each for each in robots_in(topics) if f"wire/{each}{ROBOT}/in" in topics]
     if not prefixes:
         raise ConfigError(f"{log.path}: it has no robot's snapshots and bytes to compare")
+    if log.info().gaps:
+        raise ConfigError(f"{log.path}: a file of this log has gone, and with it bytes to compare")
     return [_verify(log, prefix, model) for prefix in prefixes]
 
 

@@ -110,15 +110,17 @@ def write_log(
     return path
 
 
-def write_parts(folder: Path) -> tuple[Path, Path]:
-    """Write a log of 4 s and 2 m that goes on in a second file."""
+def write_parts(folder: Path, seconds: float = 4.0, gone: int = 0) -> tuple[Path, Path]:
+    """Write a log of 4 s and 2 m that goes on in a second file, without what has gone between."""
     told = {"command": "pioneer3 run", "clock": repr(CLOCK), "began_ns": str(BEGAN)}
     program = {"program": told | {"began": datetime.fromtimestamp(BEGAN / SECOND, UTC).isoformat()}}
-    messages = driven(4.0)
+    messages = driven(seconds)
     first = write_log(
         folder / "a.mcap",
         messages[:21],
         texts=program | {"end": {"why": GOES_ON}},
         ended=False,
     )
-    return first, write_log(folder / "a.2.mcap", messages[21:], texts=program, connected=False)
+    return first, write_log(
+        folder / "a.2.mcap", messages[21 + gone :], texts=program, connected=False
+    )

@@ -5,13 +5,24 @@ from pathlib import Path
 import pytest
 
 import pioneer3
-from pioneer3.analysis.why import MomentTold, told_at
+from pioneer3.analysis.why import GONE, MomentTold, told_at
 from pioneer3.behaviors.action import Contribution
 from pioneer3.log.topics import EVENT, LogEvent
 from pioneer3.robot.explain import IDLE, PRESSED, STALLED, STOPPED, Reason
 from pioneer3.runtime.recording import CommandGiven, DecisionMade, StandsBecause
 from pioneer3.state import Motors, Snapshot
-from tests.unit.analysis.support import Message, decided, driven, given, snapshot, topic, write_log
+from tests.unit.analysis.support import (
+    BEGAN,
+    SECOND,
+    Message,
+    decided,
+    driven,
+    given,
+    snapshot,
+    topic,
+    write_log,
+    write_parts,
+)
 
 SNAPSHOTS = topic("snapshot", Snapshot)
 DECISIONS = topic("decision", DecisionMade)
@@ -81,6 +92,15 @@ def test_a_robot_that_fell_silent_is_told_by_its_link(tmp_path: Path) -> None:
     assert told_at(log, 0.9).stands is None
     assert str(told_at(log, 2.0).stands).startswith("The robot has said nothing for 1.0 s")
     assert str(told_at(log, 3.0).stands) == "No robot is connected: robot: lost: unplugged."
+
+
+def test_a_file_that_has_gone_is_told_in_place_of_a_robot_that_fell_silent(tmp_path: Path) -> None:
+    first, _ = write_parts(tmp_path, seconds=6.0, gone=25)  # from 2.0 s to 4.6 s
+    log = pioneer3.log.open(first)
+    stands = [told_at(log, time).stands for time in (1.9, 2.1, 4.5, 4.7)]
+    assert stands == [None, GONE, GONE, None]
+    (gap,) = log.info().gaps
+    assert [(each - BEGAN) / SECOND for each in gap] == pytest.approx([2.01, 4.61])
 
 
 def test_before_the_first_report_nothing_is_known_but_the_link(tmp_path: Path) -> None:

@@ -89,6 +89,12 @@ def test_a_log_in_two_files_is_one_in_the_list_and_whichever_is_named(output: Ou
         assert "\nThe end of a file is missing: " in text
 
 
+def test_a_file_of_a_log_that_has_gone_is_told(output: Output, tmp_path: Path) -> None:
+    first, _ = write_parts(tmp_path, seconds=6.0, gone=25)
+    assert info(str(first)) == 0
+    assert re.search(r"\nlacks +\d\d:30:02 to \d\d:30:04: files that have gone\n", output())
+
+
 def test_a_log_that_is_damaged_does_not_hide_the_others(output: Output) -> None:
     a_log("drive")
     (logs_folder() / "2026-03-01T09-30-00Z-run.mcap").write_bytes(b"no log")

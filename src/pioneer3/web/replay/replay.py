@@ -222,6 +222,9 @@ class LogPlayer:
         """Look through a whole log for its marks; to be called in a thread."""
         finder = MarkFinder(self._by_log[log])
         try:
+            for begin, end in log.info().gaps:
+                lost = (end - begin) / SECOND
+                self._tell(begin, f"For {lost:.0f} s nothing is known: a file of the log has gone")
             began = time.perf_counter()
             for share, found in log.chunks(finder.topics):
                 new = finder.look(found)

@@ -17,6 +17,7 @@ from pioneer3.web.access.sessions import Role, SessionKind
 from pioneer3.web.app import make_app
 from pioneer3.web.page import Page
 from pioneer3.web.replay.replay import LogPlayer
+from tests.unit.analysis.support import write_parts
 from tests.unit.web.asking import ELSEWHERE, LAN, Script
 from tests.unit.web.browser import Browser
 from tests.unit.web.replay.logs import BEGAN, SECOND, SPEED, drive
@@ -81,8 +82,15 @@ DRIVES: dict[str, dict[str, object]] = {
 @asynccontextmanager
 async def replayed(*paths: Path) -> AsyncIterator[tuple[ASGIApp, Page]]:
     """Serve the replay of logs."""
+    async with played(*map(LogIndex, paths)) as served:
+        yield served
+
+
+@asynccontextmanager
+async def played(*logs: LogIndex) -> AsyncIterator[tuple[ASGIApp, Page]]:
+    """Serve the replay of logs that are open."""
     page = Page()
-    replay = LogPlayer([LogIndex(path) for path in paths], page.audiences)
+    replay = LogPlayer(logs, page.audiences)
     async with page.replaying(replay), running(page.run()):
         yield make_app(page), page
 
@@ -111,6 +119,14 @@ async def test_a_page_is_shown_the_begin_paused_and_labelled(path: Path) -> None
         assert ann.snapshot["robot_in_map"]["x"] == 10.0
         await until(lambda: ann.latest("replay")["looked"] == 1.0)
         await until(lambda: len(ann.latest("replay_marks")["marks"]) == 9)
+
+
+async def test_a_file_that_has_gone_is_a_mark(tmp_path: Path) -> None:
+    log = LogIndex(*write_parts(tmp_path, seconds=6.0, gone=25))
+    async with played(log) as (app, _), Browser(app) as ann:
+        await until(lambda: ann.all("replay_marks") and ann.latest("replay_marks")["marks"])
+        (mark,) = ann.latest("replay_marks")["marks"]
+        assert mark["text"] == "For 3 s nothing is known: a file of the log has gone"
 
 
 async def test_it_plays_until_the_end_and_from_there_anew(path: Path) -> None:
