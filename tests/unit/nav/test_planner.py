@@ -75,7 +75,7 @@ def test_costs_to_go_agree_with_a_graph_of_cells(
     far = np.isfinite(found.values) & (oracle > 1.0)
     assert (np.isfinite(found.values) <= np.isfinite(oracle)).all()
     ratio = found.values[far] / oracle[far]  # a graph's ways have eight directions
-    assert 0.9 < np.median(ratio) < 1.05
+    assert 0.9 < np.median(ratio) < 1.06
     assert np.quantile(ratio, 0.9) < 1.2
 
 
