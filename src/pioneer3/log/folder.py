@@ -8,7 +8,8 @@ import logging
 import os
 import re
 import stat
-from collections.abc import Iterator, Mapping, Sequence
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from datetime import UTC, datetime
 from itertools import count
@@ -39,6 +40,8 @@ SUFFIX: Final = ".mcap"
 """End of the names of logs."""
 NAME: Final = re.compile(r"\d{4}-\d\d-\d\dT\d\d-\d\d-\d\dZ-[\w-]{1,40}(\.\d{1,6})?\.mcap", re.ASCII)
 """Form of the names: time (UTC), what was started, number if there are several."""
+CLOCK_CORRECTED: Final = 60.0
+"""A log may have begun later than now by that [s]: a clock is set back a little now and then."""
 PRIVATE: Final = 0o600
 """Mode of a log."""
 PINNED: Final = 0o400
@@ -77,7 +80,7 @@ def create_log(folder: Path, title: str, now: float) -> tuple[Path, int]:
         OSError: It cannot be created.
     """
     folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-    when = datetime.fromtimestamp(now, UTC).strftime("%Y-%m-%dT%H-%M-%SZ")
+    when = _time_of(now)
     words = "-".join(re.findall(r"\w+", title, re.ASCII))[:40].strip("-") or "program"
     for number in count(1):
         path = folder / f"{when}-{words}{f'.{number}' if number > 1 else ''}{SUFFIX}"
@@ -115,11 +118,12 @@ def user_logs(folder: Path) -> list[Path]:
     return [folder / name for name in sorted(filter(NAME.fullmatch, names), key=_age)]
 
 
-def find_log(folder: Path, name: str) -> Path:
+def find_log(folder: Path, name: str, wall: Callable[[], float] = time.time) -> Path:
     """Return the user's log of a name, or the newest with such a part; the newest for no name.
 
     Nothing leaves the folder: it is one of those that are there. Logs without messages, as a loss
-    of power leaves them, are passed over where others are there, with a line.
+    of power leaves them, and those of a clock that was ahead are passed over where others are
+    there, with a line. `wall` returns the time since 1970 [s].
 
     Raises:
         ConfigError: There is none.
@@ -127,7 +131,7 @@ def find_log(folder: Path, name: str) -> Path:
     logs = user_logs(folder)
     if found := [path for path in logs if name in path.name]:
         named = (path for path in found if name in {path.name, path.stem})
-        return next(named, None) or _newest(found)
+        return next(named, None) or _newest(_until(found, wall()))
     if not name:
         raise ConfigError(f"{printable(str(folder))}: there are no logs yet")
     raise ConfigError(f"{printable(name)}: names no log; `pioneer3 log list` shows them")
@@ -140,6 +144,15 @@ def has_messages(path: Path) -> bool:
             return any(kind in {CHUNK, MESSAGE} for kind, *_ in data_records(file))
     except OSError:
         return True
+
+
+def _until(logs: Sequence[Path], now: float) -> Sequence[Path]:
+    """Return the logs that began until now [s since 1970], or go on; all where none did."""
+    last = _time_of(now + CLOCK_CORRECTED)
+    past = [each for each in logs if each.name[: len(last)] <= last or is_being_written(each)]
+    if past and past[-1] != logs[-1]:
+        log.warning("%s: passed over: it began when the clock was ahead", logs[-1].name)
+    return past or logs
 
 
 def _newest(logs: Sequence[Path]) -> Path:
@@ -218,6 +231,11 @@ def make_room(folder: Path, room: int) -> None:
                 if unused:
                     path.unlink()
                     over -= size
+
+
+def _time_of(now: float) -> str:
+    """Return the begin of the names of logs of a time [s since 1970]."""
+    return datetime.fromtimestamp(now, UTC).strftime("%Y-%m-%dT%H-%M-%SZ")
 
 
 def _age(name: str) -> tuple[str, int, str]:

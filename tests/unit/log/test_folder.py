@@ -116,3 +116,15 @@ def test_a_part_of_a_name_finds_the_newest_log_with_it(tmp_path: Path) -> None:
     logs = [log_of(tmp_path, title, at, 1) for at, title in enumerate(("drive", "drive", "run"))]
     found = [find_log(tmp_path, name) for name in ("drive", logs[0].stem, logs[0].name, "1970", "")]
     assert found == [logs[1], logs[0], logs[0], logs[2], logs[2]]
+
+
+def test_a_log_of_a_clock_that_was_ahead_is_not_the_newest(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    past, ahead = (log_of(tmp_path, "drive", at, 1) for at in (0.0, 9000.0))
+    times = 0.0, 8941.0, 8939.0
+    assert [find_log(tmp_path, "", lambda at=at: at) for at in times] == [past, ahead, past]  # type: ignore[misc]
+    assert caplog.messages == [f"{ahead.name}: passed over: it began when the clock was ahead"] * 2
+    assert find_log(tmp_path, ahead.stem, lambda: 0.0) == ahead
+    past.unlink()
+    assert find_log(tmp_path, "", lambda: 0.0) == ahead
