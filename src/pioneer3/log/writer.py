@@ -94,6 +94,7 @@ class LogWriter:
         self._target, self.clock, self._wall = target, clock, wall
         self._began, self._began_ns = clock(), wall()
         self._set_by = 0.0
+        self._taken = self._began_ns
         self._queue: deque[tuple[float, LogTopic[Any], Any]] = deque()
         self._few = FEW
         self._told = 0
@@ -210,7 +211,7 @@ class LogWriter:
         for name, texts in self._texts.items():
             self._file.add_metadata(name, texts)
         for topic, message in self._repeated.values():
-            self._file.add(topic, [(self._ns(self.clock()), message)])
+            self._file.add(topic, [(self._taken, message)])
 
     def _take(self) -> None:
         """Encode what waits."""
@@ -229,7 +230,9 @@ class LogWriter:
             for _ in range(len(self._queue)):
                 now, topic, message = self._queue.popleft()
                 if topic.is_news(message, now):
-                    by_topic.setdefault(topic.name, (topic, []))[1].append((self._ns(now), message))
+                    at = self._ns(now)
+                    self._taken = max(self._taken, at)
+                    by_topic.setdefault(topic.name, (topic, []))[1].append((at, message))
         self._few = FEW
         for topic, messages in by_topic.values():
             self._file.add(topic, messages)

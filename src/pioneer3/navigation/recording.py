@@ -145,8 +145,8 @@ class NavigationLog:
 
     def __init__(self, robot_log: RobotLog, map_name: str) -> None:
         self._log, self._map = robot_log, map_name
-        self._estimates = robot_log.topic("estimate", EstimateMade)
-        self._ways = robot_log.topic("way", WayPlanned)
+        self._estimates = robot_log.topic("estimate", EstimateMade, repeated=True)
+        self._ways = robot_log.topic("way", WayPlanned, repeated=True)
         self._estimate: EstimateMade | None = None
         self._estimated_at = self._problem_at = -inf
         self._way: Way | None = None

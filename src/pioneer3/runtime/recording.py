@@ -166,7 +166,7 @@ class RobotLog:
         self._decisions = replace(decisions, is_news=self._is_new)
         self._limits = self.topic("limits", Limits, repeated=True)
         self._truths = self.topic("truth", TruePoseTold, rows=True)
-        self._reasons = self.topic("standing", StandsBecause)
+        self._reasons = self.topic("standing", StandsBecause, repeated=True)
         self._scans: dict[str, LogTopic[Scan]] = {}
         self._newest: dict[str, Scan] = {}
         self._decided: tuple[str, Decision] = ("", Decision())

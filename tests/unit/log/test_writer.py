@@ -286,6 +286,29 @@ def test_a_long_log_goes_on_in_more_files_and_the_oldest_go(tmp_path: Path) -> N
     assert open_log(whole.files[0]).info().end == "goes on in the next file"
 
 
+def test_what_changes_while_another_file_begins_counts_more_than_what_is_repeated(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    kept = LogTopic("map", LogEvent, make=lambda text: LogEvent("map", text), repeated=True)
+    folder = UserFolder(tmp_path, "drive", 10**9, time.time)
+    log = LogWriter(folder, time.monotonic)
+    until(lambda: log.files)
+    begin = UserFolder.open
+
+    def changed(folder: UserFolder) -> int:
+        log.put(kept, "new")
+        return begin(folder)
+
+    monkeypatch.setattr(UserFolder, "open", changed)
+    log.put(kept, "old")
+    folder.most = 1
+    until(lambda: len(log.files) > 1)
+    folder.most = None
+    log.close("done", PATIENCE)
+    told = [event.text for _, event in open_log(log.files[1]).of(kept)]
+    assert told == ["old", "new"]
+
+
 def test_a_log_in_one_file_is_whole_by_itself(tmp_path: Path) -> None:
     for name in ("a", "b"):
         with logged(tmp_path / f"{name}.mcap") as log:
