@@ -1,5 +1,6 @@
 """Reads a log, with or without its end."""
 
+from bisect import bisect_left
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
@@ -62,8 +63,8 @@ FIRST_MESSAGE: Final = 1_000_000_000
 """The first message of a log is taken so soon after it began [ns]; of its later files, not."""
 MOST_APART: Final = 2_000_000_000
 """A file of a log goes on so soon after the one before [ns]: else one between them has gone."""
-MOST_BESIDE: Final = 4096
-"""Files of a folder that are looked at for the rest of a log."""
+MOST_BESIDE: Final = 2048
+"""Files of a folder before one, and behind it, that are looked at for the rest of its log."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -314,7 +315,9 @@ def whole_log(path: Path) -> RunLog:
     if not goes_on:
         return log
     parts = [known]
-    for other in sorted(path.parent.glob(f"*{SUFFIX}"))[:MOST_BESIDE]:
+    beside = sorted(path.parent.glob(f"*{SUFFIX}"))  # the names of a folder are times
+    at = bisect_left(beside, path)
+    for other in beside[max(0, at - MOST_BESIDE) : at + MOST_BESIDE]:
         with suppress(ConfigError, PortNotFoundError, OSError):
             if not other.samefile(path) and other.is_file():
                 info = RunLog(other).info()

@@ -13,13 +13,14 @@ import pytest
 from mcap.reader import make_reader
 
 from pioneer3.errors import ConfigError
-from pioneer3.log import writer
+from pioneer3.log import reader, writer
 from pioneer3.log.index import LogIndex
 from pioneer3.log.reader import open_log, whole_log
 from pioneer3.log.target import NamedFile, UserFolder
 from pioneer3.log.topics import EVENT, LogEvent, LogTopic, unpack_pieces
 from pioneer3.log.writer import LogWriter, named_log, user_log
 from tests.support import disk_of
+from tests.unit.analysis.support import write_parts
 
 BYTES = LogTopic("wire/robot/in", bytes)
 PATIENCE = 20.0
@@ -284,6 +285,17 @@ def test_a_long_log_goes_on_in_more_files_and_the_oldest_go(tmp_path: Path) -> N
     assert (index.began, index.ended) == (whole.info().began, whole.info().ended)
     assert [*index.walk(kept.name, 0, index.ended)] == [*whole.messages(kept.name.__eq__)]
     assert open_log(whole.files[0]).info().end == "goes on in the next file"
+
+
+def test_the_files_of_a_log_are_found_among_many_others(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(reader, "MOST_BESIDE", 2)
+    parts = write_parts(tmp_path)
+    for name in "0123456789":
+        (tmp_path / f"{name}.mcap").write_bytes(b"")
+    for path in parts:
+        assert {*whole_log(path).files} == {*parts}
 
 
 def test_what_changes_while_another_file_begins_counts_more_than_what_is_repeated(
