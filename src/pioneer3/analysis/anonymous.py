@@ -86,6 +86,8 @@ OUR_COMMAND: Final = re.compile(r"[a-z][a-z0-9-]*")
 """The word behind `pioneer3`."""
 OPTION: Final = re.compile(r"--?[a-z][a-z-]*")
 """Option of a command."""
+ERROR: Final = re.compile(r"(\w+): .*", re.DOTALL)
+"""An error that ended a log, in the words of its program: of a file, or what somebody asked for."""
 SAME: Final = {"version", "began", "began_ns", "clock", "python", "system"}
 """Metadata about the program that name nobody."""
 OF_ROBOT: Final = ("kind", "limits")
@@ -275,7 +277,7 @@ def _texts(
             kept = {key: told[key] for key in SAME if key in told}
             yield name, kept | {"command": _command(told.get("command", ""))}
         elif name == "end":
-            yield name, {"why": names.hidden(told.get("why", ""))}
+            yield name, {"why": names.hidden(ERROR.sub(r"\1", told.get("why", "")))}
         elif last == "robot" and prefix + slash in prefixes:
             kept = {key: told[key] for key in OF_ROBOT if key in told}
             kept |= {key: names.hidden(told.get(key, "")) for key in ("name", "model")}

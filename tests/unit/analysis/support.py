@@ -105,7 +105,7 @@ def write_log(
             file.flush()
     file.flush()
     if ended:
-        file.add_metadata("end", {"why": "left as usual"})
+        file.add_metadata("end", texts.get("end", {"why": "left as usual"}))
         file.finish()
     return path
 

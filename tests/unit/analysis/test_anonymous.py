@@ -84,7 +84,7 @@ def a_log(path: Path, prefix: str = "") -> Path:
             "url": "tcp://lab-17:8101",
             "configuration": msgspec.json.encode(CONFIG).decode(),
         },
-        "end": {"why": "OSError: 10.4.7.21:8101 and /home/ann are gone"},
+        "end": {"why": "OSError: wonderland: 10.4.7.21:8101 and\n/home/ann are gone"},
     }
     lost = DISCONNECTED.about(": lab-17")
     stopped = Reason(ReasonKind.STOPPED, "Zoe stopped the robot")
@@ -124,6 +124,7 @@ def test_no_secret_is_in_any_byte_of_the_copy(tmp_path: Path, prefix: str) -> No
     for name in ("odometry", "battery", "sonar", "scan"):
         assert kept.array(name).tobytes() == log.array(name).tobytes()
     assert kept.info().command == "python --port *** --speed 0.3"
+    assert kept.info().end == "OSError"
     ((_, used),) = kept.messages("map")
     assert used.line_map.walls.tolist() == [[0.0, 0.0, 5.0, 0.0]]
     assert copy.stat().st_mode & 0o777 == 0o600
