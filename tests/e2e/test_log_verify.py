@@ -314,6 +314,19 @@ def test_a_log_whose_file_in_the_middle_has_gone_is_refused(tmp_path: Path) -> N
         verify(whole_log(first))
 
 
+def test_a_log_that_lost_messages_to_a_slow_disk_is_refused(tmp_path: Path) -> None:
+    async def drive() -> None:
+        with recorded(tmp_path / "a.mcap", asyncio.get_running_loop().time) as log:
+            assert log is not None
+            async with SimulatedRobot() as sim, connect_async(sim.open, record=log) as robot:
+                await robot.turn(1.0)
+            log.log.dropped = 7
+
+    asyncio.run(drive())
+    with pytest.raises(ConfigError, match="it lacks 7 messages: a slow disk"):
+        verify(open_log(tmp_path / "a.mcap"))
+
+
 def test_a_laser_that_was_opened_some_time_after_the_log_began_has_its_scans(
     tmp_path: Path,
 ) -> None:

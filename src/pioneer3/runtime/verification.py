@@ -35,6 +35,7 @@ from pioneer3.log.reader import RunLog
 from pioneer3.log.topics import EVENT, ROUGH, SNAPSHOT, LogEvent, LogTopic, robots_in
 from pioneer3.models import Fallback, GivenModel, RobotModel, loaded_model
 from pioneer3.models.lasers import LaserProtocol
+from pioneer3.names import printable
 from pioneer3.robot.correction import TwistCorrection
 from pioneer3.robot.explain import DISCONNECTED, FROM_READINGS, Reason, allowed
 from pioneer3.robot.lasers.mounting import Mounting, PoseAt
@@ -117,8 +118,8 @@ def verify(log: RunLog, model: GivenModel = None) -> list[Verification]:
     `model` is given if somebody named one at the recording, and an older version wrote the log.
 
     Raises:
-        ConfigError: The log is damaged, lacks a file, or has nothing to compare; or there is no
-            such model.
+        ConfigError: The log is damaged, lacks a file or messages, or has nothing to compare; or
+            there is no such model.
     """
     log = log.as_of_now()
     topics = log.topics()
@@ -127,6 +128,9 @@ def verify(log: RunLog, model: GivenModel = None) -> list[Verification]:
         raise ConfigError(f"{log.path}: it has no robot's snapshots and bytes to compare")
     if log.info().gaps:
         raise ConfigError(f"{log.path}: a file of this log has gone, and with it bytes to compare")
+    for _, event in log.of(EVENT):
+        if event.kind == "dropped":
+            raise ConfigError(f"{log.path}: it lacks {printable(event.text)}")
     return [_verify(log, prefix, model) for prefix in prefixes]
 
 
