@@ -60,6 +60,7 @@ WAIT_FOR_REPORT: Final = 0.25
 CONFIG_STEP: Final = 0.5
 """Longest time between two reads that counts as one without CONFIG [s]: who reads may be late."""
 CLOSE_AGAIN_EVERY: Final = 0.1
+"""Shortest pause between two STOP and CLOSE to a robot that serves an earlier session [s]."""
 PULSE_EARLY: Final = 0.75
 """Share of the longest pause between two packets after which a PULSE goes out with a report: to
 wake up for it alone costs more."""

@@ -145,7 +145,7 @@ class Entities:
         return self._topics[key]
 
     def _mark(self, condition: Any) -> int:
-        """Return what the library tells of a condition that has triggered."""
+        """Return the address by which the library names a condition that has triggered."""
         marks = (mark for attached, mark in self._waitset.attached if attached is condition)
         return addressof(next(marks))
 
