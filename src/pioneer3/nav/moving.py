@@ -69,7 +69,8 @@ class Movers:
                 if whole and away[part].min() < NEAR_RANGE:  # a strip of a wall is as narrow
                     seen = 1 if looks_like_legs(points[part]) else -1
                     thing.legs = min(max(thing.legs + seen, -OFTEN), 2 * OFTEN)
-                if thing.walks or thing.legs >= OFTEN:
+                moves = thing.is_person and thing.stands is None
+                if thing.walks or thing.legs >= OFTEN or moves:
                     thing.believed = now + MEMORY_TIME
             if thing.walks:
                 own.append(part)
@@ -106,8 +107,8 @@ class Movers:
         places = [thing.at(now) for thing in self.things if thing.is_person]
         places += [(x, y) for x, y, _ in self._lost]
         about = self.are_about(now)
-        new = np.array([*(about and thing.times < NEW_TIMES for thing in self.things), False])
-        doubted: Bool = new[owner]  # -1, for none, is the last
+        may = [thing.times < NEW_TIMES or thing.believed > -inf for thing in self.things]
+        doubted: Bool = np.array([*may, False])[owner] & about  # -1, for none, is the last
         if places and len(points):
             off = np.hypot(*(points[:, None] - np.array(places)[None]).transpose(2, 0, 1))
             doubted = doubted | (off.min(axis=1) < BESIDE)

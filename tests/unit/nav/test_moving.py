@@ -157,6 +157,19 @@ def test_who_looks_like_no_person_any_more_is_believed_for_a_while() -> None:
         movers.take(crowd(2.0, 0.0), LASER, AHEAD, DT * step)
         assert bool(movers.people()) or DT * step > MEMORY_TIME
     assert not movers.people()
+    assert len(movers.doubtful) == 12  # they may be legs for as long as people are about
+    movers.take(crowd(2.0, 0.0), LASER, AHEAD, DT * step + PEOPLE_TIME)
+    assert not len(movers.doubtful)
+
+
+def test_people_who_step_on_stay_people_though_they_look_like_none() -> None:
+    movers = Movers()
+    walk(movers, (2.0, 0.0), (0.0, 0.0), OFTEN + 2)
+    for step in range(OFTEN + 2, round(2 * MEMORY_TIME / DT)):
+        came = 0.02 * min(max(step - 100, 0), 10)  # 20 cm in a second: less than a walker's way
+        movers.take(crowd(2.0 - came, 0.0), LASER, AHEAD, DT * step)
+        assert bool(movers.people()) or DT * step > MEMORY_TIME + 10
+    assert not movers.walking()
 
 
 @pytest.mark.parametrize("met", [0.0, -2 * PEOPLE_TIME])
