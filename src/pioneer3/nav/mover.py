@@ -46,6 +46,7 @@ class Mover:
         vy: [m/s].
         seen: When it was seen last [s].
         begin: Where it was first [m].
+        first: When it was seen first [s].
         times: How often it was seen.
         walks: Whether it has come some way since.
         stands: Since when it does [s]; `None` while it walks.
@@ -64,6 +65,7 @@ class Mover:
     vy: float
     seen: float
     begin: tuple[float, float]
+    first: float = field(init=False)
     times: int = 1
     walks: bool = False
     stands: float | None = None
@@ -74,6 +76,10 @@ class Mover:
     joined: float = -inf
     heard: float = -inf
     missed: int = 0
+
+    def __post_init__(self) -> None:
+        """Begin now."""
+        self.first = self.seen
 
     @property
     def is_person(self) -> bool:

@@ -22,10 +22,9 @@ from pioneer3.nav.clusters import (
 )
 from pioneer3.nav.mover import COASTING_TIME, MEMORY_TIME, NEAR_RANGE, OFTEN, STEP_LENGTH, Mover
 
-NEW_TIMES = 100
-"""Sightings below which a small thing may be people who stand together."""
 PEOPLE_TIME = 60.0
-"""Time since somebody was seen for which people are about, and things stay noted [s]."""
+"""Time since somebody was seen for which people are about, and things stay noted; and since a thing
+was seen first for which it may be people who stand together [s]."""
 BESIDE = 0.95
 """Distance of people who are beside each other, or beside the robot, and stand because of it [m].
 """
@@ -107,7 +106,7 @@ class Movers:
         places = [thing.at(now) for thing in self.things if thing.is_person]
         places += [(x, y) for x, y, _ in self._lost]
         about = self.are_about(now)
-        may = [thing.times < NEW_TIMES or thing.believed > -inf for thing in self.things]
+        may = [now - thing.first < PEOPLE_TIME or thing.believed > -inf for thing in self.things]
         doubted: Bool = np.array([*may, False])[owner] & about  # -1, for none, is the last
         if places and len(points):
             off = np.hypot(*(points[:, None] - np.array(places)[None]).transpose(2, 0, 1))

@@ -1,6 +1,6 @@
 """People in scans: where they are, and how fast they walk."""
 
-from math import pi
+from math import inf, pi
 
 import numpy as np
 import pytest
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from pioneer3.geometry import Pose2
 from pioneer3.nav.mover import MEMORY_TIME, OFTEN
-from pioneer3.nav.moving import NEW_TIMES, PEOPLE_TIME, PERSON_RADIUS, Movers
+from pioneer3.nav.moving import PEOPLE_TIME, PERSON_RADIUS, Movers
 from tests.combinations import examples
 
 Float = NDArray[np.float64]
@@ -172,19 +172,20 @@ def test_people_who_step_on_stay_people_though_they_look_like_none() -> None:
     assert not movers.walking()
 
 
-@pytest.mark.parametrize("met", [0.0, -2 * PEOPLE_TIME])
-def test_a_new_thing_may_be_legs_where_people_are_and_an_old_one_is_none(met: float) -> None:
+@pytest.mark.parametrize("about", [False, True])
+def test_a_new_thing_may_be_legs_where_people_are_and_an_old_one_is_none(*, about: bool) -> None:
     movers = Movers()
-    movers.met = met
-    for step in range(NEW_TIMES + 2):
+    for step in range(round(PEOPLE_TIME / DT) + 2):
+        movers.met = DT * step if about else -inf
         movers.take(crowd(2.0, 0.0), LASER, AHEAD, DT * step)
-        assert len(movers.doubtful) == (12 if step < NEW_TIMES - 1 and met == 0.0 else 0)
+        assert len(movers.doubtful) == (12 if DT * step < PEOPLE_TIME and about else 0)
 
 
 def test_what_is_beside_somebody_may_be_legs() -> None:
     movers = Movers()
-    for step in range(NEW_TIMES + 2 * OFTEN):
-        near = [legs(2.0, 0.7)] if step > NEW_TIMES else []
+    old = round(PEOPLE_TIME / DT)
+    for step in range(old + 2 * OFTEN):
+        near = [legs(2.0, 0.7)] if step > old else []
         movers.take(np.concatenate([box(2.0, 0.0), *near]), LASER, AHEAD, DT * step)
     assert {(2.0, -0.2), (2.0, 0.2)} & {tuple(each) for each in movers.doubtful.round(6).tolist()}
 
