@@ -214,20 +214,26 @@ class Follower:
             v = min(sqrt(self.limits.deceleration * distance), self.limits.max_speed)
             v = max(SLOWEST_SPEED, v * (1 - abs(off) / FACING))
             command = (-v if back else v, 2.0 * off)
-        if self._touches(at, twist, command, obstacles):
+        held = min(TIME_HELD, distance / abs(command[0])) if command[0] else TIME_HELD
+        if self._touches(at, twist, command, obstacles, held):
             self._at_place = distance < LEFT_PLACE
             return None
         return WayStep(v=command[0], w=command[1], reason=f"{distance:.2f} m to go")
 
     def _touches(
-        self, at: Pose2, twist: Twist2, command: tuple[float, float], obstacles: Float
+        self,
+        at: Pose2,
+        twist: Twist2,
+        command: tuple[float, float],
+        obstacles: Float,
+        held: float = TIME_HELD,
     ) -> bool:
-        """Whether a motion would touch something, or come nearer to what it touches.
+        """Whether a motion that is `held` so long [s] would touch something, or come nearer to it.
 
         For a robot that turns where it stands people stop, as for one that stands.
         """
         commands = np.array([command])
         if command[0] == 0.0:
             obstacles = obstacles * (1.0, 1.0, 0.0, 0.0, 1.0)
-        judged = self._judge(at, twist, commands, obstacles, TIME_HELD, keep=GOAL_MARGIN, slow=inf)
+        judged = self._judge(at, twist, commands, obstacles, held, keep=GOAL_MARGIN, slow=inf)
         return bool(judged[0, 3] < -ROUNDING)

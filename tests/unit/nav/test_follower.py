@@ -1,6 +1,7 @@
 """Driving along ways: a robot without errors, that obeys at once but for its accelerations."""
 
-from math import cos, hypot, pi, sin
+from dataclasses import replace
+from math import atan2, cos, hypot, pi, sin
 
 import numpy as np
 import pytest
@@ -192,6 +193,15 @@ def test_near_its_goal_it_stops_before_what_has_come_into_its_way(
         twist = Twist2(towards(twist.v, step.v, 0.03), towards(twist.w, step.w, 0.15))
         at = at @ arc(twist.v, twist.w, 0.1)
         assert gaps_at(at, AT, thing).min() > 0.0
+
+
+def test_it_goes_all_the_way_to_a_goal_with_a_wall_beyond_it() -> None:
+    line_map, heading = room(), -atan2(AT.width, 2 * AT.length_front)
+    goal = Pose2(10.0 - AT.corner - 0.1, 3.0, heading)
+    by = follower(line_map, goal, (goal.x, goal.y, None))
+    by.limits = replace(LIMITS, deceleration=1.5)  # it may arrive fast, yet not from where it is
+    walls = np.pad(samples(line_map.walls, 0.05), ((0, 0), (0, 3)))
+    assert by.step(goal @ Pose2(-0.04), Twist2(), walls).v > 0.0
 
 
 def test_a_robot_in_whose_outline_somebody_is_taken_to_stand_may_drive_on() -> None:
