@@ -38,6 +38,7 @@ class Recovery:
     _manoeuvre: Manoeuvre | None = field(default=None, init=False)
     _search: Search | None = field(default=None, init=False)
     _aside: bool = field(default=False, init=False)
+    _for_people: bool = field(default=False, init=False)
     _shut: bool = field(default=False, init=False)
     _met: float = field(default=-inf, init=False)
     _searched: float = field(default=-inf, init=False)
@@ -75,7 +76,7 @@ class Recovery:
         passed = now - self._met > BLOCKED_TIME and not blocked
         if self._manoeuvre is not None:
             command = self._manoeuvre.step(here)
-            if command and not (self._aside and passed) and still < HELD_UP_TIME:
+            if command and not (self._for_people and passed) and still < HELD_UP_TIME:
                 why = "goes round somebody" if waiting else "lines up with a narrow place"
                 why = "goes aside for somebody" if self._aside else why
                 return Desire(v=command[0], w=command[1], reason=why)
@@ -113,7 +114,8 @@ class Recovery:
         self._search.go_on()
         if not self._search.done:
             return True
-        poses, aside, self._search = self._search.poses, self._search.aside, None
+        poses, aside, ahead = self._search.poses, self._search.aside, self._search.ahead
+        self._search, self._for_people = None, aside or ahead
         self._shut = poses is None and not aside
         if poses is not None:
             self._manoeuvre = Manoeuvre(poses, situation.limits)

@@ -120,12 +120,21 @@ def test_a_robot_that_cannot_go_aside_does_not_behave_as_if_it_had(
     assert "lets somebody pass" not in found
 
 
-def test_it_goes_on_as_soon_as_nobody_waits_any_more(recovery: Recovery, to_go: CostToGo) -> None:
+@pytest.mark.parametrize(
+    ("begun", "around", "does"),
+    [
+        (ASIDE, FENCE, "goes aside for somebody"),
+        (3 * BLOCKED_TIME, NO_OBSTACLES, "goes round somebody"),
+    ],
+)
+def test_it_goes_on_as_soon_as_nobody_waits_any_more(
+    recovery: Recovery, to_go: CostToGo, begun: float, around: Float, does: str
+) -> None:
     meet(recovery, 5.8, 0.0)
-    assert reasons(recovery, to_go, 0.0, ASIDE, obstacles=FENCE)[-1] == "goes aside for somebody"
+    assert reasons(recovery, to_go, 0.0, begun, obstacles=around)[-1] == does
     recovery.sightings.movers.forget()
-    found = reasons(recovery, to_go, ASIDE, 2 * BLOCKED_TIME, blocked=False)
-    assert found[0] == "goes aside for somebody"
+    found = reasons(recovery, to_go, begun, 2 * BLOCKED_TIME, blocked=False)
+    assert found[0]
     assert not found[-1]
 
 
