@@ -152,7 +152,8 @@ class Closable(Protocol):
 
 
 Received = Callable[[bytes, bytes], None]
-"""Given a serialized message, and the identity of its publisher."""
+"""Given a serialized message, and the identity of its publisher; quick: the backend hears nothing
+meanwhile."""
 Left = Callable[[bytes], None]
 """Given the identity of a publisher that is no longer there."""
 Respond = Callable[[bytes], bytes]

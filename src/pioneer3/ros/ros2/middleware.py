@@ -5,6 +5,7 @@ import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import replace
+from operator import attrgetter
 from typing import Any, Final
 
 from pioneer3.ros.messages.update import NANO, nanoseconds
@@ -39,6 +40,8 @@ EVENTS: Final = Qos(depth=1000)
 """As `rmw_qos_profile_parameter_events` has it."""
 CLOCK: Final = Qos(reliable=False, depth=1)
 """Quality of subscriptions to `/clock`, as `rclcpp::ClockQoS`: its publishers are best effort."""
+LONGEST: Final = 2**20
+"""Longest message that is read [B]: the backend's thread, which reads it, hears for all topics."""
 log = logging.getLogger(__name__)
 
 
@@ -48,10 +51,7 @@ class SerializedPublisher:
     def __init__(self, writer: Writer, type_name: str, types: MessageTypes) -> None:
         self._writer, self._type, self._types = writer, type_name, types
 
-    @property
-    def subscribed(self) -> bool:
-        """Whether anybody subscribes."""
-        return self._writer.matched
+    subscribed = property(attrgetter("_writer.matched"), doc="Whether anybody subscribes.")
 
     def publish(self, message: Any) -> None:
         """Send a message, or the content of one that has a single field."""
@@ -141,6 +141,8 @@ class Ros2Topics:
         def received(cdr: bytes, gid: bytes) -> None:
             sender = self._senders.of(full, gid)
             try:
+                if len(cdr) > LONGEST:
+                    raise ValueError(f"{len(cdr)} bytes, of {LONGEST} at most")  # noqa: TRY301
                 message = self._types.decode(cdr, type_.name)
             except ValueError as error:
                 if gid not in refused and len(refused) < REMEMBERED:

@@ -34,6 +34,7 @@ class MessageTypes(MessageStore):
 
     def __init__(self, distro: Distro) -> None:
         try:
+            from rosbags.serde import SerdeError
             from rosbags.typesys import Stores, get_types_from_msg, get_typestore
         except ImportError as error:
             advice = how_to_get("zenoh")
@@ -48,7 +49,8 @@ class MessageTypes(MessageStore):
                 self._store.register({part_name: fields})
         self._hashes = copy(self._store)
         self._hashes.fielddefs = _hashed(self._store.fielddefs, self._services)
-        self._largest: dict[str, float] = {}
+        self._broken = (SerdeError, AssertionError, IndexError)
+        self._known: dict[str, tuple[str, float]] = {}
         self._encoders: dict[str, Callable[[Any], bytes]] = {}
 
     def message_type(self, name: str) -> MessageType:
@@ -91,16 +93,15 @@ class MessageTypes(MessageStore):
         Raises:
             ValueError: `cdr` is none of this type, or longer than one of it can be.
         """
-        from rosbags.serde import SerdeError
-
-        full = full_name(name)
-        if full not in self._largest:
-            self._largest[full] = HEADER + largest(full, self._store.fielddefs)
-        if len(cdr) > self._largest[full]:
-            raise ValueError(f"{len(cdr)} bytes, of {self._largest[full]:.0f} at most")
+        if name not in self._known:
+            full = full_name(name)
+            self._known[name] = full, HEADER + largest(full, self._store.fielddefs)
+        full, most = self._known[name]
+        if len(cdr) > most:
+            raise ValueError(f"{len(cdr)} bytes, of {most:.0f} at most")
         try:
             return self._store.deserialize_cdr(cdr, full)
-        except (SerdeError, AssertionError, IndexError) as error:
+        except self._broken as error:
             raise ValueError(str(error)) from error
 
     def trimmed(self, cdr: bytes, name: str) -> bytes:

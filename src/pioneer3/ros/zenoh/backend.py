@@ -105,7 +105,7 @@ class ZenohBackend:
         """Subscribe to a topic."""
         topic = self._topic(name, type_)
         token = self._token(EndpointKind.SUBSCRIBER, topic, qos)
-        reader = ZenohReader(qos, received, left)
+        reader = ZenohReader(received, left)
         releases = [self._graph.listen(topic, reader.gone), self._release(token)]
         reader.start(self._session, self._key(token), qos, releases)
         self._declare(token)

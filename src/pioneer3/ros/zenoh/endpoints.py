@@ -2,36 +2,30 @@
 
 import logging
 import time
-from collections import deque
 from collections.abc import Callable
 from dataclasses import replace
 from itertools import count
 from math import isinf
-from queue import SimpleQueue
-from threading import BoundedSemaphore, Lock, Thread, current_thread
+from threading import BoundedSemaphore, RLock, Thread
 from typing import TYPE_CHECKING, Any, Final
 
 from pioneer3.ros.ros2.backend import Left, Qos, Received, Unread
-from pioneer3.ros.zenoh.keys import GID_BYTES, Attachment, parse_attachment
+from pioneer3.ros.zenoh.keys import GID_BYTES, PLAIN, Attachment, parse_attachment
 
 if TYPE_CHECKING:
     import zenoh
 
 HEARTBEAT: Final = 0.5
 """Time between a reliable publisher's heartbeats [s], as in rmw_zenoh_cpp."""
-LATCHED_DEPTH: Final = 100
-"""Messages of different publishers that wait for a subscriber to latched topics."""
 REQUESTS: Final = 32
 """Requests of a service that are worked on at the same time."""
-ENDING: Final = 2.0
-"""Time for a callback that runs while its subscriber is closed [s]."""
 
 log = logging.getLogger(__name__)
 
 
 def attachment(sequence: int, gid: bytes) -> bytes:
     """Return the attachment of a message that is sent now."""
-    return Attachment(sequence, time.time_ns(), gid).pack()
+    return PLAIN.pack(sequence, time.time_ns(), GID_BYTES, gid)
 
 
 def read_attachment(data: "zenoh.ZBytes | None") -> Attachment | None:
@@ -68,8 +62,11 @@ class ZenohWriter:
     def __init__(
         self, session: "zenoh.Session", key: str, qos: Qos, gid: bytes, release: Callable[[], None]
     ) -> None:
+        import zenoh
+
         self._gid = gid
         self._release = release
+        self._error = zenoh.ZError
         self._numbers = count(1)
         self.is_open = True
         self.matched = False
@@ -85,13 +82,11 @@ class ZenohWriter:
 
     def write(self, cdr: bytes) -> None:
         """Send a message; after :meth:`close` nothing."""
-        import zenoh
-
         if not self.is_open:
             return
         try:
             self._publisher.put(cdr, attachment=attachment(next(self._numbers), self._gid))
-        except zenoh.ZError as error:
+        except self._error as error:
             if self.is_open:
                 log.debug("not sent: %s", error)
 
@@ -133,33 +128,26 @@ def _latched_publisher(
 
 
 class ZenohReader:
-    """A subscriber: messages and departures in a thread of its own, in their order.
+    """A subscriber: messages and departures in Zenoh's own threads, one at a time.
 
-    Of the messages that wait the newest stay; there is a piece of `_news` for each, as a condition
-    takes longer. `left` is given each publisher that is gone.
+    `left` is given each publisher that is gone.
     """
 
-    def __init__(self, qos: Qos, received: Received, left: Left) -> None:
+    def __init__(self, received: Received, left: Left) -> None:
         self._received = received
         self._left = left
-        self._room = max(qos.depth, LATCHED_DEPTH) if qos.transient_local else qos.depth
-        self._samples = 0
-        self._waiting: deque[zenoh.Sample | bytes] = deque()
-        self._lock = Lock()
-        self._news: SimpleQueue[None] = SimpleQueue()
+        self._lock = RLock()
         self.is_open = True
         self._releases: list[Callable[[], None]] = []
-        self._thread = Thread(target=self._run, name="zenoh-reader", daemon=True)
-        self._thread.start()
 
     def start(
         self, session: "zenoh.Session", key: str, qos: Qos, releases: list[Callable[[], None]]
     ) -> None:
         """Subscribe to a key; `releases` are called when the reader is closed."""
         subscriber = (
-            _latched_subscriber(session, key, qos, in_its_thread(self._put))
+            _latched_subscriber(session, key, qos, in_its_thread(self._take))
             if qos.transient_local
-            else session.declare_subscriber(key, in_its_thread(self._put))
+            else session.declare_subscriber(key, in_its_thread(self._take))
         )
         self._releases = [*releases, subscriber.undeclare]
 
@@ -169,51 +157,24 @@ class ZenohReader:
             if not self.is_open:
                 return
             self.is_open = False
-            self._waiting.clear()
-            self._news.put(None)
         for release in self._releases:
             release()
-        if self._thread is not current_thread():
-            self._thread.join(ENDING)
 
     def gone(self, gid: bytes) -> None:
-        """Tell that a publisher is gone, after its messages."""
+        """Tell that a publisher is gone."""
+        self._tell(self._left, gid)
+
+    def _take(self, sample: "zenoh.Sample") -> None:
+        found = read_attachment(sample.attachment)
+        self._tell(self._received, sample.payload.to_bytes(), found.gid if found else b"")
+
+    def _tell(self, callback: Callable[..., None], *given: bytes) -> None:
         with self._lock:
             if self.is_open:
-                self._waiting.append(gid)
-                self._news.put(None)
-
-    def _put(self, sample: "zenoh.Sample") -> None:
-        with self._lock:
-            if not self.is_open:
-                return
-            self._waiting.append(sample)
-            if self._samples >= self._room:
-                oldest = next(each for each in self._waiting if not isinstance(each, bytes))
-                self._waiting.remove(oldest)
-            else:
-                self._samples += 1
-                self._news.put(None)
-
-    def _run(self) -> None:
-        while True:
-            self._news.get()
-            with self._lock:
-                if not self.is_open:
-                    return
-                event = self._waiting.popleft()
-                self._samples -= not isinstance(event, bytes)
-            try:
-                self._tell(event)
-            except Exception:
-                log.exception("a message could not be taken")
-
-    def _tell(self, event: "zenoh.Sample | bytes") -> None:
-        if isinstance(event, bytes):
-            self._left(event)
-            return
-        found = read_attachment(event.attachment)
-        self._received(event.payload.to_bytes(), found.gid if found else b"")
+                try:
+                    callback(*given)
+                except Exception:
+                    log.exception("a message could not be taken")
 
 
 def _latched_subscriber(

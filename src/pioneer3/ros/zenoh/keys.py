@@ -12,7 +12,7 @@ In parts of a token `%` stands for `/`. Sources: rmw_zenoh's page on its design,
 
 from dataclasses import dataclass, field
 from math import inf, isinf
-from struct import Struct, pack, unpack_from
+from struct import Struct
 from typing import Final
 
 from pioneer3.names import printable
@@ -40,6 +40,8 @@ BEST_EFFORT, TRANSIENT_LOCAL = "2", "1"
 NODE_PARTS, ENDPOINT_PARTS = 9, 13
 GID_BYTES: Final = 16
 NAMES: Final = (b"sequence_number", b"source_timestamp", b"source_gid")
+PLAIN: Final = Struct(f"<qqB{GID_BYTES}s")
+"""An attachment: the gid has its length first."""
 NAMED: Final = Struct(f"<B15sqB16sqB10sB{GID_BYTES}s")
 """An attachment of Jazzy before rmw_zenoh_cpp 0.2.4: before each field its name."""
 
@@ -130,12 +132,12 @@ class Attachment:
     named: bool = False
 
     def pack(self) -> bytes:
-        """Return the attachment in Zenoh's serialization format: the gid has its length first."""
+        """Return the attachment in Zenoh's serialization format."""
         if self.named:
             sequence, stamp, gid = ((len(name), name) for name in NAMES)
             numbers = (*sequence, self.sequence, *stamp, self.stamp)
             return NAMED.pack(*numbers, *gid, len(self.gid), self.gid)
-        return pack("<qqB", self.sequence, self.stamp, len(self.gid)) + self.gid
+        return PLAIN.pack(self.sequence, self.stamp, len(self.gid), self.gid)
 
 
 def parse_attachment(data: bytes) -> Attachment:
@@ -144,10 +146,11 @@ def parse_attachment(data: bytes) -> Attachment:
         _, first, sequence, _, second, stamp, _, third, size, gid = NAMED.unpack(data)
         if (first, second, third) == NAMES and size == GID_BYTES:
             return Attachment(sequence, stamp, gid, named=True)
-    if len(data) != 17 + GID_BYTES or data[16] != GID_BYTES:
-        raise ValueError(f"an attachment of {len(data)} bytes is none of rmw_zenoh_cpp")
-    sequence, stamp = unpack_from("<qq", data)
-    return Attachment(sequence, stamp, data[17:])
+    if len(data) == PLAIN.size:
+        sequence, stamp, size, gid = PLAIN.unpack(data)
+        if size == GID_BYTES:
+            return Attachment(sequence, stamp, gid)
+    raise ValueError(f"an attachment of {len(data)} bytes is none of rmw_zenoh_cpp")
 
 
 def parse_token(text: str) -> LivelinessToken:

@@ -18,7 +18,7 @@ from pioneer3.ros.node.parameter_reading import read_parameters
 from pioneer3.ros.ros2.arguments import parse
 from pioneer3.ros.ros2.backend import LATCHED, EndpointKind, NodeName, Qos
 from pioneer3.ros.ros2.distros import distro_of, distros
-from pioneer3.ros.ros2.middleware import Ros2Middleware
+from pioneer3.ros.ros2.middleware import LONGEST, Ros2Middleware
 from pioneer3.ros.ros2.types import MessageTypes
 from pioneer3.tasks import running
 from tests.support import SimulatedRobot
@@ -205,6 +205,22 @@ async def test_what_is_not_finite_or_no_message_is_refused() -> None:
         assert the.sim.body.speeds[0] == 0.0
         assert any("cmd_vel is ignored" in each for each in the.warnings)
         assert sum("that are no geometry_msgs/msg/Twist" in each for each in the.warnings) == 1
+
+
+def test_a_message_that_takes_long_to_read_is_refused() -> None:
+    network, types = MemoryNetwork(), MessageTypes(distro_of("jazzy"))
+    told: list[str] = []
+    heard: list[int] = []
+    kind = "std_msgs/UInt8MultiArray"
+    middleware = Ros2Middleware(MemoryBackend(network, NODE), NODE, types, tell=told.append)
+    middleware.subscribe("/x", kind, lambda message, _: heard.append(len(message.data)), queue=1)
+    publisher = MemoryBackend(network, OTHER).advertise("/x", types.message_type(kind), Qos())
+    message = types.make(kind)
+    for size in (LONGEST, LONGEST - 100):
+        message.data = bytes(size)
+        publisher.write(types.encode(message))
+    assert heard == [LONGEST - 100]
+    assert [f"of {LONGEST} at most" in each for each in told] == [True]
 
 
 async def test_a_publisher_that_leaves_stops_the_robot_at_once() -> None:
