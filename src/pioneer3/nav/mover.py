@@ -45,8 +45,7 @@ class Mover:
         vx: Its velocity [m/s].
         vy: [m/s].
         seen: When it was seen last [s].
-        begin: Where it was first [m].
-        first: When it was seen first [s].
+        begin: Where it was first [m], and when [s].
         times: How often it was seen.
         walks: Whether it has come some way since.
         stands: Since when it does [s]; `None` while it walks.
@@ -64,8 +63,7 @@ class Mover:
     vx: float
     vy: float
     seen: float
-    begin: tuple[float, float]
-    first: float = field(init=False)
+    begin: tuple[float, float, float]
     times: int = 1
     walks: bool = False
     stands: float | None = None
@@ -76,10 +74,6 @@ class Mover:
     joined: float = -inf
     heard: float = -inf
     missed: int = 0
-
-    def __post_init__(self) -> None:
-        """Begin now."""
-        self.first = self.seen
 
     @property
     def is_person(self) -> bool:

@@ -106,7 +106,7 @@ class Movers:
         places = [thing.at(now) for thing in self.things if thing.is_person]
         places += [(x, y) for x, y, _ in self._lost]
         about = self.are_about(now)
-        may = [now - thing.first < PEOPLE_TIME or thing.believed > -inf for thing in self.things]
+        may = [now - thing.begin[2] < PEOPLE_TIME or thing.believed > -inf for thing in self.things]
         doubted: Bool = np.array([*may, False])[owner] & about  # -1, for none, is the last
         if places and len(points):
             off = np.hypot(*(points[:, None] - np.array(places)[None]).transpose(2, 0, 1))
@@ -115,7 +115,7 @@ class Movers:
 
     def _begin(self, x: float, y: float, now: float) -> Mover:
         """Return a new thing; one that steps out of a thing of two people is one of them."""
-        new = Mover(x, y, 0.0, 0.0, now, (x, y))
+        new = Mover(x, y, 0.0, 0.0, now, (x, y, now))
         for thing in self.things:
             if thing.holds_two(now) and hypot(thing.x - x, thing.y - y) < BESIDE:
                 new.walks, new.legs, thing.joined = thing.walks, thing.legs, -inf

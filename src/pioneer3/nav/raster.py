@@ -100,6 +100,12 @@ class Raster:
         inside = 0 <= row < self.height and 0 <= column < self.width
         return (row, column) if inside else None
 
+    def window(self, x: float, y: float, within: float) -> tuple[slice, slice]:
+        """Return the rows and columns of the cells within a distance of a place [m]."""
+        u, v, reach = (x - self.x) / self.cell, (y - self.y) / self.cell, within / self.cell
+        rows = slice(max(0, int(v - reach)), max(0, int(v + reach) + 1))
+        return rows, slice(max(0, int(u - reach)), max(0, int(u + reach) + 1))
+
     def middle_of(self, row: int, column: int) -> tuple[float, float]:
         """Return the middle of a cell [m]."""
         return self.x + (column + 0.5) * self.cell, self.y + (row + 0.5) * self.cell

@@ -126,7 +126,8 @@ class Sightings:
                 return True
             # the laser sees it, and knows better where it is
             return any(
-                (self._seen[self._around(x, y, UNSURE_END)] > since).any() for x, y in arc.tolist()
+                (self._seen[self._raster.window(x, y, UNSURE_END)] > since).any()
+                for x, y in arc.tolist()
             )
 
         self.echoes.take(transducers, ranges, now, is_known, people=about)
@@ -146,7 +147,7 @@ class Sightings:
 
     def near(self, x: float, y: float, within: float, now: float) -> Float:
         """Return those that were seen around a place [m], without walkers, shape (N, 2)."""
-        return self._seen_in(self._around(x, y, within), now)
+        return self._seen_in(self._raster.window(x, y, within), now)
 
     def _seen_in(self, part: tuple[slice, slice], now: float) -> Float:
         """Return the middles of the cells of a part with things that were seen, (N, 2) [m]."""
@@ -158,7 +159,7 @@ class Sightings:
 
     def seen_at(self, x: float, y: float, within: float) -> float | None:
         """Return when something was last seen within a distance of a place [m], or `None`."""
-        part = self._around(x, y, within)
+        part = self._raster.window(x, y, within)
         seen = [float(self._seen[part].max(initial=0.0)), self.echoes.last_in(part)]
         reach = within + PERSON_RADIUS
         standing = (thing for thing in self.movers.walking() if thing.stands is not None)
@@ -167,20 +168,12 @@ class Sightings:
 
     def _clear(self, x: float, y: float, within: float) -> None:
         """Forget what was seen within a distance of a place [m]."""
-        part = self._around(x, y, within)
+        part = self._raster.window(x, y, within)
         self._seen[part], self._counts[part] = 0.0, 0
 
     def _middles(self, times: Float, part: tuple[slice, slice], since: float) -> Float:
         rows, columns = np.nonzero((times > 0) & (times >= since))
         return self._raster.middles_of(rows + part[0].start, columns + part[1].start)
-
-    def _around(self, x: float, y: float, within: float) -> tuple[slice, slice]:
-        """Return the cells within a distance of a place [m]."""
-        raster = self._raster
-        u, v = (x - raster.x) / raster.cell, (y - raster.y) / raster.cell
-        reach = within / raster.cell
-        rows = slice(max(0, int(v - reach)), max(0, int(v + reach) + 1))
-        return rows, slice(max(0, int(u - reach)), max(0, int(u + reach) + 1))
 
     def _standing(self, now: float) -> Float:
         """Return points around walkers who have stood for a while [m], shape (N, 2)."""

@@ -321,7 +321,7 @@ def test_what_steers_a_robot_is_one_point_of_each_cell_but_none_of_people() -> N
     rng, sightings = np.random.default_rng(3), Sightings(costs(room()))
     walls, seen = rng.uniform(0.0, 6.0, (3000, 2)), rng.uniform(2.0, 4.0, (50, 2))
     x, y, now = 3.0, 2.5, 1.0
-    sightings.movers.things.append(Mover(3.5, 2.5, 0.0, 0.0, now, (3.5, 2.5), walks=True))
+    sightings.movers.things.append(Mover(3.5, 2.5, 0.0, 0.0, now, (3.5, 2.5, now), walks=True))
     found = sightings.obstacles(x, y, walls, seen, now)
     points = np.concatenate([walls, seen])
     points = points[np.hypot(*(points - (x, y)).T) < LOOK]

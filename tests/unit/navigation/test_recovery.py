@@ -39,7 +39,7 @@ FENCE = np.array([(5.6, 1.0 + 0.1 * number, 0.0, 0.0, 0.0) for number in range(4
 def meet(recovery: Recovery, x: float, now: float, *, ahead: float = -1.0) -> Mover:
     """Put somebody in front of the robot, who walked towards it, or away from it, and stands."""
     somebody = Mover(
-        x, 3.0, 0.0, 0.0, now, (x + 2.0, 3.0), walks=True, stands=now, heading=(ahead, 0.0)
+        x, 3.0, 0.0, 0.0, now, (x + 2.0, 3.0, now), walks=True, stands=now, heading=(ahead, 0.0)
     )
     recovery.sightings.movers.things = [somebody]
     return somebody
