@@ -9,7 +9,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from pioneer3.arrays import Float, UInt8
+from pioneer3.arrays import Bool, Float, UInt8
 from pioneer3.geometry import Extent, Pose2
 from pioneer3.maps.drawing import Layer, MapDrawing, Marker, bounds_of, to_svg
 from pioneer3.maps.materials import BLACK, GLASS, REFLECTOR, Codes
@@ -109,6 +109,10 @@ class MapObject:
         corners = self.outline
         after = corners[1:] + (corners[:1] if len(corners) > 2 else ())
         return tuple((*start, *end) for start, end in zip(corners, after, strict=False))
+
+    def covers(self, x: Float, y: Float) -> Bool:
+        """Return which of the points (x, y) [m] of the map lie within an area, shape (...)."""
+        return which_inside(np.array(self.sides), x, y)
 
 
 def sides_of(objects: Iterable[MapObject]) -> Float:
@@ -254,3 +258,15 @@ def distances(point: Float, walls: Float) -> Float:
     share = -(start * extent).sum(axis=1) / np.where(squared > 0, squared, 1.0)
     nearest: Float = start + np.clip(share, 0.0, 1.0)[:, None] * extent
     return np.hypot(nearest[:, 0], nearest[:, 1])
+
+
+def which_inside(polygon: Float, x: Float, y: Float) -> Bool:
+    """Return which of the points (x, y) [m], shape (...), lie in a convex polygon.
+
+    It is given by its sides in order [m], shape (S, 4).
+    """
+    left = right = np.ones(np.broadcast_shapes(x.shape, y.shape), dtype=np.bool_)
+    for x0, y0, x1, y1 in polygon.tolist():
+        side = (x1 - x0) * (y - y0) - (y1 - y0) * (x - x0)
+        left, right = left & (side > 0), right & (side < 0)
+    return left | right

@@ -180,31 +180,15 @@ class CostMap:
         return bool(self.clearance[cell] >= self.turning)
 
 
-def covers(item: MapObject, points: Float) -> Bool:
-    """Return which of `points` (N, 2) [m] of the map lie within the outline of an area, (N,)."""
-    return _within(np.array(item.outline), points[:, 0], points[:, 1])
-
-
 def inside(item: MapObject, raster: Raster) -> Bool:
-    """Return the cells whose middles lie within the outline of an area, shape (H, W)."""
-    corners = raster.in_cells(np.array(item.outline))
-    low = np.clip(np.floor(corners.min(axis=0)).astype(int), 0, (raster.width, raster.height))
-    high = np.clip(np.ceil(corners.max(axis=0)).astype(int), 0, (raster.width, raster.height))
-    x = np.arange(low[0], high[0])[None, :] + 0.5
-    y = np.arange(low[1], high[1])[:, None] + 0.5
+    """Return the cells whose middles lie within an area, shape (H, W)."""
     out = np.zeros(raster.shape, dtype=np.bool_)
-    out[low[1] : high[1], low[0] : high[0]] = _within(corners, x, y)
+    corners = np.array(item.outline)
+    middle_x, middle_y = corners.mean(axis=0).tolist()
+    rows, columns = raster.window(middle_x, middle_y, np.ptp(corners, axis=0).max() / 2)
+    x, y = raster.middles(rows, columns)
+    out[rows, columns] = item.covers(x, y)
     return out
-
-
-def _within(corners: Float, x: Float, y: Float) -> Bool:
-    """Return which points lie within a polygon; coordinates broadcast against each other."""
-    crossed = np.zeros(np.broadcast_shapes(x.shape, y.shape), dtype=np.bool_)
-    for (ax, ay), (bx, by) in zip(corners, np.roll(corners, -1, axis=0), strict=True):
-        if ay != by:
-            spans = (ay > y) != (by > y)
-            crossed ^= spans & (x < ax + (y - ay) * (bx - ax) / (by - ay))
-    return crossed
 
 
 def _extent(line_map: LineMap) -> Extent:
@@ -231,8 +215,7 @@ def _unknown(line_map: LineMap, raster: Raster) -> Bool:
     grids = [grid for grid in line_map.grids if (grid.states == FREE).any()]
     unknown = np.full(raster.shape, bool(grids))
     for strip in raster.strips:
-        x = raster.x + (np.arange(raster.width) + 0.5) * raster.cell
-        y = raster.y + (np.arange(raster.height)[strip, None] + 0.5) * raster.cell
+        x, y = raster.middles(strip, slice(None))
         for grid in grids:
             unknown[strip] &= grid.states_at(x, y) == UNKNOWN
     return unknown

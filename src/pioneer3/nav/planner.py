@@ -9,7 +9,7 @@ import numpy as np
 from pioneer3.arrays import Bool, Float, Float32
 from pioneer3.jit import fast
 from pioneer3.maps.line_map import MapObject
-from pioneer3.nav.costs import CostMap, covers, inside
+from pioneer3.nav.costs import CostMap, inside
 from pioneer3.nav.kernels import CACHE
 from pioneer3.nav.kernels.fields import march
 from pioneer3.nav.kernels.ways import descend
@@ -130,7 +130,7 @@ def _heeding_sectors(
         if against is None:
             return way, barred[-1] if barred else None
         if against.one_way and against not in barred:
-            begins_in = bool(covers(against, np.array([start]))[0])
+            begins_in = bool(against.covers(*np.array(start)))
             costs = costs.with_barrier(against, at_entry=begins_in)
         else:
             costs = costs.without(against)
@@ -150,7 +150,7 @@ def _goes_against(area: MapObject, way: Way | None) -> bool:
     """Whether a way crosses a sector as it must not."""
     if way is None:
         return False
-    within = covers(area, way.points)
+    within = area.covers(*way.points.T)
     if area.restrictive:
         return bool(within.any() and not (within[0] or within[-1]))
     both = within[1:] & within[:-1]

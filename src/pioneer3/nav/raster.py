@@ -106,6 +106,12 @@ class Raster:
         rows = slice(max(0, int(v - reach)), max(0, int(v + reach) + 1))
         return rows, slice(max(0, int(u - reach)), max(0, int(u + reach) + 1))
 
+    def middles(self, rows: slice, columns: slice) -> tuple[Float, Float]:
+        """Return the middles of rows and columns [m]: x, shape (C,), and y, shape (R, 1)."""
+        x = self.x + np.arange(0.5, self.width, dtype=np.float64)[columns] * self.cell
+        y = self.y + np.arange(0.5, self.height, dtype=np.float64)[rows, None] * self.cell
+        return x, y
+
     def middle_of(self, row: int, column: int) -> tuple[float, float]:
         """Return the middle of a cell [m]."""
         return self.x + (column + 0.5) * self.cell, self.y + (row + 0.5) * self.cell

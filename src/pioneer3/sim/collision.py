@@ -8,8 +8,9 @@ from math import cos, hypot, pi, sin
 
 import numpy as np
 
-from pioneer3.arrays import Bool, Float
+from pioneer3.arrays import Float
 from pioneer3.geometry import Pose2
+from pioneer3.maps.line_map import which_inside
 from pioneer3.models import RobotModel
 
 TOUCH = 1e-9
@@ -136,14 +137,6 @@ def stands_in(model: RobotModel, pose: Pose2, polygon: Float) -> bool:
 def inside(polygon: Float, x: float, y: float) -> bool:
     """Whether (x, y) [m] lies in a convex polygon, given by its sides in order, shape (S, 4)."""
     return bool(which_inside(polygon, np.array(x), np.array(y)))
-
-
-def which_inside(polygon: Float, x: Float, y: Float) -> Bool:
-    """Return which of the points (x, y) [m], shape (...), lie in a convex polygon."""
-    x0, y0, x1, y1 = polygon.T
-    sides = (x1 - x0) * (y[..., None] - y0) - (y1 - y0) * (x[..., None] - x0)
-    found: Bool = (sides > 0).all(axis=-1) | (sides < 0).all(axis=-1)
-    return found
 
 
 def _lines(model: RobotModel, pose: Pose2) -> Float:

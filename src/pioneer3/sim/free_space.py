@@ -10,9 +10,9 @@ from pioneer3.arrays import Bool, Float
 from pioneer3.geometry import Pose2
 from pioneer3.maps import Extent, LineMap
 from pioneer3.maps.grid import samples
-from pioneer3.maps.line_map import distances
+from pioneer3.maps.line_map import distances, which_inside
 from pioneer3.models import RobotModel
-from pioneer3.sim.collision import hits, inside, which_inside
+from pioneer3.sim.collision import hits, inside
 
 CELL = 0.1
 """Side of a cell [m]; larger in huge maps."""
