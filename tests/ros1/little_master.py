@@ -23,6 +23,7 @@ class LittleMaster:
         subscribers: The same.
         services: Addresses by name.
         nodes: Addresses by name.
+        parameters: Values by full name, without folders.
     """
 
     uri: str
@@ -30,6 +31,7 @@ class LittleMaster:
     subscribers: Registered = field(default_factory=dict)
     services: dict[str, str] = field(default_factory=dict)
     nodes: dict[str, str] = field(default_factory=dict)
+    parameters: dict[str, Any] = field(default_factory=dict)
 
     @property
     def at(self) -> Addresses:
@@ -75,6 +77,15 @@ class LittleMaster:
             return [[topic, list(nodes)] for topic, nodes in registered.items() if nodes]
 
         return [1, "", [rows(self.publishers), rows(self.subscribers), []]]
+
+    def getParam(self, caller: str, name: str) -> list[Any]:  # noqa: N802
+        if name not in self.parameters:
+            return [-1, f"Parameter [{name}] is not set", 0]
+        return [1, "", self.parameters[name]]
+
+    def setParam(self, caller: str, name: str, value: Any) -> list[Any]:  # noqa: N802
+        self.parameters[name] = value
+        return [1, "", 0]
 
     def _tell(self, topic: str) -> None:
         for uri in list(self.subscribers.get(topic, {}).values()):

@@ -15,14 +15,14 @@ from pioneer3.ros.tcpros.master import CONNECTIONS, Api
 from pioneer3.ros.tcpros.node import Ros1Node, ros1_node
 from pioneer3.ros.tcpros.services import ServiceError
 from pioneer3.ros.tcpros.subscriber import PublisherConnection
-from pioneer3.ros.tcpros.types import Ros1Types, service_definition
+from pioneer3.ros.tcpros.types import Ros1Types
 from tests.e2e.processes import free_port, until
 from tests.ros1.little_master import LittleMaster, little_master
 
 pytestmark = [pytest.mark.realtime]
 TYPES = Ros1Types()
 STRING, BOOL = TYPES.definition("std_msgs/String"), TYPES.definition("std_msgs/Bool")
-SET_BOOL = service_definition("std_srvs/SetBool")
+SET_BOOL = TYPES.service_definition("std_srvs/SetBool")
 
 
 @pytest.fixture
@@ -153,7 +153,7 @@ async def test_services_respond_and_failures_say_why(master: LittleMaster) -> No
         with pytest.raises(ServiceError, match="it cannot"):
             await other.call("/switch", SET_BOOL, b"\x00")
         with pytest.raises(ServiceError, match=r"is of std_srvs/SetBool"):
-            await other.call("/switch", service_definition("std_srvs/Trigger"), b"")
+            await other.call("/switch", TYPES.service_definition("std_srvs/Trigger"), b"")
         with pytest.raises(ServiceError, match="no service"):
             await other.call("/nobody", SET_BOOL, b"\x01")
 
@@ -208,15 +208,14 @@ async def test_others_may_ask_a_node_about_itself_and_shut_it_down(master: Littl
         one.advertise("/chatter", STRING)
         await until(lambda: "/one" in master.nodes)
         api = Api(master.nodes["/one"], "/other")
-        assert await asyncio.to_thread(api.call, "getPublications") == [
-            ["/chatter", "std_msgs/String"]
+        assert await api.call("getPublications") == [["/chatter", "std_msgs/String"]]
+        assert (await api.call("requestTopic", "/chatter", [["TCPROS"]]))[:2] == [
+            "TCPROS",
+            "127.0.0.1",
         ]
-        assert (await asyncio.to_thread(api.call, "requestTopic", "/chatter", [["TCPROS"]]))[
-            :2
-        ] == ["TCPROS", "127.0.0.1"]
         with pytest.raises(MasterRefusalError, match="/nothing is not published here"):
-            await asyncio.to_thread(api.call, "requestTopic", "/nothing", [["TCPROS"]])
-        await asyncio.to_thread(api.call, "shutdown", "because")
+            await api.call("requestTopic", "/nothing", [["TCPROS"]])
+        await api.call("shutdown", "because")
         await asyncio.wait_for(one.ended.wait(), 5)
 
 
@@ -230,7 +229,7 @@ async def test_whatever_connects_the_node_goes_on(master: LittleMaster, data: by
         publisher, listener = one.advertise("/chatter", STRING), Listener(other, "/chatter")
         await until(lambda: publisher.matched)
         api = Api(master.nodes["/one"], "/x")
-        _, host, port = await asyncio.to_thread(api.call, "requestTopic", "/chatter", [["TCPROS"]])
+        _, host, port = await api.call("requestTopic", "/chatter", [["TCPROS"]])
         reader, writer = await asyncio.open_connection(host, port)
         writer.write(data)
         writer.write_eof()
@@ -248,7 +247,7 @@ async def test_a_subscriber_that_stalls_gets_the_newest_and_holds_up_nobody(
         publisher, listener = one.advertise("/chatter", STRING), Listener(other, "/chatter")
         await until(lambda: publisher.matched)
         api = Api(master.nodes["/one"], "/x")
-        _, host, port = await asyncio.to_thread(api.call, "requestTopic", "/chatter", [["TCPROS"]])
+        _, host, port = await api.call("requestTopic", "/chatter", [["TCPROS"]])
         _, stalled = await asyncio.open_connection(host, port, limit=1024)
         fields = [b"callerid=/stalled", b"topic=/chatter", b"md5sum=*", b"type=*"]
         header = b"".join(pack("<I", len(each)) + each for each in fields)
@@ -362,7 +361,7 @@ async def test_idle_connections_take_no_room_of_others(master: LittleMaster) -> 
         idle = [await asyncio.open_connection(at.hostname, at.port) for _ in range(CONNECTIONS + 9)]
         for _, writer in idle:
             writer.write(b"POST / HTTP/1.1\r\n")
-        assert await asyncio.to_thread(Api(uri, "/other").call, "getPublications")
+        assert await Api(uri, "/other").call("getPublications")
         reader, writer = idle[0]
         assert await reader.read() == b""
         reader, writer = await asyncio.open_connection(at.hostname, at.port)

@@ -32,7 +32,7 @@ from pioneer3.ros.tcpros.node import Ros1Node, ros1_node
 from pioneer3.ros.tcpros.publisher import TopicPublisher
 from pioneer3.ros.tcpros.services import ServiceError
 from pioneer3.ros.tcpros.subscriber import BRIDGE_FIELD
-from pioneer3.ros.tcpros.types import Ros1Types, service_definition
+from pioneer3.ros.tcpros.types import Ros1Types
 from pioneer3.tasks import running
 from tests.e2e.processes import until
 from tests.ros1.little_master import LittleMaster, little_master
@@ -532,7 +532,7 @@ async def test_pictures_are_asked_for_only_while_somebody_looks(networks: Networ
 async def test_services_of_a_robot_in_ros2_are_called_from_ros1(
     networks: Networks, serves: bool
 ) -> None:
-    trigger, set_bool = (service_definition(f"std_srvs/{name}") for name in ("Trigger", "SetBool"))
+    trigger, set_bool = (ROS1.service_definition(f"std_srvs/{name}") for name in ("Trigger", "SetBool"))
     switched: list[bool] = []
 
     def respond(cdr: bytes) -> bytes:
@@ -560,7 +560,7 @@ async def test_services_of_a_robot_in_ros2_are_called_from_ros1(
         assert response[:1] == b"\x00"
         assert b"nobody" in response
         with pytest.raises(ServiceError, match="nobody"):
-            await networks.old.call("/enable_motors", service_definition("std_srvs/Empty"), b"")
+            await networks.old.call("/enable_motors", ROS1.service_definition("std_srvs/Empty"), b"")
 
 
 @pytest.mark.parametrize("serves", [True, False])
@@ -573,7 +573,7 @@ async def test_services_of_a_robot_in_ros1_are_called_from_ros2(
         called.append(request)
         return pack("<?I", True, 4) + b"done"
 
-    networks.old.serve("/e_stop_trigger", service_definition("std_srvs/Trigger"), handle)
+    networks.old.serve("/e_stop_trigger", ROS1.service_definition("std_srvs/Trigger"), handle)
     await until(lambda: "/e_stop_trigger" in networks.master.services)
     offered = services(Side.ROS1, "e_stop_trigger", "enable_motors")
     async with networks.bridge([], offered, robot=Side.ROS1, serves=serves):

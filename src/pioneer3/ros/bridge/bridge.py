@@ -76,7 +76,7 @@ class TopicBridge:
             await asyncio.to_thread(self._mark)
             await asyncio.sleep(discovery)
             await self._refuse_double(lease)
-            bridge = ServiceBridge(self._node, self._backend, self._converter.ros2, self._tell)
+            bridge = ServiceBridge(self._node, self._backend, self._converter, self._tell)
             for service in self._services:
                 offered = await asyncio.to_thread(bridge.offer, service, self._robot)
                 self._open += [offered] if offered is not None else []

@@ -7,14 +7,13 @@ from functools import partial
 from struct import pack, unpack_from
 from typing import Any, Final
 
+from pioneer3.ros.bridge.conversion import Converter
 from pioneer3.ros.bridge.relay import Inbox
 from pioneer3.ros.bridge.rows import ServiceRow, Side
 from pioneer3.ros.node.services import EMPTY, SET_BOOL
 from pioneer3.ros.ros2.backend import Backend, Closable, Qos, Writer
-from pioneer3.ros.ros2.types import MessageTypes
 from pioneer3.ros.tcpros.node import Ros1Node
 from pioneer3.ros.tcpros.services import ServiceError
-from pioneer3.ros.tcpros.types import service_definition
 
 SERVED: Final = 3.0
 """A service that does not respond within this time [s] is not there."""
@@ -27,9 +26,10 @@ class ServiceBridge:
     """Passes on calls; `tell` is given a sentence when one without a response fails."""
 
     def __init__(
-        self, node: Ros1Node, backend: Backend, types: MessageTypes, tell: Callable[[str], None]
+        self, node: Ros1Node, backend: Backend, converter: Converter, tell: Callable[[str], None]
     ) -> None:
-        self._node, self._backend, self._types, self._tell = node, backend, types, tell
+        self._node, self._backend, self._tell = node, backend, tell
+        self._ros1, self._types = converter.ros1, converter.ros2
         self._loop = asyncio.get_running_loop()
         self._running: set[asyncio.Task[None]] = set()
 
@@ -54,7 +54,7 @@ class ServiceBridge:
                 return b""
             return pack("<?I", success, len(words.encode())) + words.encode()
 
-        type_name = service_definition(row.ros1_type)
+        type_name = self._ros1.service_definition(row.ros1_type)
         self._loop.call_soon_threadsafe(self._node.serve, row.ros1, type_name, handle)
         return writer
 
@@ -127,7 +127,9 @@ class ServiceBridge:
     async def _call_ros1(self, row: ServiceRow, request: Any) -> tuple[bool, str]:
         data = pack("<?", bool(request.data)) if row.ros1_type == SET_BOOL else b""
         try:
-            response = await self._node.call(row.ros1, service_definition(row.ros1_type), data)
+            response = await self._node.call(
+                row.ros1, self._ros1.service_definition(row.ros1_type), data
+            )
         except ServiceError as error:
             return False, str(error)
         if row.ros1_type == EMPTY:

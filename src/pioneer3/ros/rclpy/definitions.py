@@ -9,8 +9,9 @@ from importlib import import_module
 from typing import Any, Final
 
 from pioneer3.errors import ConfigError, MissingTypeError
+from pioneer3.ros.encoding import NO_FIELD
 from pioneer3.ros.ros2.backend import ServiceType
-from pioneer3.ros.ros2.types import NO_FIELD, MessageTypes
+from pioneer3.ros.ros2.types import MessageTypes
 from pioneer3.ros.typestore import ARRAY, BASE, NAME
 
 IDL_NAMES: Final[Mapping[str, str]] = {

@@ -13,9 +13,9 @@ from typing import Any, Final
 
 from pioneer3.distribution import how_to_get
 from pioneer3.errors import ConfigError
+from pioneer3.ros.encoding import CDR, encoder
+from pioneer3.ros.encoding import LARGEST as LARGEST_NUMBER
 from pioneer3.ros.ros2.backend import MessageType, ServiceType
-from pioneer3.ros.ros2.cdr import LARGEST as LARGEST_NUMBER
-from pioneer3.ros.ros2.cdr import encoder
 from pioneer3.ros.ros2.distros import Distro
 from pioneer3.ros.typestore import BASE, NAME, MessageStore, full_name
 
@@ -24,7 +24,6 @@ HEADER: Final = 4
 """Bytes before a serialized message that tell how it is serialized."""
 LONGEST_TEXT: Final = 2**20
 """Longest text in a message without sequences that is taken [B]."""
-NO_FIELD: Final = "structure_needs_at_least_one_member"
 SEQUENCE: Final = 4
 """Kind of a field that is a sequence in rosbags' definitions."""
 
@@ -84,7 +83,7 @@ class MessageTypes(MessageStore):
         """
         name = message.__msgtype__
         if name not in self._encoders:
-            self._encoders[name] = encoder(name, self._store.fielddefs)
+            self._encoders[name] = encoder(name, self._store.fielddefs, CDR)
         return self._encoders[name](message)
 
     def decode(self, cdr: bytes, name: str) -> Any:

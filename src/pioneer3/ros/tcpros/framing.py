@@ -54,6 +54,30 @@ def parse_header(data: bytes) -> dict[str, str]:
     return fields
 
 
+class Frames:
+    """Takes frames from bytes as they come."""
+
+    def __init__(self) -> None:
+        self._rest = bytearray()
+
+    def of(self, data: bytes) -> list[bytes]:
+        """Return the contents of the frames that are whole now; ValueError for one too long."""
+        rest = self._rest
+        rest += data
+        found, at = [], 0
+        while at + LENGTH.size <= len(rest):
+            (size,) = LENGTH.unpack_from(rest, at)
+            if size > LONGEST_MESSAGE:
+                raise ValueError(f"a frame of {size} bytes: that is not TCPROS")
+            end = at + LENGTH.size + size
+            if end > len(rest):
+                break
+            found.append(bytes(rest[at + LENGTH.size : end]))
+            at = end
+        del rest[:at]
+        return found
+
+
 async def read_frame(reader: asyncio.StreamReader, longest: int = LONGEST_MESSAGE) -> bytes:
     """Return the content of the next frame; errors as of :func:`read_content`."""
     return await read_content(reader, await reader.readexactly(LENGTH.size), longest)

@@ -1,21 +1,20 @@
 """The master and other nodes by XML-RPC, called with a limit of time, and our own part of it."""
 
+import asyncio
 import logging
-import socket
-import threading
-import time
-from collections.abc import Callable
-from contextlib import suppress
-from dataclasses import dataclass
-from http.client import HTTPConnection, HTTPException, HTTPResponse
-from socketserver import ThreadingMixIn
+from collections.abc import Callable, Mapping
+from functools import partial
+from socket import SOCK_STREAM, getaddrinfo
 from typing import Any, Final
+from urllib.parse import urlsplit
 from xml.parsers.expat import ExpatError
 from xmlrpc.client import Error as XmlRpcError
-from xmlrpc.client import ServerProxy, Transport
-from xmlrpc.server import SimpleXMLRPCRequestHandler, SimpleXMLRPCServer
+from xmlrpc.client import dumps, loads
 
+from pioneer3.links.hosts import bracketed, is_address
+from pioneer3.ros.addresses import PORT
 from pioneer3.ros.tcpros.answers import DONE, MasterRefusalError, OddAnswerError, value_of
+from pioneer3.tasks import in_own_thread
 
 PATIENCE: Final = 3.0
 """A node that does not respond within this time [s] hangs."""
@@ -26,172 +25,154 @@ LONGEST_REQUEST: Final = 1 << 20
 """Longer ones are refused [bytes]."""
 CONNECTIONS: Final = 64
 """Connections to our part at once; a further one ends the oldest."""
-LOST: Final = (OSError, HTTPException, XmlRpcError, ExpatError)
+LENGTH: Final = "content-length"
+LOST: Final = (OSError, EOFError)
 """Raised where nobody is there, or not a node of ROS."""
+MALFORMED: Final = (
+    *(ValueError, TypeError, LookupError, ArithmeticError, AttributeError),
+    *(asyncio.LimitOverrunError, XmlRpcError, ExpatError),
+)
+"""Raised for what is no message of XML-RPC."""
 log = logging.getLogger(__name__)
+
+Connection = tuple[asyncio.StreamReader, asyncio.StreamWriter]
+
+
+async def connect(host: str | None, port: int | None) -> Connection:
+    """Open a connection; a name is looked up in a thread of its own, as that may hang."""
+    found = [host]
+    if host and not is_address(host):
+        rows = await in_own_thread(partial(getaddrinfo, host, port, type=SOCK_STREAM))
+        found = [str(row[4][0]) for row in rows]
+    for number, address in enumerate(found, start=1):
+        try:
+            return await asyncio.open_connection(address, port)
+        except OSError:
+            if number == len(found):
+                raise
+    raise OSError(f"{host} has no address")
 
 
 class Api:
-    """The master, or another node, for `caller`, our node. Calls wait: make them in threads."""
+    """The master, or another node, for `caller`, our node."""
 
     def __init__(self, uri: str, caller: str) -> None:
         self.uri, self._caller = uri, caller
 
-    def call(self, method: str, *arguments: object) -> Any:
+    async def call(self, method: str, *arguments: Any) -> Any:
         """Return the value that a method returns.
 
         Raises:
             MasterRefusalError: it says no.
-            OSError, HTTPException, XmlRpcError, ExpatError: see :data:`LOST`.
+            OSError, EOFError: see :data:`LOST`.
         """
         try:
-            with ServerProxy(self.uri, transport=_Transport()) as proxy:
-                answer = getattr(proxy, method)(self._caller, *arguments)
-        except (ValueError, TypeError, LookupError, AttributeError, ArithmeticError) as error:
+            request = dumps((self._caller, *arguments), method).encode()
+            async with asyncio.timeout(PATIENCE):
+                content = await self._post(request)
+            (answer,), _ = loads(content)
+        except MALFORMED as error:
             raise OddAnswerError(f"{self.uri} is no node of ROS: {error}") from error
         return value_of(method, answer)
 
-
-class _Transport(Transport):
-    """A transport that does not wait for ever, nor for endless answers."""
-
-    accept_gzip_encoding = False
-
-    def make_connection(self, host: Any) -> HTTPConnection:
-        """Return a connection with a limit of time."""
-        connection = super().make_connection(host)
-        connection.timeout = PATIENCE
-        return connection
-
-    def parse_response(self, response: HTTPResponse) -> Any:
-        """Return the content of an answer; OddAnswerError if it has no end."""
-        data, until = bytearray(), time.monotonic() + PATIENCE
-        while part := response.read1(1 << 16):
-            data += part
-            if len(data) > LONGEST_ANSWER or time.monotonic() > until:
-                raise OddAnswerError("its answer has no end")
-        parser, content = self.getparser()
-        parser.feed(bytes(data))
-        parser.close()
-        return content.close()
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class NodeCalls:
-    """Calls that others make to our node, in threads.
-
-    An update has a topic, and the addresses of the nodes that publish it. Topics that we do not
-    publish have no address, as host and port; `topics` are names and types of those published, and
-    of those subscribed to.
-    """
-
-    publisher_update: Callable[[str, list[str]], None]
-    topic_address: Callable[[str], tuple[str, int] | None]
-    topics: Callable[[], tuple[list[list[str]], list[list[str]]]]
-    shut_down: Callable[[], None]
-
-
-class _Handler(SimpleXMLRPCRequestHandler):
-    protocol_version = "HTTP/1.1"  # the master keeps its connections
-    timeout = WAITING
-
-    def do_POST(self) -> None:  # noqa: N802
-        length = self.headers.get("content-length", "")
-        if not (length.isdecimal() and int(length) <= LONGEST_REQUEST):
-            self.close_connection = True
-            self.send_error(413)
-            return
-        super().do_POST()
-
-    def log_message(self, format: str, *args: object) -> None:  # noqa: A002
-        log.debug(format, *args)
-
-
-class _Server(ThreadingMixIn, SimpleXMLRPCServer):
-    daemon_threads = True
-
-    def __init__(self, at: tuple[str, int]) -> None:
-        super().__init__(at, _Handler, logRequests=False, allow_none=True)
-        self._open: list[Any] = []
-        self._lock = threading.Lock()
-
-    def process_request(self, request: Any, client_address: Any) -> None:
-        with self._lock:
-            self._open.append(request)
-            oldest = self._open.pop(0) if len(self._open) > CONNECTIONS else None
-        if oldest is not None:
-            with suppress(OSError):  # it has ended
-                oldest.shutdown(socket.SHUT_RDWR)
-        super().process_request(request, client_address)
-
-    def shutdown_request(self, request: Any) -> None:
-        with self._lock:
-            if request in self._open:
-                self._open.remove(request)
-        super().shutdown_request(request)
-
-    def handle_error(self, request: Any, client_address: Any) -> None:
-        log.debug("a request of %s", client_address, exc_info=True)
+    async def _post(self, content: bytes) -> bytes:
+        """Return the content of the response to a request."""
+        address = urlsplit(self.uri)
+        reader, writer = await connect(address.hostname, address.port or PORT)
+        try:
+            where = f"{bracketed(address.hostname or '')}:{address.port or PORT}"
+            head = f"POST /RPC2 HTTP/1.1\r\nHost: {where}\r\nConnection: close\r\n"
+            writer.write(_with_length(f"{head}Content-Type: text/xml\r\n", content))
+            status, fields = await _read_head(reader)
+            if status.split()[1:2] != ["200"]:
+                raise OddAnswerError(f"{self.uri} says {status.strip()}")
+            length = fields.get(LENGTH)
+            if length is not None and int(length) > LONGEST_ANSWER:
+                raise OddAnswerError("its answer is too long")
+            if length is not None:
+                return await reader.readexactly(int(length))
+            data = bytearray()
+            while part := await reader.read(1 << 16):
+                data += part
+                if len(data) > LONGEST_ANSWER:
+                    raise OddAnswerError("its answer has no end")
+            return bytes(data)
+        finally:
+            writer.close()
 
 
 class NodeApi:
-    """Our own part, in a thread: others find it at `host`, and it listens on `bind`.
+    """Our own part: others find it at `host`, and it listens on `bind`; see :meth:`open`.
 
-    `process` is the number of ours, and `calls` has all that others may ask.
+    The answers are functions by method, given the name of the caller and its arguments.
     """
 
-    def __init__(self, host: str, bind: str, master: str, process: int, calls: NodeCalls) -> None:
-        self._calls = calls
-        self._server = _Server((bind, 0))
-        self.uri = f"http://{host}:{self._server.server_address[1]}/"
-        answers: dict[str, Callable[..., object]] = {
-            "publisherUpdate": self._publisher_update,
-            "requestTopic": self._request_topic,
-            "shutdown": self._shut_down,
-            "getPid": lambda caller: process,
-            "getMasterUri": lambda caller: master,
-            "getPublications": lambda caller: calls.topics()[0],
-            "getSubscriptions": lambda caller: calls.topics()[1],
-            "getBusInfo": lambda caller: [],
-            "getBusStats": lambda caller: [[], [], []],
-            "paramUpdate": lambda caller, name, value: 0,
-        }
-        for name, answer in answers.items():
-            self._server.register_function(_responding(answer), name)
-        run = self._server.serve_forever
-        self._thread = threading.Thread(target=run, args=(0.1,), name="ros1 node", daemon=True)
-        self._thread.start()
+    def __init__(self, host: str, bind: str, answers: Mapping[str, Callable[..., object]]) -> None:
+        self._host, self._bind, self._answers = host, bind, answers
+        self._open: dict[asyncio.StreamWriter, asyncio.Task[None] | None] = {}
+        self.uri = ""
 
-    def close(self) -> None:
+    async def open(self) -> None:
+        """Listen; OSError where that address is not of this computer."""
+        self._server = await asyncio.start_server(self._take, self._bind, 0)
+        port = self._server.sockets[0].getsockname()[1]
+        self.uri = f"http://{bracketed(self._host)}:{port}/"
+
+    async def close(self) -> None:
         """Listen no more."""
-        self._server.shutdown()
-        self._server.server_close()
-        self._thread.join()
+        self._server.close()
+        for task in list(self._open.values()):
+            if task is not None:
+                task.cancel()
+        await asyncio.gather(*filter(None, self._open.values()), return_exceptions=True)
 
-    def _publisher_update(self, caller: str, topic: str, publishers: list[str]) -> int:
-        if not isinstance(publishers, list) or not all(isinstance(uri, str) for uri in publishers):
-            raise TypeError("publishers are a list of addresses")
-        self._calls.publisher_update(topic, publishers)
-        return 0
-
-    def _request_topic(self, caller: str, topic: str, protocols: list[list[str]]) -> list[object]:
-        found = self._calls.topic_address(topic)
-        if found is None or not any(each[:1] == ["TCPROS"] for each in protocols):
-            raise MasterRefusalError(f"{topic} is not published here over TCPROS")
-        return ["TCPROS", *found]
-
-    def _shut_down(self, caller: str, reason: str = "") -> int:
-        self._calls.shut_down()
-        return 0
-
-
-def _responding(answer: Callable[..., object]) -> Any:
-    """Return the function that answers in ROS's way: a code, words and a value."""
-
-    def respond(*arguments: object) -> list[object]:
+    async def _take(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        """Respond to the requests on a connection."""
+        self._open[writer] = asyncio.current_task()
+        if len(self._open) > CONNECTIONS:
+            oldest = next(iter(self._open))
+            oldest.close()
         try:
-            return [DONE, "", answer(*arguments)]
+            while await self._respond(reader, writer):
+                pass
+        except (*LOST, *MALFORMED, asyncio.CancelledError) as error:
+            log.debug("a request of another node: %s", error)
+        finally:
+            self._open.pop(writer, None)
+            writer.close()
+
+    async def _respond(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> bool:
+        """Respond to a request; return whether another one may follow."""
+        async with asyncio.timeout(WAITING):
+            _, fields = await _read_head(reader)
+            length = fields.get(LENGTH, "")
+            if not (length.isdecimal() and int(length) <= LONGEST_REQUEST):
+                writer.write(_with_length("HTTP/1.1 413 Too long\r\nConnection: close\r\n", b""))
+                return False
+            arguments, method = loads(await reader.readexactly(int(length)))
+        answer = self._answer(str(method), arguments)
+        content = dumps((answer,), methodresponse=True, allow_none=True).encode()
+        writer.write(_with_length("HTTP/1.1 200 OK\r\nContent-Type: text/xml\r\n", content))
+        await writer.drain()
+        return fields.get("connection", "").lower() != "close"
+
+    def _answer(self, method: str, arguments: tuple[object, ...]) -> list[object]:
+        """Return an answer in ROS's way: a code, words and a value."""
+        try:
+            return [DONE, "", self._answers[method](*arguments)]
+        except KeyError:
+            return [-1, f"no method {method}", 0]
         except (MasterRefusalError, TypeError) as error:
             return [0, str(error), 0]
 
-    return respond
+
+def _with_length(head: str, content: bytes) -> bytes:
+    return f"{head}Content-Length: {len(content)}\r\n\r\n".encode() + content
+
+
+async def _read_head(reader: asyncio.StreamReader) -> tuple[str, dict[str, str]]:
+    """Return the first line of a request or response of HTTP, and its fields."""
+    head = (await reader.readuntil(b"\r\n\r\n")).decode("latin-1")
+    first, *lines = head.splitlines()
+    fields = dict(line.partition(":")[::2] for line in lines if line)
+    return first, {name.lower(): value.strip() for name, value in fields.items()}

@@ -2,10 +2,8 @@
 
 import asyncio
 import os
-from collections.abc import AsyncIterator, Callable, Iterable, Mapping
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterable, Mapping
 from contextlib import asynccontextmanager, suppress
-from functools import partial
 from typing import Any, Final
 from weakref import WeakValueDictionary
 
@@ -14,22 +12,23 @@ from pioneer3.ros.addresses import Addresses, wait_for_master
 from pioneer3.ros.tcpros.answers import MasterRefusalError, SystemState
 from pioneer3.ros.tcpros.framing import header_frame, prepare, read_header
 from pioneer3.ros.tcpros.liveness import Liveness
-from pioneer3.ros.tcpros.master import LOST, Api, NodeApi, NodeCalls
-from pioneer3.ros.tcpros.publisher import TopicPublisher
+from pioneer3.ros.tcpros.master import LOST, Api, NodeApi
+from pioneer3.ros.tcpros.publisher import QUEUE, TopicPublisher
 from pioneer3.ros.tcpros.services import Handle, ServiceError, ServiceServer, call
 from pioneer3.ros.tcpros.subscriber import Left, Received, TopicSubscription
 from pioneer3.ros.tcpros.types import Definition
 from pioneer3.tasks import cancelled, running
 
-LOOK: Final = 1.0
-"""Pause between two looks at the master [s]."""
+LOOK: Final = 2.0
+"""Pause between two looks at the master [s]; each costs it, and the node, a millisecond."""
+GRAPH_LOOK: Final = 1.0
+"""The same where the graph is kept [s]."""
+SURVEY_EVERY: Final = 5
+"""Looks between two at our parameters."""
 SERVED: Final = 3.0
 """A service that does not respond within this time [s] hangs."""
-WORKERS: Final = 8
-"""Calls at once: to the master, to publishers, and to nodes whether they respond, of each."""
 CONNECTIONS: Final = 512
 """Connections to topics and services at once; further ones are refused."""
-MASTER, PUBLISHERS, NODES = range(3)
 SETTLING: Final = 5.0
 """Longest wait for the master at the start [s]."""
 ENDING: Final = 2.0
@@ -40,8 +39,9 @@ class Ros1Node:
     """A node; use :func:`ros1_node`.
 
     Its topics and services are at a port, and its publishers' headers have `extra` fields; `tell`
-    is given a sentence when the master goes, and when it is back. `ended` is set when somebody
-    shuts the node down; `state` is the graph, `None` while the master is away.
+    is given a sentence when the master goes, and when it is back; then `on_registered` is awaited.
+    `ended` is set when somebody shuts the node down. With `graph` its `state` is that of the
+    master, `None` while that is away. `master` is called for all else.
     """
 
     def __init__(
@@ -51,45 +51,55 @@ class Ros1Node:
         port: int,
         tell: Callable[[str], None],
         extra: Mapping[str, str],
+        *,
+        graph: bool,
     ) -> None:
         self.name, self.ended = name, asyncio.Event()
         self.state: SystemState | None = None
+        self.master = Api(at.master, name)
+        self.on_registered: Callable[[], Awaitable[object]] | None = None
         self._at, self._port, self._tell, self._extra = at, port, tell, extra
-        self._loop = asyncio.get_running_loop()
-        # by kind of calls: nobody waits for another's
-        names = {MASTER: "ros1 master", PUBLISHERS: "ros1 publishers", NODES: "ros1 nodes"}
-        self._workers = {kind: ThreadPoolExecutor(WORKERS, name) for kind, name in names.items()}
+        self._keeps_graph = graph
         self._located: WeakValueDictionary[str, asyncio.Lock] = WeakValueDictionary()
         self._liveness = Liveness(self.is_alive)
         self._publishers: dict[str, TopicPublisher] = {}
-        self._subscriptions: dict[str, TopicSubscription] = {}
+        self._subscriptions: dict[str, list[TopicSubscription]] = {}
         self._services: dict[str, ServiceServer] = {}
         self._registered: set[tuple[str, str]] = set()
+        self._parameters: object = None
+        self._looks = 0
+        self._is_new = False
         self._news = asyncio.Event()
         self._settled = asyncio.Event()
         self._away = False
-        self._master = Api(at.master, name)
-        calls = NodeCalls(
-            publisher_update=lambda *news: self._soon(self._update, *news),
-            topic_address=lambda topic: (at.host, port) if topic in self._publishers else None,
-            topics=self._topics,
-            shut_down=lambda: self._soon(self.ended.set),
-        )
-        self._api = NodeApi(at.host, at.bind, at.master, os.getpid(), calls)
+        self._api = NodeApi(at.host, at.bind, self._answers())
 
-    def advertise(self, name: str, type_: Definition, *, latched: bool = False) -> TopicPublisher:
-        """Publish on a topic; the same publisher for the same name."""
+    def advertise(
+        self, name: str, type_: Definition, *, latched: bool = False, queue: int = QUEUE
+    ) -> TopicPublisher:
+        """Publish on a topic; the same publisher for the same name.
+
+        Of `queue` messages that wait for a subscriber the newest stay.
+        """
         if name not in self._publishers:
-            made = TopicPublisher(name, type_, latched=latched, extra=self._extra)
+            made = TopicPublisher(name, type_, latched=latched, queue=queue, extra=self._extra)
             self._publishers[name] = made
             self._change()
         return self._publishers[name]
 
     def subscribe(
-        self, name: str, type_: Definition, received: Received, left: Left
+        self,
+        name: str,
+        type_: Definition,
+        received: Received,
+        left: Left,
+        queue: int | None = None,
     ) -> TopicSubscription:
-        """Subscribe to a topic, once; the functions are called in the loop."""
-        subscription = self._subscriptions[name] = TopicSubscription(
+        """Subscribe to a topic; the functions are called in the loop.
+
+        Of messages that come together the newest `queue` count, `None` for all.
+        """
+        subscription = TopicSubscription(
             name,
             type_,
             self.name,
@@ -97,35 +107,54 @@ class Ros1Node:
             received=received,
             left=left,
             tell=self._tell,
+            queue=queue,
         )
+        self._subscriptions.setdefault(name, []).append(subscription)
+        self._registered.discard(("subscriber", name))  # once more, for its publishers
         self._change()
         return subscription
 
-    async def unsubscribe(self, name: str) -> None:
-        """Receive messages of a topic no more."""
-        if (subscription := self._subscriptions.pop(name, None)) is None:
+    async def unsubscribe(self, subscription: TopicSubscription) -> None:
+        """Receive messages of a subscription no more."""
+        name = subscription.name
+        several = self._subscriptions.get(name, [])
+        if subscription not in several:
             return
+        several.remove(subscription)
         await subscription.close()
-        if ("subscriber", name) in self._registered:
-            self._registered.discard(("subscriber", name))
-            with suppress(*LOST, MasterRefusalError):
-                await self._ask(self._master, "unregisterSubscriber", name, self._api.uri)
+        if not several:
+            self._subscriptions.pop(name, None)
+            if ("subscriber", name) in self._registered:
+                self._registered.discard(("subscriber", name))
+                with suppress(*LOST, MasterRefusalError):
+                    await self.master.call("unregisterSubscriber", name, self._api.uri)
 
     def serve(self, name: str, type_: Definition, handle: Handle) -> None:
         """Offer a service."""
         self._services[name] = ServiceServer(name, type_, handle)
         self._change()
 
+    def has(self, name: str) -> bool:
+        """Return whether a topic or service of this name is here."""
+        return any(name in each for each in (self._publishers, self._subscriptions, self._services))
+
     async def call(self, name: str, type_: Definition, request: bytes) -> bytes:
         """Call a service; return the response. ServiceError if it has failed, or is not there."""
         try:
             async with asyncio.timeout(SERVED):
-                uri = str(await self._ask(self._master, "lookupService", name))
+                uri = str(await self.master.call("lookupService", name))
                 return await call(uri, name, type_, self.name, request)
         except TimeoutError:
             raise ServiceError(f"{name} has not responded within {SERVED:g} s") from None
-        except (*LOST, MasterRefusalError, EOFError, ValueError) as error:
+        except (*LOST, MasterRefusalError, ValueError) as error:
             raise ServiceError(f"{name} cannot be called in ROS 1: {error}") from error
+
+    async def get(self, name: str, otherwise: Any = None) -> Any:
+        """Return a parameter, or `otherwise`; errors as of :meth:`Api.call`."""
+        try:
+            return await self.master.call("getParam", name)
+        except MasterRefusalError:
+            return otherwise
 
     async def settle(self) -> None:
         """Return when the master knows everything, and its graph is here, or after a while."""
@@ -136,8 +165,8 @@ class Ros1Node:
     async def is_alive(self, node: str) -> bool:
         """Return whether a node responds: one that was killed stays registered."""
         try:
-            uri = str(await self._ask(self._master, "lookupNode", node))
-            await self._ask(Api(uri, self.name), "getPid", kind=NODES)
+            uri = str(await self.master.call("lookupNode", node))
+            await Api(uri, self.name).call("getPid")
         except (*LOST, MasterRefusalError):
             return False
         return True
@@ -149,9 +178,9 @@ class Ros1Node:
     async def refuse_double(self) -> None:
         """Raise ConfigError if another node has our name: the master would end that one."""
         try:
-            uri = str(await self._ask(self._master, "lookupNode", self.name))
+            uri = str(await self.master.call("lookupNode", self.name))
             if uri != self._api.uri:
-                await self._ask(Api(uri, self.name), "getPid", kind=NODES)
+                await Api(uri, self.name).call("getPid")
         except (*LOST, MasterRefusalError):
             return
         raise ConfigError(
@@ -166,22 +195,25 @@ class Ros1Node:
             if await self._look() and not self._news.is_set():
                 self._settled.set()
             with suppress(TimeoutError):
-                async with asyncio.timeout(LOOK):
+                async with asyncio.timeout(GRAPH_LOOK if self._keeps_graph else LOOK):
                     await self._news.wait()
+
+    async def open(self) -> None:
+        """Let others call this node; OSError where it cannot listen."""
+        await self._api.open()
 
     async def close(self) -> None:
         """Send what waits, and leave."""
         await asyncio.gather(*(each.flush() for each in self._publishers.values()))
         await self._liveness.close()
-        for subscription in self._subscriptions.values():
-            await subscription.close()
+        for several in list(self._subscriptions.values()):
+            for subscription in several:
+                await subscription.close()
         with suppress(TimeoutError, *LOST, MasterRefusalError):
             async with asyncio.timeout(ENDING):
                 if not self._away:
                     await self._unregister()
-        await asyncio.to_thread(self._api.close)
-        for workers in self._workers.values():
-            workers.shutdown(wait=False, cancel_futures=True)
+        await self._api.close()
 
     async def take(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         """Serve a subscriber, or a client of a service, until it leaves."""
@@ -197,7 +229,7 @@ class Ros1Node:
                 writer.write(header_frame({"error": refusal}))
                 return
             async with running(_until_closed(reader)):
-                await topic.serve(writer, self.name)
+                await topic.serve(writer, self.name, header.get("callerid", ""))
         except (OSError, EOFError, ValueError):
             return
         finally:
@@ -211,46 +243,64 @@ class Ros1Node:
     async def _look(self) -> bool:
         """See to it that the master knows all of us; keep the graph; return whether it is there."""
         try:
-            if self._registered and not await self._is_known():
-                self._registered.clear()
-            await self._register()
-            state = await self._ask(self._master, "getSystemState")
+            await self._see_to_registration()
+            if self._keeps_graph:
+                publishers, subscribers, *_ = await self.master.call("getSystemState")
+                self.state = SystemState(dict(publishers), dict(subscribers))
         except (*LOST, MasterRefusalError) as error:
             self.state = None
             if not self._away:
                 self._away = True
                 self._tell(
-                    f"ROS 1 MASTER LOST at {self._at.master} ({error}): connections last, new ones"
+                    f"ROS MASTER LOST at {self._at.master} ({error}): connections last, new ones"
                     " wait; registers again when it is back"
                 )
             return False
-        self.state = SystemState(dict(state[0]), dict(state[1]))
         if self._away:
             self._away = False
-            self._tell("the ROS 1 master is back; registered with it")
+            self._tell("the ROS master is back; registered with it")
         return True
 
+    async def _see_to_registration(self) -> None:
+        """Register what the master does not know; with a new one all, and our parameters."""
+        if self._registered and not await self._is_known():
+            self._registered.clear()
+            self._is_new = True  # until all is done: half of it would make us known, too
+        if self._is_new and self._parameters:
+            await self.master.call("setParam", self.name, self._parameters)
+        await self._register()
+        if self._is_new and self.on_registered is not None:
+            await self.on_registered()
+        self._is_new = False
+        if self._looks % SURVEY_EVERY == 0:
+            self._parameters = await self.get(self.name)
+        self._looks += 1
+
     async def _is_known(self) -> bool:
+        """Return whether the master knows us; another node of our name ends us."""
         try:
-            return bool(await self._ask(self._master, "lookupNode", self.name) == self._api.uri)
+            uri = await self.master.call("lookupNode", self.name)
         except MasterRefusalError:
             return False
+        if uri != self._api.uri:
+            self._shut_down(self.name, "another node has this name")
+        return True
 
     async def _register(self) -> None:
         uri = self._api.uri
         for name, service in list(self._services.items()):
             if ("service", name) not in self._registered:
                 at = f"rosrpc://{self._at.host}:{self._port}"
-                await self._ask(self._master, "registerService", service.name, at, uri)
+                await self.master.call("registerService", service.name, at, uri)
                 self._registered.add(("service", name))
         for name, topic in list(self._publishers.items()):
             if ("publisher", name) not in self._registered:
-                await self._ask(self._master, "registerPublisher", name, topic.type.name, uri)
+                await self.master.call("registerPublisher", name, topic.type.name, uri)
                 self._registered.add(("publisher", name))
-        for name, subscription in list(self._subscriptions.items()):
+        for name, several in list(self._subscriptions.items()):
             if ("subscriber", name) not in self._registered:
-                type_name = subscription.type.name
-                there = await self._ask(self._master, "registerSubscriber", name, type_name, uri)
+                type_name = several[0].type.name
+                there = await self.master.call("registerSubscriber", name, type_name, uri)
                 self._registered.add(("subscriber", name))
                 self._update(name, there, at_start=True)
 
@@ -259,48 +309,81 @@ class Ros1Node:
         for kind, name in self._registered:
             if kind == "service":
                 at = f"rosrpc://{self._at.host}:{self._port}"
-                await self._ask(self._master, "unregisterService", name, at)
+                await self.master.call("unregisterService", name, at)
             else:
-                await self._ask(self._master, f"unregister{kind.title()}", name, uri)
+                await self.master.call(f"unregister{kind.title()}", name, uri)
 
     def _update(self, topic: str, publishers: list[str], *, at_start: bool = False) -> None:
         """Take news about the publishers of a topic; we do not subscribe to ourselves."""
-        if topic in self._subscriptions:
-            others = [uri for uri in publishers if uri != self._api.uri]
-            self._subscriptions[topic].update(others, at_start=at_start)
+        others = [uri for uri in publishers if uri != self._api.uri]
+        for subscription in self._subscriptions.get(topic, ()):
+            subscription.update(others, at_start=at_start)
 
     async def _locate(self, uri: str, topic: str) -> tuple[str, int]:
-        try:
-            lock = self._located.setdefault(uri, asyncio.Lock())
-            async with lock:  # a node that hangs holds up its own topics only
-                api, how = Api(uri, self.name), [["TCPROS"]]
-                found = await self._ask(api, "requestTopic", topic, how, kind=PUBLISHERS)
-            return found[1], found[2]
-        except LOST as error:
-            raise ValueError(f"{uri} does not respond: {error}") from error
+        lock = self._located.setdefault(uri, asyncio.Lock())
+        async with lock:  # a node that hangs is asked once at a time
+            found = await Api(uri, self.name).call("requestTopic", topic, [["TCPROS"]])
+        return found[1], found[2]
 
-    async def _ask(self, api: Api, method: str, *arguments: object, kind: int = MASTER) -> Any:
-        ask = partial(api.call, method, *arguments)
-        return await self._loop.run_in_executor(self._workers[kind], ask)
+    def _answers(self) -> Mapping[str, Callable[..., object]]:
+        """Return what others may ask of a node (http://wiki.ros.org/ROS/Slave_API)."""
+        return {
+            "publisherUpdate": self._publisher_update,
+            "requestTopic": self._request_topic,
+            "shutdown": self._shut_down,
+            "getPid": lambda caller: os.getpid(),
+            "getMasterUri": lambda caller: self._at.master,
+            "getPublications": lambda caller: [
+                [name, each.type.name] for name, each in self._publishers.items()
+            ],
+            "getSubscriptions": lambda caller: [
+                [name, several[0].type.name] for name, several in self._subscriptions.items()
+            ],
+            "getBusInfo": lambda caller: self._connections(),
+            "getBusStats": lambda caller: [[], [], []],
+            "paramUpdate": lambda caller, name, value: 0,
+        }
 
-    def _topics(self) -> tuple[list[list[str]], list[list[str]]]:
-        return (
-            [[name, each.type.name] for name, each in list(self._publishers.items())],
-            [[name, each.type.name] for name, each in list(self._subscriptions.items())],
-        )
+    def _connections(self) -> list[list[object]]:
+        """Return number, other end, direction, transport, topic, whether connected, and words."""
+        rows = [("o", topic.name, node) for topic in self._publishers.values() for node in topic]
+        several = (each for of in self._subscriptions.values() for each in of)
+        rows += [("i", topic.name, uri) for topic in several for uri in topic.publishers]
+        return [
+            [number, end, way, "TCPROS", topic, True, f"TCPROS connection of {self._port}"]
+            for number, (way, topic, end) in enumerate(rows, start=1)
+        ]
 
-    def _soon(self, act: Callable[..., object], *arguments: object) -> None:
-        with suppress(RuntimeError):  # the loop has ended
-            self._loop.call_soon_threadsafe(act, *arguments)
+    def _publisher_update(self, caller: str, topic: str, publishers: list[str]) -> int:
+        if not isinstance(publishers, list) or not all(isinstance(uri, str) for uri in publishers):
+            raise TypeError("publishers are a list of addresses")
+        self._update(topic, publishers)
+        return 0
+
+    def _request_topic(self, caller: str, topic: str, protocols: list[list[str]]) -> list[object]:
+        if topic not in self._publishers or not any(each[:1] == ["TCPROS"] for each in protocols):
+            raise MasterRefusalError(f"{topic} is not published here over TCPROS")
+        return ["TCPROS", self._at.host, self._port]
+
+    def _shut_down(self, caller: str, reason: str = "") -> int:
+        self.ended.set()
+        return 0
 
 
 @asynccontextmanager
 async def ros1_node(
-    name: str, at: Addresses, tell: Callable[[str], None], extra: Mapping[str, str] | None = None
+    name: str,
+    at: Addresses,
+    tell: Callable[[str], None],
+    extra: Mapping[str, str] | None = None,
+    *,
+    graph: bool = True,
+    replaces: bool = False,
 ) -> AsyncIterator[Ros1Node]:
     """Be a node of ROS 1 while the block lasts; it begins when the master is there.
 
-    The parameters are those of :class:`Ros1Node`.
+    The parameters are those of :class:`Ros1Node`. A node that `replaces` takes the place of another
+    one of its name, which the master ends.
 
     Raises:
         ConfigError: another node has this name.
@@ -326,12 +409,15 @@ async def ros1_node(
     await wait_for_master(at.master, tell)
     try:
         server = await asyncio.start_server(take, at.bind, 0)
+        port = int(server.sockets[0].getsockname()[1])
+        node = Ros1Node(name, at, port, tell, extra or {}, graph=graph)
+        await node.open()
     except OSError as error:
         raise NoRobotError(f"cannot listen on {at.bind}: {error}; set ROS_IP") from error
-    node = Ros1Node(name, at, int(server.sockets[0].getsockname()[1]), tell, extra or {})
     nodes.append(node)
     try:
-        await node.refuse_double()
+        if not replaces:
+            await node.refuse_double()
         async with running(node.run()):
             yield node
     finally:

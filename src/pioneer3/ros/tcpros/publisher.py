@@ -2,7 +2,7 @@
 
 import asyncio
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from typing import Final
 
@@ -21,14 +21,21 @@ LOOK: Final = 0.005
 class TopicPublisher:
     """Sends messages to all who subscribe; a slow one holds up nobody.
 
-    If `latched`, new subscribers get the last message; `extra` are further fields of the header.
+    If `latched`, new subscribers get the last message; `extra` are further fields of the header. Of
+    `queue` messages that wait for a subscriber the newest stay.
     """
 
     def __init__(
-        self, name: str, type_: Definition, *, latched: bool, extra: Mapping[str, str]
+        self,
+        name: str,
+        type_: Definition,
+        *,
+        latched: bool,
+        queue: int = QUEUE,
+        extra: Mapping[str, str],
     ) -> None:
         self.name, self.type, self.latched = name, type_, latched
-        self._extra = extra
+        self._queue, self._extra = queue, extra
         self._last: bytes | None = None
         self._outlets: set[_Outlet] = set()
 
@@ -36,6 +43,10 @@ class TopicPublisher:
     def matched(self) -> bool:
         """Whether anybody subscribes."""
         return bool(self._outlets)
+
+    def __iter__(self) -> Iterator[str]:
+        """Iterate over the names of the nodes that subscribe."""
+        return iter([outlet.node for outlet in self._outlets])
 
     def write(self, data: bytes) -> None:
         """Send a serialized message."""
@@ -55,12 +66,15 @@ class TopicPublisher:
     def refusal(self, header: Mapping[str, str]) -> str:
         """Return the reason not to serve a subscriber with this header; empty for none."""
         theirs, md5sum = header.get("type", ANY), header.get("md5sum", "")
-        if md5sum not in {ANY, self.type.md5sum} or theirs not in {ANY, self.type.name}:
-            return f"topic {self.name} is of {self.type.name}, md5sum {self.type.md5sum}"
+        if md5sum not in {ANY, self.type.md5sum}:
+            return (
+                f"topic types do not match: [{theirs}] vs. [{self.type.name}]: {self.name} is of"
+                f" {self.type.name}, md5sum {self.type.md5sum}"
+            )
         return ""
 
-    async def serve(self, writer: asyncio.StreamWriter, caller: str) -> None:
-        """Send to a subscriber until it leaves."""
+    async def serve(self, writer: asyncio.StreamWriter, caller: str, node: str) -> None:
+        """Send to a subscriber on a node until it leaves."""
         fields = {
             "callerid": caller,
             "latching": "1" if self.latched else "0",
@@ -71,7 +85,7 @@ class TopicPublisher:
             **self._extra,
         }
         writer.write(header_frame(fields))
-        outlet = _Outlet(writer)
+        outlet = _Outlet(writer, node, self._queue)
         if self._last is not None:
             outlet.send(self._last)
         self._outlets.add(outlet)
@@ -82,12 +96,14 @@ class TopicPublisher:
 
 
 class _Outlet:
-    """The connection to a subscriber, and messages that wait for it."""
+    """The connection to a subscriber: what the system does not take at once waits here."""
 
-    def __init__(self, writer: asyncio.StreamWriter) -> None:
+    def __init__(self, writer: asyncio.StreamWriter, node: str, queue: int) -> None:
+        self.node = node
         self._writer = writer
-        self._waiting: deque[bytes] = deque(maxlen=QUEUE)
-        self._some = asyncio.Event()
+        self._waiting: deque[bytes] = deque(maxlen=queue)
+        self._blocked = asyncio.Event()
+        writer.transport.set_write_buffer_limits(high=0)  # so that `drain` waits for all
 
     @property
     def is_empty(self) -> bool:
@@ -96,14 +112,19 @@ class _Outlet:
 
     def send(self, frame: bytes) -> None:
         """Send a frame as soon as possible."""
-        self._waiting.append(frame)
-        self._some.set()
+        if self._blocked.is_set():
+            self._waiting.append(frame)
+        elif not self._writer.is_closing():
+            self._writer.write(frame)
+            if self._writer.transport.get_write_buffer_size():
+                self._blocked.set()
 
     async def run(self) -> None:
-        """Send frames until the subscriber is gone."""
+        """Send what waits until the subscriber is gone."""
         while not self._writer.is_closing():
-            await self._some.wait()
-            self._some.clear()
+            await self._blocked.wait()
+            await self._writer.drain()
             while self._waiting:
                 self._writer.write(self._waiting.popleft())
                 await self._writer.drain()
+            self._blocked.clear()

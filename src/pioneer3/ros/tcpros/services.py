@@ -16,13 +16,14 @@ from pioneer3.ros.tcpros.framing import (
     read_frame,
     read_header,
 )
+from pioneer3.ros.tcpros.master import connect
 from pioneer3.ros.tcpros.publisher import ANY
 from pioneer3.ros.tcpros.types import Definition
 
 Handle = Callable[[bytes], Awaitable[bytes]]
 """Given a serialized request, returns the response, or raises a :class:`ServiceError`."""
 LONGEST_REQUEST: Final = 1 << 16
-"""Longer requests are refused [bytes]; those of robots have one byte at most."""
+"""Longer requests are refused [bytes]."""
 DONE, FAILED = b"\x01", b"\x00"
 
 
@@ -80,7 +81,7 @@ async def call(uri: str, name: str, type_: Definition, caller: str, request: byt
         OSError, EOFError, ValueError: nobody is there, it has ended, or that is no service.
     """
     address = urlsplit(uri)
-    reader, writer = await asyncio.open_connection(address.hostname, address.port)
+    reader, writer = await connect(address.hostname, address.port)
     try:
         prepare(writer)
         header = {"callerid": caller, "md5sum": type_.md5sum, "service": name, "type": type_.name}

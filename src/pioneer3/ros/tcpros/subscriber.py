@@ -6,9 +6,9 @@ from collections.abc import Awaitable, Callable, Iterable
 from dataclasses import dataclass
 from socket import gaierror
 from typing import Final
-from xmlrpc.client import Error as XmlRpcError
 
-from pioneer3.ros.tcpros.framing import header_frame, prepare, read_frame, read_header
+from pioneer3.ros.tcpros.framing import Frames, header_frame, prepare, read_header
+from pioneer3.ros.tcpros.master import connect
 from pioneer3.ros.tcpros.publisher import ANY
 from pioneer3.ros.tcpros.types import Definition
 from pioneer3.tasks import cancelled
@@ -16,6 +16,8 @@ from pioneer3.tasks import cancelled
 FIRST_PAUSE: Final = 0.2
 LONGEST_PAUSE: Final = 5.0
 """Between two attempts to connect to a publisher [s]."""
+CHUNK: Final = 1 << 16
+"""Most that is read at once [bytes]."""
 log = logging.getLogger(__name__)
 
 
@@ -29,6 +31,7 @@ class PublisherConnection:
 
     node: str
     is_bridge: bool = False
+    is_latched: bool = False
     maybe_old: bool = False
     uri: str = ""
 
@@ -47,7 +50,7 @@ class TopicSubscription:
     """Connects to the publishers that the master names, for `caller`, our node.
 
     `locate` finds topics of nodes; `received` and `left` are called in the loop; `tell` is given
-    sentences for a person.
+    sentences for a person. Of messages that come together the newest `queue` count, `None` for all.
     """
 
     def __init__(
@@ -60,8 +63,9 @@ class TopicSubscription:
         received: Received,
         left: Left,
         tell: Callable[[str], None],
+        queue: int | None = None,
     ) -> None:
-        self.name, self.type = name, type_
+        self.name, self.type, self._queue = name, type_, queue
         self._caller, self._locate, self._tell = caller, locate, tell
         self._received, self._left = received, left
         self._following: dict[str, asyncio.Task[None]] = {}
@@ -90,6 +94,11 @@ class TopicSubscription:
         """Whether anybody publishes."""
         return bool(self._connected)
 
+    @property
+    def publishers(self) -> Iterable[str]:
+        """The addresses of the nodes that are connected."""
+        return self._connected.keys()
+
     async def close(self) -> None:
         """Receive no more."""
         await cancelled(self._following.values())
@@ -101,9 +110,9 @@ class TopicSubscription:
             try:
                 await self._receive(uri, was_there=was_there)
                 pause = FIRST_PAUSE
-            except (OSError, EOFError, ValueError, XmlRpcError) as error:
+            except (OSError, EOFError, ValueError) as error:
                 log.debug("%s of %s: %s", self.name, uri, error)
-                if isinstance(error, gaierror) or isinstance(error.__cause__, gaierror):
+                if isinstance(error, gaierror):
                     self._tell_once(
                         uri,
                         f"a publisher of ROS 1 {self.name} at {uri} CANNOT BE REACHED: this"
@@ -119,7 +128,7 @@ class TopicSubscription:
     async def _receive(self, uri: str, *, was_there: bool) -> None:
         """Receive from a publisher until the connection ends."""
         host, port = await self._locate(uri, self.name)
-        reader, writer = await asyncio.open_connection(host, port)
+        reader, writer = await connect(host, port)
         connection = None
         try:
             prepare(writer)
@@ -135,18 +144,21 @@ class TopicSubscription:
             header = await read_header(reader)
             if not self._fits(header, uri):
                 return
+            latched = header.get("latching") == "1"
             connection = PublisherConnection(
                 header.get("callerid", ""),
                 BRIDGE_FIELD in header,
-                was_there and header.get("latching") == "1",
+                latched,
+                was_there and latched,
                 uri,
             )
             self._connected[uri] = connection
-            old = connection.maybe_old
-            while True:
-                data = await read_frame(reader)
-                self._received(data, connection, old)
-                old = False
+            old, frames = connection.maybe_old, Frames()
+            while data := await reader.read(CHUNK):
+                several = frames.of(data)
+                for message in several if self._queue is None else several[-self._queue :]:
+                    self._received(message, connection, old)
+                    old = False
         except EOFError:
             return
         finally:

@@ -1,5 +1,7 @@
 """Message types of ROS 1 Noetic: definitions and codec of rosbags."""
 
+import re
+from collections.abc import Callable
 from dataclasses import dataclass
 from hashlib import md5
 from typing import Any, Final
@@ -7,6 +9,7 @@ from typing import Any, Final
 from pioneer3.distribution import how_to_get
 from pioneer3.errors import ConfigError
 from pioneer3.ros.definitions import DEFINITIONS, file_of
+from pioneer3.ros.encoding import ROS1, encoder
 from pioneer3.ros.typestore import MessageStore, full_name
 
 LACKING: Final = {
@@ -26,8 +29,22 @@ SERVICES: Final = {
     "std_srvs/Empty": ("", ""),
     "std_srvs/Trigger": ("", "bool success\nstring message"),
     "std_srvs/SetBool": ("bool data", "bool success\nstring message"),
+    "nav_msgs/GetMap": ("", "nav_msgs/OccupancyGrid map"),
+    "nav_msgs/GetPlan": (
+        "geometry_msgs/PoseStamped start\ngeometry_msgs/PoseStamped goal\nfloat32 tolerance",
+        "nav_msgs/Path plan",
+    ),
+    "dynamic_reconfigure/Reconfigure": (
+        "dynamic_reconfigure/Config config",
+        "dynamic_reconfigure/Config config",
+    ),
+    "roscpp/GetLoggers": ("", "roscpp/Logger[] loggers"),
+    "roscpp/SetLoggerLevel": ("string logger\nstring level", ""),
 }
-"""Request and response of the services that robots have."""
+"""Request and response of services."""
+REQUEST, RESPONSE = "Request", "Response"
+NAMED: Final = re.compile(r"^(\w+/\w+)(?:\[\d*\])?", re.MULTILINE)
+"""The type of a field that is no base type."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,11 +66,18 @@ class Ros1Types(MessageStore):
         try:
             from rosbags.typesys import Stores, get_types_from_msg, get_typestore
         except ImportError as error:
-            advice = how_to_get("zenoh")
-            raise ConfigError(f"ROS 1 without ROS needs rosbags: {advice}") from error
+            advice = how_to_get("ros1")
+            raise ConfigError(f"ROS 1 needs rosbags: {advice}") from error
         super().__init__(get_typestore(Stores.ROS1_NOETIC))
-        for name, text in (LACKING | {name: file_of(name) for name in DEFINITIONS}).items():
+        parts = {
+            f"{name}{part}": text
+            for name, texts in SERVICES.items()
+            for part, text in zip((REQUEST, RESPONSE), texts, strict=True)
+        }
+        further = LACKING | parts | {name: file_of(name) for name in DEFINITIONS}
+        for name, text in further.items():
             self._store.register(get_types_from_msg(text, full_name(name)))
+        self._encoders: dict[str, Callable[[Any], bytes]] = {}
 
     def definition(self, name: str) -> Definition:
         """Return the definition of a type such as `nav_msgs/Odometry`; ConfigError for none."""
@@ -63,9 +87,20 @@ class Ros1Types(MessageStore):
         text, md5sum = self._store.generate_msgdef(full, ros_version=1)
         return Definition(full.replace("/msg/", "/"), md5sum, text)
 
+    def service_definition(self, name: str) -> Definition:
+        """Return the definition of a service of :data:`SERVICES`; its text is stated nowhere."""
+        text = "".join(
+            NAMED.sub(lambda found: self.definition(found[1]).md5sum, part)
+            for part in SERVICES[name]
+        )
+        return Definition(name, md5(text.encode(), usedforsecurity=False).hexdigest())
+
     def encode(self, message: Any) -> bytes:
-        """Return the serialized form of a message."""
-        return bytes(self._store.serialize_ros1(message, message.__msgtype__))
+        """Return the serialized form; lists of numbers may stand for arrays."""
+        name = message.__msgtype__
+        if name not in self._encoders:
+            self._encoders[name] = encoder(name, self._store.fielddefs, ROS1)
+        return self._encoders[name](message)
 
     def decode(self, data: bytes, name: str) -> Any:
         """Return the message of a type such as `nav_msgs/Odometry`; ValueError for other bytes."""
@@ -75,9 +110,3 @@ class Ros1Types(MessageStore):
             return self._store.deserialize_ros1(data, full_name(name))
         except (SerdeError, AssertionError, IndexError) as error:
             raise ValueError(str(error)) from error
-
-
-def service_definition(name: str) -> Definition:
-    """Return the definition of a service of :data:`SERVICES`; its text is not stated anywhere."""
-    text = "".join(SERVICES[name])
-    return Definition(name, md5(text.encode(), usedforsecurity=False).hexdigest())

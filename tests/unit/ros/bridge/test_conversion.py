@@ -14,7 +14,7 @@ from pioneer3.ros.bridge.rows import BridgedRobot, Side, rows_of
 from pioneer3.ros.node.names import Profile
 from pioneer3.ros.ros2.distros import distro_of, distros
 from pioneer3.ros.ros2.types import MessageTypes
-from pioneer3.ros.tcpros.types import Ros1Types, service_definition
+from pioneer3.ros.tcpros.types import Ros1Types
 from pioneer3.ros.typestore import ARRAY, BASE, NAME, MessageStore
 
 ROS1 = Ros1Types()
@@ -185,4 +185,4 @@ def test_an_empty_message_of_ros1_has_no_bytes() -> None:
     ],
 )
 def test_services_have_the_md5sums_of_ros1(name: str, md5sum: str) -> None:
-    assert service_definition(name).md5sum == md5sum
+    assert ROS1.service_definition(name).md5sum == md5sum

@@ -1,11 +1,12 @@
-"""Messages as bytes: little-endian CDR, as rosbags writes it, in a fraction of the time.
+"""Messages as bytes of ROS 1 and ROS 2, as rosbags writes them, in a fraction of the time.
 
 Each type has a function of its own, made as source. Numbers and texts that follow each other in a
-message, also within nested ones, are packed in one call. CDR aligns each number to its size, from
-the end of the header of 4 bytes on.
+message, also within nested ones, are packed in one call. ROS 2 has CDR, which aligns each number to
+its size, from the end of a header of 4 bytes on; ROS 1 has neither. Both are little-endian.
 """
 
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
 from functools import lru_cache
 from struct import Struct, calcsize, pack
 from typing import Any, Final, cast
@@ -14,8 +15,19 @@ import numpy as np
 
 from pioneer3.ros.typestore import ARRAY, BASE, DTYPES, NAME, python_name
 
-HEADER: Final = b"\0\1\0\0"
-"""Header of little-endian CDR."""
+
+@dataclass(frozen=True, slots=True)
+class Encoding:
+    """A form of messages as bytes; `is_cdr`: numbers are aligned, and texts end with a 0."""
+
+    header: bytes = b""
+    is_cdr: bool = False
+
+
+ROS1: Final = Encoding()
+CDR: Final = Encoding(b"\0\1\0\0", is_cdr=True)
+NO_FIELD: Final = "structure_needs_at_least_one_member"
+"""Field of types without any, which ROS 1 leaves out."""
 LETTERS: Final[Mapping[str, str]] = {
     "bool": "?",
     "byte": "b",
@@ -41,13 +53,13 @@ LAYOUTS: Final = 256
 """Layouts of a run of fields, by the lengths of its texts, that are remembered."""
 
 
-def encoder(name: str, fields: Mapping[str, Any]) -> Callable[[Any], bytes]:
+def encoder(name: str, fields: Mapping[str, Any], encoding: Encoding) -> Callable[[Any], bytes]:
     """Return the function that serializes messages of the type `name`.
 
     Lists of numbers may stand for arrays, and `bytes` for arrays of bytes. Fields of each type are
     as rosbags has them.
     """
-    source = _Source(fields)
+    source = _Source(fields, encoding)
     source.add(NAME, name, "message")
     source.end_run()
     text = "\n ".join(("def encode(message):", "out = bytearray(header)", *source.lines))
@@ -58,10 +70,10 @@ def encoder(name: str, fields: Mapping[str, Any]) -> Callable[[Any], bytes]:
 class _Source:
     """Writes the lines of a function that appends a message to `out`, and what they know."""
 
-    def __init__(self, fields: Mapping[str, Any]) -> None:
+    def __init__(self, fields: Mapping[str, Any], encoding: Encoding) -> None:
         self.lines: list[str] = []
-        self.known: dict[str, object] = {"header": HEADER}
-        self._fields = fields
+        self.known: dict[str, object] = {"header": encoding.header}
+        self._fields, self._encoding = fields, encoding
         self._indent = ""
         self._letters = ""
         self._values: list[str] = []
@@ -72,7 +84,8 @@ class _Source:
         if kind == NAME:
             message = self._local(value)
             for field, (inner, base) in self._fields[what][1]:
-                self.add(inner, base, f"{message}.{python_name(field)}")
+                if self._encoding.is_cdr or field != NO_FIELD:
+                    self.add(inner, base, f"{message}.{python_name(field)}")
         elif kind == BASE:
             self._add_base(LETTERS[what[0]], value)
         else:
@@ -82,8 +95,9 @@ class _Source:
     def end_run(self) -> None:
         """Pack the numbers and texts that were added one after the other."""
         if self._letters:
-            pack_run = self._know(_packs(self._letters))
-            lengths, values = ", ".join(["len(out) & 7", *self._lengths]), ", ".join(self._values)
+            pack_run = self._know(_packs(self._letters, self._encoding))
+            start = "len(out) & 7" if self._encoding.is_cdr else "0"
+            lengths, values = ", ".join([start, *self._lengths]), ", ".join(self._values)
             self._write(f"out += {pack_run}({lengths})({values})")
             self._letters = ""
             self._values.clear()
@@ -94,7 +108,7 @@ class _Source:
             text = self._local(f"{value}.encode()")
             length = self._local(f"len({text})")
             self._lengths.append(length)
-            self._add_base(COUNT, f"{length} + 1")
+            self._add_base(COUNT, f"{length} + 1" if self._encoding.is_cdr else length)
             value = text
         self._letters += letter
         self._values.append(value)
@@ -115,7 +129,7 @@ class _Source:
         self.end_run()
         if letter:
             dtype = np.dtype(DTYPES.get(base[0], base[0])).newbyteorder("<")
-            write = self._know(_numbers(letter, dtype))
+            write = self._know(_numbers(letter, dtype, self._encoding))
             self._write(f"if len({values}): {write}({values}, out)")
             return
         each = f"each{len(self.lines)}"
@@ -141,12 +155,16 @@ class _Source:
         self.lines.append(self._indent + line)
 
 
-def _packs(letters: str) -> Callable[..., Callable[..., bytes]]:
+def _packs(letters: str, encoding: Encoding) -> Callable[..., Callable[..., bytes]]:
     """Return the function that finds how to pack a run that starts somewhere, with its texts."""
 
     @lru_cache(LAYOUTS)
     def packs(start: int, *lengths: int) -> Callable[..., bytes]:
-        return Struct("<" + "".join(_aligned(letters, start - len(HEADER), lengths))).pack
+        if encoding.is_cdr:
+            start -= len(encoding.header)
+            return Struct("<" + "".join(_aligned(letters, start, lengths))).pack
+        left = iter(lengths)
+        return Struct("<" + "".join(f"{next(left)}s" if x == "s" else x for x in letters)).pack
 
     return packs
 
@@ -166,12 +184,14 @@ def _aligned(letters: str, start: int, lengths: tuple[int, ...]) -> Iterator[str
             at += gap + size
 
 
-def _numbers(letter: str, dtype: "np.dtype[Any]") -> Callable[[Any, bytearray], None]:
+def _numbers(
+    letter: str, dtype: "np.dtype[Any]", encoding: Encoding
+) -> Callable[[Any, bytearray], None]:
     """Return the function that appends any number of numbers."""
-    size = dtype.itemsize
+    size, header = dtype.itemsize if encoding.is_cdr else 1, len(encoding.header)
 
     def write(values: Any, out: bytearray) -> None:
-        out += bytes(len(HEADER) - len(out) & size - 1)
+        out += bytes(header - len(out) & size - 1)
         if isinstance(values, list | tuple):
             out += pack(f"<{len(values)}{letter}", *values)
         elif isinstance(values, np.ndarray):
