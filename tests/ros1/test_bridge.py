@@ -171,10 +171,10 @@ async def test_a_master_that_restarts_is_told_of_and_found_again(
             command = await bridge.__aenter__()
             await says(command, "ready")
         try:
-            await says(command, "ROS 1 MASTER LOST")
+            await says(command, "ROS MASTER LOST")
             assert processes_of(f"rosmaster --core -p {port}") == []
             with roscore(port, home):
-                await says(command, "the ROS 1 master is back")
+                await says(command, "the ROS master is back")
                 async with driving():
                     await until(lambda: not robot.tap.now.is_zero)
                 await until(lambda: robot.tap.now.is_zero)

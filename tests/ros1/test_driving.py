@@ -9,7 +9,7 @@ import pytest
 
 from pioneer3.cli.ros1 import ros1 as ros1_command
 from pioneer3.geometry import Twist2
-from pioneer3.ros.ros1.master import LOOK, SURVEY_EVERY
+from pioneer3.ros.tcpros.node import LOOK, SURVEY_EVERY
 from tests.e2e.processes import PATIENCE, free_port, running, until
 from tests.ros1.conftest import Lab, laboratory, simulated
 from tests.ros1.master import ended, environment_of, ros, roscore, script

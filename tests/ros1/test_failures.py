@@ -23,7 +23,7 @@ FROZEN = 3.0
 async def test_who_publishes_another_type_is_told_of_and_does_no_harm(lab: Lab) -> None:
     wrong = ("rostopic", "pub", "-r", "10", "/RosAria/cmd_vel", "std_msgs/Float64", "1.0")
     publishing = asyncio.create_task(ended(*wrong, patience=8.0))
-    await lab.warns("/RosAria/cmd_vel is published as std_msgs/Float64: that is IGNORED")
+    await lab.warns("/RosAria/cmd_vel is IGNORED: it must be geometry_msgs/Twist, but")
     await publishing
     assert lab.tap.now == STILL
     poses = await script("press.py", "0.2", "1.0")

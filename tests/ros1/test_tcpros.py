@@ -69,6 +69,20 @@ async def test_messages_come_in_order_from_all_publishers(master: LittleMaster) 
         assert listener.heard[5] == (text("two"), "/two", False)
 
 
+async def test_headers_are_numbered_by_their_publisher(master: LittleMaster) -> None:
+    async with AsyncExitStack() as stack:
+        one, other = [await node(stack, master, name) for name in ("/one", "/other")]
+        type_, heard = TYPES.definition("sensor_msgs/Range"), list[bytes]()
+        other.subscribe("/range", type_, lambda data, *_: heard.append(data), lambda _: None)
+        publisher = one.advertise("/range", type_)
+        await until(lambda: publisher.matched)
+        message = TYPES.make("sensor_msgs/Range")
+        for _ in range(2):
+            publisher.write(TYPES.encode(message))
+        await until(lambda: len(heard) == 2)
+        assert [TYPES.decode(data, "sensor_msgs/Range").header.seq for data in heard] == [1, 2]
+
+
 async def test_a_publisher_that_ends_is_missed_at_once(master: LittleMaster) -> None:
     async with AsyncExitStack() as stack:
         other = await node(stack, master, "/other")
@@ -375,7 +389,8 @@ async def test_idle_connections_take_no_room_of_others(master: LittleMaster) -> 
     ("environment", "found"),
     [
         ({}, ("http://127.0.0.1:11311", "127.0.0.1", "127.0.0.1")),
-        ({"ROS_IP": "10.0.0.5"}, ("http://127.0.0.1:11311", "10.0.0.5", "10.0.0.5")),
+        ({"ROS_IP": "127.0.0.1"}, ("http://127.0.0.1:11311", "127.0.0.1", "127.0.0.1")),
+        ({"ROS_IP": "192.0.2.77"}, ("http://127.0.0.1:11311", "192.0.2.77", "0.0.0.0")),
         ({"ROS_HOSTNAME": "lab"}, ("http://127.0.0.1:11311", "lab", "0.0.0.0")),
         ({"ROS_HOSTNAME": "localhost"}, ("http://127.0.0.1:11311", "localhost", "127.0.0.1")),
         (

@@ -522,9 +522,12 @@ async def test_pictures_are_asked_for_only_while_somebody_looks(networks: Networ
     async with networks.bridge(rows(Side.ROS2, "camera/image_raw")):
         assert not writer.matched
         other = await networks.node("/other")
-        networks.hear_old("/camera/image_raw", "sensor_msgs/Image", other)
+        type_ = ROS1.definition("sensor_msgs/Image")
+        looking = other.subscribe(
+            "/camera/image_raw", type_, lambda *heard: None, lambda connection: None
+        )
         await until(lambda: writer.matched)
-        await other.unsubscribe("/camera/image_raw")
+        other.unsubscribe(looking)
         await until(lambda: not writer.matched)
 
 
@@ -532,7 +535,9 @@ async def test_pictures_are_asked_for_only_while_somebody_looks(networks: Networ
 async def test_services_of_a_robot_in_ros2_are_called_from_ros1(
     networks: Networks, serves: bool
 ) -> None:
-    trigger, set_bool = (ROS1.service_definition(f"std_srvs/{name}") for name in ("Trigger", "SetBool"))
+    trigger, set_bool = (
+        ROS1.service_definition(f"std_srvs/{name}") for name in ("Trigger", "SetBool")
+    )
     switched: list[bool] = []
 
     def respond(cdr: bytes) -> bytes:
@@ -560,7 +565,9 @@ async def test_services_of_a_robot_in_ros2_are_called_from_ros1(
         assert response[:1] == b"\x00"
         assert b"nobody" in response
         with pytest.raises(ServiceError, match="nobody"):
-            await networks.old.call("/enable_motors", ROS1.service_definition("std_srvs/Empty"), b"")
+            await networks.old.call(
+                "/enable_motors", ROS1.service_definition("std_srvs/Empty"), b""
+            )
 
 
 @pytest.mark.parametrize("serves", [True, False])
@@ -604,5 +611,5 @@ async def test_a_node_that_is_shut_down_by_name_ends_its_bridge(networks: Networ
         from pioneer3.ros.tcpros.master import Api
 
         api = Api(networks.master.nodes["/bridge"], "/rosnode")
-        await asyncio.to_thread(api.call, "shutdown", "because")
+        await api.call("shutdown", "because")
         await asyncio.wait_for(task, 5)

@@ -38,7 +38,7 @@ async def connecting(
     from pioneer3.ros.ros1.client import robots_by_node
     from pioneer3.ros.ros2.sessions import sessions
 
-    os.environ.update(missing_variables(fleet, os.environ))  # rospy takes them from there
+    os.environ.update(missing_variables(fleet, os.environ))  # nodes take them from there
     async with (
         robots_by_node(name, at_once=at_once) as by_node,
         sessions(name, patience, sonar=sonar, at_once=at_once) as networks,

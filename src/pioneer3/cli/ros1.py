@@ -1,10 +1,10 @@
 """`pioneer3 ros1`."""
 
-from collections.abc import Awaitable, Callable, Coroutine, Sequence
+from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import dataclass
 from inspect import Parameter as Argument
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import App, Parameter
 
@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from pioneer3.cli.topic_demos import Work
     from pioneer3.robot.lasers.spec import LaserSpec
     from pioneer3.ros.client.graph import RobotTopics
-    from pioneer3.ros.client.robot import TopicRobot
 
 ros1_app = App(
     name="ros1",
@@ -44,26 +43,30 @@ class Ros1Graph:
 
     def find(self, show: "Callable[[Sequence[RobotTopics]], None]") -> int:
         """Have all robots shown."""
+        return run_until_told_to_leave(self._find(show))
+
+    async def _find(self, show: "Callable[[Sequence[RobotTopics]], None]") -> int:
         from pioneer3.ros.ros1.client import find_robots
 
-        show(find_robots())
+        show(await find_robots(self.arguments))
         return 0
 
     def run(
         self, name: str, robots: Sequence[str], model: str | None, work: "Work", *, several: bool
     ) -> int:
         """Be a node and do `work` with robots; see :class:`Graph`."""
+        return run_until_told_to_leave(self._run(name, robots, model, work, several=several))
+
+    async def _run(
+        self, name: str, robots: Sequence[str], model: str | None, work: "Work", *, several: bool
+    ) -> int:
         from pioneer3.ros.client.graph import wanted
         from pioneer3.ros.ros1.client import find_robots, run_program
-        from pioneer3.ros.ros1.middleware import RospyTopics
 
-        topics = wanted(find_robots(), robots, several=several)
+        topics = wanted(await find_robots(self.arguments), robots, several=several)
         node = name if several else f"{name}_{topics[0].name.replace('/', '_')}"
-
-        def working(driven: "list[TopicRobot]") -> Coroutine[Any, Any, None]:
-            return work(driven, RospyTopics())
-
-        return run_until_told_to_leave(run_program(node, self.arguments, topics, model, working))
+        await run_program(node, self.arguments, topics, model, work)
+        return 0
 
 
 for command in commands(

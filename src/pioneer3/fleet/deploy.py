@@ -130,8 +130,11 @@ async def deploy(
     """Install this package on all computers at once.
 
     A version that is there already stays; one that does not start gives way to the one before it.
-    The package comes with `extras` such as `nav`, and with the service that drives the robot.
+    The package comes with `extras` such as `nav`, and with the service that drives the robot; with
+    that of ROS 1 if a robot is on it.
     """
+    on_ros1 = any(robot.ros == "1" for robot in robots)
+    extras = [*extras, *(["ros1"] if on_ros1 and service else [])]
     with tempfile.TemporaryDirectory(prefix="pioneer3-") as folder:
         bundler = Bundler(Path(folder), extras)
 

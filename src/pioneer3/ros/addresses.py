@@ -9,7 +9,7 @@ from typing import Final
 from urllib.parse import urlsplit
 
 from pioneer3.errors import ConfigError
-from pioneer3.links.hosts import address_towards
+from pioneer3.links.hosts import address_towards, is_address, is_own
 
 PORT: Final = 11311
 LOCAL: Final = "127.0.0.1"
@@ -42,7 +42,9 @@ def addresses(master: str | None, environment: Mapping[str, str] = os.environ) -
     if name := environment.get("ROS_HOSTNAME"):
         return Addresses(master=uri, host=name, bind=LOCAL if name in LOOPBACK else ANYWHERE)
     if own := environment.get("ROS_IP"):
-        return Addresses(master=uri, host=own, bind=own)
+        # behind a router this computer does not have the address by which others find it
+        here = is_address(own) and is_own(own)
+        return Addresses(master=uri, host=own, bind=own if here else ANYWHERE)
     if parts.hostname in LOOPBACK:
         return Addresses(master=uri, host=LOCAL, bind=LOCAL)
     try:

@@ -38,6 +38,17 @@ class MessageStore:
             self._makers[name] = self._maker(full_name(name))
         return self._makers[name]()
 
+    def filled(self, name: str, values: object) -> Any:
+        """Return a message of a type with the fields that an object has, or that message itself."""
+        full = full_name(name)
+        if getattr(values, "__msgtype__", "") == full:
+            return values
+        message = self.make(full)
+        for field, _ in self.fields[full][1]:
+            if hasattr(values, field):
+                setattr(message, field, getattr(values, field))
+        return message
+
     def _maker(self, name: str) -> Callable[[], Any]:
         kind = self._store.types[name]
         fields = [self._empty(desc) for field, desc in self._store.fielddefs[name][1]]

@@ -1,7 +1,6 @@
 """Snapshots of a robot's topics and keys of a phone, over a middleware without ROS."""
 
 import asyncio
-import threading
 from types import SimpleNamespace
 
 import pytest
@@ -12,11 +11,11 @@ from pioneer3.ros.client.phone import SILENT, flicks
 from pioneer3.ros.client.snapshots import KNOWN, TOGETHER, Delay, SnapshotSubscriber
 from pioneer3.ros.ros1.client import MotorSwitch
 from pioneer3.state import Snapshot
+from pioneer3.tasks import running
 from pioneer3.teleop.keyboard import Key
 from tests.unit.ros.fakes import SOMEBODY, FakeMiddleware
 from tests.unit.ros.support import Blank
 
-PATIENCE = 10.0
 TOPICS = RobotTopics(
     node="/RosAria",
     pose="/RosAria/pose",
@@ -121,22 +120,23 @@ async def test_a_phone_that_falls_silent_stops_the_robot(monkeypatch: pytest.Mon
     await keys.aclose()  # type: ignore[attr-defined]
 
 
-def test_a_node_that_hangs_takes_one_thread_and_the_last_request_waits() -> None:
-    begun, goes_on, called = threading.Event(), threading.Event(), list[bool]()
+async def test_a_node_that_hangs_is_called_once_and_the_last_request_waits() -> None:
+    goes_on, called = asyncio.Event(), list[bool]()
 
-    def call(on: bool) -> None:
+    async def call(on: bool) -> None:
         called.append(on)
-        begun.set()
-        assert goes_on.wait(PATIENCE)
+        await goes_on.wait()
 
-    switch, before = MotorSwitch(call), threading.active_count()
-    switch(False)
-    assert begun.wait(PATIENCE)
-    for on in (True, False, True, False):
-        switch(on)
-    assert called == [False]
-    assert threading.active_count() == before + 1
-    goes_on.set()
-    switch.close()
-    assert threading.active_count() == before
-    assert called == [False, False]
+    switch = MotorSwitch(call)
+    async with running(switch.run()):
+        switch(False)
+        await asyncio.sleep(0.1)
+        for on in (True, False, True, False):
+            switch(on)
+        await asyncio.sleep(0.1)
+        assert called == [False]
+        await switch.finish()  # which does not wait for ever
+        assert called == [False]
+        goes_on.set()
+        await switch.finish()
+        assert called == [False, False]

@@ -1,7 +1,5 @@
-import os
 import re
 import subprocess
-import sys
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
@@ -12,9 +10,7 @@ from pioneer3.errors import ConfigError
 from pioneer3.ros.node.names import Profile
 from pioneer3.ros.node.navigation_topics import NAVIGATION_TOPICS
 from pioneer3.ros.node.topics import topics_of
-from pioneer3.ros.ros1 import middleware
 from pioneer3.ros.ros1.package import install_package
-from pioneer3.ros.ros1.start import stay_on_this_computer
 from tests.unit.ros.support import P3AT
 
 DEMOS = (
@@ -26,48 +22,6 @@ DEMOS = (
     "wander",
     "android_teleop",
 )
-
-
-@pytest.fixture
-def path(monkeypatch: pytest.MonkeyPatch) -> list[str]:
-    """Return the search path of an environment that has no rospy; a test may change it."""
-    monkeypatch.setattr(middleware, "find_spec", lambda name: None)
-    monkeypatch.setattr(sys, "path", list(sys.path))
-    return list(sys.path)
-
-
-def test_without_ros_the_command_that_installs_it_is_told(path: list[str], tmp_path: Path) -> None:
-    with pytest.raises(ConfigError, match=r"sudo apt-get install -y .*python3-rospy"):
-        middleware.find_rospy([tmp_path])
-    assert sys.path == path
-
-
-def test_ros_comes_last_in_the_search_path(path: list[str], tmp_path: Path) -> None:
-    (tmp_path / "rospy").mkdir()
-    middleware.find_rospy([tmp_path / "nowhere", tmp_path])
-    assert sys.path == [*path, str(tmp_path)]
-
-
-@pytest.mark.parametrize(
-    ("master", "given", "ip"),
-    [
-        ("http://localhost:11311", {}, "127.0.0.1"),
-        ("http://127.0.0.1:11311", {}, "127.0.0.1"),
-        ("http://lab-pc:11311", {}, None),
-        ("http://localhost:11311", {"ROS_IP": "192.168.0.7"}, "192.168.0.7"),
-        ("http://localhost:11311", {"ROS_HOSTNAME": "p3"}, None),
-    ],
-)
-def test_with_a_master_here_nobody_elsewhere_gets_in(
-    master: str, given: dict[str, str], ip: str | None, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    for name in ("ROS_IP", "ROS_HOSTNAME"):
-        monkeypatch.setenv(name, "")
-        monkeypatch.delenv(name)
-    for name, value in given.items():
-        monkeypatch.setenv(name, value)
-    stay_on_this_computer(master)
-    assert os.environ.get("ROS_IP") == ip
 
 
 def test_the_package_starts_the_command_with_the_python_of_now(tmp_path: Path) -> None:
@@ -110,11 +64,3 @@ def test_the_package_shows_every_model_it_describes(tmp_path: Path) -> None:
     assert set(topics) <= told
     for launch in (package / "launch").iterdir():
         assert ET.parse(launch).getroot().tag == "launch"
-
-
-def test_a_map_without_the_messages_of_move_base_says_how_to_get_them(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setattr(middleware, "find_spec", lambda name: None)
-    with pytest.raises(ConfigError, match=r"apt-get install .* python3-move-base-msgs"):
-        middleware.find_move_base()

@@ -3,7 +3,6 @@
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
-from itertools import count
 from typing import Any, Final
 
 import numpy as np
@@ -64,8 +63,7 @@ class Converter:
     def to_ros1(self, ros1_type: str, ros2_type: str) -> Convert:
         """Return the function from messages of a type in ROS 2 to those of a type in ROS 1.
 
-        Headers get the numbers of a sequence, as publishers of ROS 1 fill them in. ConfigError as
-        of :meth:`to_ros2`.
+        ConfigError as of :meth:`to_ros2`.
         """
         first, second = full_name(ros1_type), full_name(ros2_type)
         self.ros1.definition(first), self.ros2.message_type(second)
@@ -74,17 +72,7 @@ class Converter:
         if (first, second) == (TWIST, STAMPED):
             within = _Mapping(self.ros2, self.ros1, self._frames.in_ros1).of(TWIST, TWIST)
             return lambda message: within(message.twist)
-        convert = _Mapping(self.ros2, self.ros1, self._frames.in_ros1).of(second, first)
-        if not any(field == "header" for field, _ in self.ros1.fields[first][1]):
-            return convert
-        numbers = count()
-
-        def numbered(message: Any) -> Any:
-            made = convert(message)
-            made.header.seq = next(numbers) % 2**32
-            return made
-
-        return numbered
+        return _Mapping(self.ros2, self.ros1, self._frames.in_ros1).of(second, first)
 
     def _bumper_array(self, message: Any) -> Any:
         """Return a std_msgs/UInt8MultiArray of two rows for a rosaria/BumperState."""

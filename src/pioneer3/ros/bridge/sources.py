@@ -57,7 +57,7 @@ class Ros1Source:
             self._subscription = self._node.subscribe(name, self._type, self._take, self._left)
         elif not wanted and self._subscription is not None:
             subscription, self._subscription = self._subscription, None
-            await self._node.unsubscribe(subscription)
+            self._node.unsubscribe(subscription)
 
     def _take(self, data: bytes, connection: PublisherConnection, old: bool) -> None:
         node, marked = connection.node, connection.is_bridge

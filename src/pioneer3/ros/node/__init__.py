@@ -19,6 +19,7 @@ topics              the table of topics
 p2os_topics         topics that only p2os has
 topic               a row of the table of topics
 middleware          the part of a ROS middleware that nodes and clients need
+clock               the time in stamps
 parameter_reading   reads the parameters of a node as somebody has written them
 parameters          the parameters of a node: what each means, and what follows from their values
 laser_parameters    parameters of the laser range finder

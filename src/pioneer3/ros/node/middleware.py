@@ -1,4 +1,4 @@
-"""The part of a ROS middleware that nodes and clients need; `ros1` has it for rospy, `ros2` too.
+"""The part of a ROS middleware that nodes and clients need; `ros1` and `ros2` have it.
 
 Calls that set something up or take it away talk to others and may take their time: they are made in
 a thread, never in the event loop.
@@ -31,7 +31,7 @@ class Sender:
 Receive = Callable[[Any, Sender], None]
 """Takes a message, in any thread."""
 Lose = Callable[[Sender], None]
-"""Told of a sender that is known to be gone, in any thread; ROS 1 tells of none."""
+"""Told of a sender that is known to be gone, in any thread."""
 Unsubscribe = Callable[[], None]
 """Ends a subscription to one topic."""
 

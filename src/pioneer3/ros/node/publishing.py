@@ -126,7 +126,7 @@ class Publishing:
             wanted = subscribed or (row.topic.latched and row.publishers)
             if wanted and row.is_due(update, subscribed=subscribed):
                 assert row.topic.fill is not None
-                if row.message is None or row.topic.latched:  # rospy keeps a latched one
+                if row.message is None or row.topic.latched:  # rclpy may keep a latched one
                     row.message = self._middleware.make(row.topic.type_name)
                 row.topic.fill(row.message, update)
                 filled.append(row)

@@ -60,9 +60,10 @@ def check_environment(
         yield from _check_address(environment[ADDRESS], master, network)
 
 
-def environment_warnings() -> list[str]:
-    """Return a sentence for each variable of this program that is wrong, in a thread."""
-    return [f"{each.found}: {each.meaning}; {each.advice}" for each in check_environment()]
+def environment_warnings(environment: Mapping[str, str] = os.environ) -> list[str]:
+    """Return a sentence for each variable that is wrong, in a thread."""
+    found = check_environment(environment)
+    return [f"{each.found}: {each.meaning}; {each.advice}" for each in found]
 
 
 def checked_master(uri: str) -> str:

@@ -3,21 +3,16 @@
 import asyncio
 import gc
 import logging
-import os
-from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
-from contextlib import asynccontextmanager, suppress
-from logging.handlers import QueueHandler, QueueListener
-from queue import Full, Queue
-from threading import Thread
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterator, Sequence
+from contextlib import asynccontextmanager, contextmanager, suppress
+from functools import partial
 from typing import Final
-from urllib.parse import urlsplit
 
-from pioneer3.errors import ConfigError
-from pioneer3.names import printable
+from pioneer3.errors import NoRobotError
 from pioneer3.robot.lasers.driver import LaserDriver
 from pioneer3.robot.lasers.spec import LaserSpec
-from pioneer3.robot.supervisor import RobotInfo, is_simulator
-from pioneer3.ros.addresses import LOCAL, LOOPBACK, wait_for_master
+from pioneer3.robot.supervisor import is_simulator
+from pioneer3.ros.addresses import Addresses, addresses, wait_for_master
 from pioneer3.ros.node.laser_node import FRAME, LaserNode
 from pioneer3.ros.node.laser_parameters import read_laser_parameters, unused_laser_parameters
 from pioneer3.ros.node.names import NODE, lab_node
@@ -25,55 +20,75 @@ from pioneer3.ros.node.node import RobotNode
 from pioneer3.ros.node.parameter_reading import TF_PREFIX
 from pioneer3.ros.node.parameters import MODEL, SIMULATED
 from pioneer3.ros.node.start import StartOptions, checked_parameters, connected_robot
-from pioneer3.ros.ros1.environment import checked_master, environment_warnings
-from pioneer3.ros.ros1.master import MasterWatch
-from pioneer3.ros.ros1.middleware import RospyMiddleware, find_move_base, find_rospy
+from pioneer3.ros.ros1.arguments import Ros1Arguments, parse
+from pioneer3.ros.ros1.environment import MASTER, checked_master, environment_warnings
+from pioneer3.ros.ros1.middleware import Ros1Middleware
+from pioneer3.ros.tcpros.answers import MasterRefusalError
+from pioneer3.ros.tcpros.master import LOST, Api
+from pioneer3.ros.tcpros.node import Ros1Node, ros1_node
+from pioneer3.ros.tcpros.types import Ros1Types
+from pioneer3.tasks import running
 
 LAB_NAME: Final = "_lab_name:="
-LONGEST_QUEUE: Final = 100
-"""Records that wait while the master is silent; further ones are on the terminal only."""
+LASER_NODE: Final = "laser"
+log = logging.getLogger("rosout")
 
 
 @asynccontextmanager
 async def on_ros(
     name: str, arguments: Sequence[str], tell: Callable[[str], None]
-) -> AsyncIterator[MasterWatch]:
-    """Be a ROS node during the block; `tell` is given lines for a person.
+) -> AsyncIterator[tuple[Ros1Node, Ros1Types, Ros1Arguments]]:
+    """Be a node during the block; `tell` is given lines for a person.
 
-    `name` is that of the node, unless ROS's own `arguments` have another. Raises ConfigError if an
-    argument is none of ROS's, ROS is not installed, or ROS_MASTER_URI is no address.
+    `name` is that of the node, unless ROS's own `arguments` have another.
+
+    Raises:
+        ConfigError: an argument is none of ROS's, or ROS_MASTER_URI is no address.
+        NoRobotError: this computer does not have the address that it is to listen on.
     """
-    odd = [argument for argument in arguments if ":=" not in argument]
-    if odd:
-        raise ConfigError(
-            f"{odd[0]!r} is none of ROS's arguments, such as _port:=/dev/ttyS0, and no command:"
-            " pioneer3 ros1 --help lists those"
-        )
-    find_rospy()
-    import rosgraph
-    import rospy
-
-    master = checked_master(rosgraph.get_master_uri())
-    for sentence in await asyncio.to_thread(environment_warnings):
+    given = parse(arguments, name)
+    at = checked_addresses(given)
+    for sentence in await asyncio.to_thread(environment_warnings, given.environment):
         tell(f"WARN {sentence}")
-    await wait_for_master(master, tell)
-    await begin_node(name, arguments, master)
-    watch = MasterWatch(rospy.get_name(), rospy.logwarn)
-    try:
-        yield watch
-    finally:
-        watch.stop()
-        await asyncio.to_thread(_forget, arguments)
-        rospy.signal_shutdown("the program ends")
+    types = await asyncio.to_thread(Ros1Types)
+    await wait_for_master(at.master, tell)
+    warn = partial(log.warning, "%s")
+    async with ros1_node(given.node, at, warn, graph=False, replaces=True) as node:
+        yield node, types, given
 
 
-def announce(middleware: RospyMiddleware, tell: Callable[[str], None]) -> None:
-    """Tell the names of the node and its master, and warn of remappings that change nothing."""
-    import rosgraph
-    import rospy
+def checked_addresses(arguments: Ros1Arguments) -> Addresses:
+    """Return the addresses by arguments and variables; ConfigError if one is wrong."""
+    checked_master(arguments.environment.get(MASTER, ""))
+    return addresses(None, arguments.environment)
 
-    tell(f"node {rospy.get_name()} on {rosgraph.get_master_uri()}")
-    Thread(target=middleware.tell_unused_rules, name="unused remappings", daemon=True).start()
+
+@asynccontextmanager
+async def _middleware(
+    name: str, arguments: Sequence[str], tell: Callable[[str], None]
+) -> AsyncIterator[tuple[Ros1Middleware, Callable[[], None]]]:
+    """Yield the middleware of a node, and the function to call when all is advertised.
+
+    The arguments are those of :func:`on_ros`.
+    """
+    ready = asyncio.Event()
+    async with on_ros(name, arguments, tell) as (node, types, given):
+        middleware = Ros1Middleware(node, types, given)
+
+        async def announce() -> None:
+            await ready.wait()
+            await node.settle()
+            tell(f"node {node.name} on {node.master.uri}")
+            await middleware.tell_unused_rules()
+
+        try:
+            with _needing(node.master):
+                await middleware.begin()
+            async with running(announce()):
+                yield middleware, ready.set
+        finally:
+            middleware.end()
+            await _forget(node, given)
 
 
 async def serve(options: StartOptions, tell: Callable[[str], None]) -> int:
@@ -82,24 +97,40 @@ async def serve(options: StartOptions, tell: Callable[[str], None]) -> int:
     Raises:
         PioneerError: something could not be started; the message says what to do.
     """
-    async with on_ros(node_name(options.arguments), options.arguments, tell) as watch:
-        import rospy
-
-        raw = rospy.get_param("~", {})
-        if above := rospy.search_param(TF_PREFIX):
-            raw = {TF_PREFIX: rospy.get_param(above)} | raw
-        parameters = checked_parameters(raw, options.laser_ports, rospy.logwarn)
-        watch.start()
-        if options.line_map or parameters.map:
-            find_move_base()
+    name = node_name(options.arguments)
+    async with _middleware(name, options.arguments, tell) as (middleware, ready):
+        node = middleware.node
+        with _needing(node.master):
+            raw = await _private(node)
+            with suppress(MasterRefusalError):  # there is none
+                above = await node.master.call("searchParam", TF_PREFIX)
+                raw = {TF_PREFIX: await node.get(above)} | raw
+        parameters = checked_parameters(raw, options.laser_ports, middleware.warn)
         gc.freeze()  # else all that was imported is searched for garbage again and again
         async with connected_robot(options, parameters, tell) as robot:
-            await asyncio.to_thread(_introduce, robot.info)
-            middleware = RospyMiddleware()
-            node = RobotNode(robot, parameters, middleware)
-            watch.on_registered = node.describe_robot
-            await node.run(lambda: announce(middleware, tell))
+            said = {MODEL: robot.info.model.name, SIMULATED: is_simulator(robot.info)}
+            with _needing(node.master):
+                for key, value in said.items():
+                    await node.master.call("setParam", f"{node.name}/{key}", value)
+            robot_node = RobotNode(robot, parameters, middleware)
+            node.on_registered = partial(asyncio.to_thread, robot_node.describe_robot)
+            await robot_node.run(ready)
     return 0
+
+
+@contextmanager
+def _needing(master: Api) -> Iterator[None]:
+    """Raise NoRobotError if the master is lost in the block."""
+    try:
+        yield
+    except LOST as error:
+        raise NoRobotError(f"the ROS master at {master.uri} is lost: {error}") from error
+
+
+async def _private(node: Ros1Node) -> dict[str, object]:
+    """Return the parameters below the node's name."""
+    found = await node.get(node.name, {})
+    return found if isinstance(found, dict) else {}
 
 
 def node_name(arguments: Sequence[str]) -> str:
@@ -108,89 +139,20 @@ def node_name(arguments: Sequence[str]) -> str:
     return lab_node(given[-1]) if given else NODE
 
 
-async def begin_node(name: str, arguments: Sequence[str], master: str) -> None:
-    """Be a node of rospy from now on."""
-    import rospy
-
-    stay_on_this_computer(master)
-    argv = ["pioneer3", *arguments]
-    await asyncio.to_thread(rospy.init_node, name, argv=argv, disable_signals=True)
-    log_in_background()
-
-
-def stay_on_this_computer(master: str) -> None:
-    """Listen on loopback only, unless the environment says otherwise or the master is elsewhere."""
-    chosen = os.environ.keys() & {"ROS_IP", "ROS_HOSTNAME"}
-    if not chosen and urlsplit(master).hostname in LOOPBACK:
-        os.environ["ROS_IP"] = LOCAL
-
-
-class BoundedQueueHandler(QueueHandler):
-    """Puts records into a queue; drops those that find it full."""
-
-    def enqueue(self, record: logging.LogRecord) -> None:
-        """Put a record into the queue if there is room."""
-        try:
-            self.queue.put_nowait(record)
-        except Full:
-            return
-
-
-def _on_one_line(record: logging.LogRecord) -> bool:
-    """Let a terminal obey nothing in a record."""
-    record.msg, record.args = printable(record.getMessage()), None
-    return True
-
-
-def log_in_background() -> None:
-    """Let a thread of its own publish the records of rospy; `rospy.init_node` comes first.
-
-    rospy asks the master for a parameter whenever something is logged, without a timeout: in a
-    network that is cut, the thread that logs a warning hangs. That must not be the one that stops
-    the robot. Records are on the terminal at once, as before.
-    """
-    from rospy.impl.rosout import RosOutHandler
-
-    log = logging.getLogger("rosout")
-    log.addFilter(_on_one_line)
-    publishers = [each for each in log.handlers if isinstance(each, RosOutHandler)]
-    if not publishers:
-        return
-    waiting: Queue[logging.LogRecord] = Queue(LONGEST_QUEUE)
-    for each in publishers:
-        log.removeHandler(each)
-    log.addHandler(BoundedQueueHandler(waiting))
-    QueueListener(waiting, *publishers).start()  # a daemon: it may hang when the program ends
-
-
-def _introduce(info: RobotInfo) -> None:
-    """Let programs know the robot's model, and whether it is a simulator."""
-    import rospy
-
-    rospy.set_param(f"~{MODEL}", info.model.name)
-    rospy.set_param(f"~{SIMULATED}", is_simulator(info))
-
-
-def _forget(arguments: Sequence[str]) -> None:
+async def _forget(node: Ros1Node, given: Ros1Arguments) -> None:
     """Delete the parameters that were for this run only: they would hold for the next one."""
-    private = [each[1:] for each in arguments if each.startswith("_") and each[1:2] != "_"]
-    for name in (*(each.partition(":=")[0] for each in private), MODEL, SIMULATED):
-        _delete(f"~{name}")
+    with suppress(*LOST):
+        for name in (*given.parameters, MODEL, SIMULATED):
+            with suppress(MasterRefusalError):  # there is none
+                await _delete(node, given.full(f"~{name}"))
 
 
-def _delete(name: str) -> None:
+async def _delete(node: Ros1Node, name: str) -> None:
     """Delete a parameter, and the folders of parameters that are empty without it."""
-    import rospy
-
-    with suppress(OSError, KeyError, rospy.ROSException):
-        full = rospy.resolve_name(name)
-        rospy.delete_param(full)
-        folder = full.rpartition("/")[0]
-        if folder and rospy.get_param(folder, None) == {}:
-            _delete(folder)
-
-
-LASER_NODE: Final = "laser"
+    await node.master.call("deleteParam", name)
+    folder = name.rpartition("/")[0]
+    if folder and await node.get(folder) == {}:
+        await _delete(node, folder)
 
 
 async def serve_laser(
@@ -203,18 +165,14 @@ async def serve_laser(
     `find` looks for the laser, given its port if the parameters have one. Raises PioneerError if
     something could not be started; the message says what to do.
     """
-    async with on_ros(LASER_NODE, arguments, tell) as watch:
-        import rospy
-
-        raw = rospy.get_param("~", {})
+    async with _middleware(LASER_NODE, arguments, tell) as (middleware, ready):
+        with _needing(middleware.node.master):
+            raw = await _private(middleware.node)
         parameters = read_laser_parameters(raw)
         for sentence in unused_laser_parameters(raw):
-            rospy.logwarn(sentence)
-        watch.start()
+            middleware.warn(sentence)
         spec = parameters.applied_to(await find(parameters.ports))[0]
         tell(f"laser at {spec.url}")
         driver = LaserDriver(spec.config(), mounting=lambda: spec.mounting_on(None))
-        middleware = RospyMiddleware()
-        node = LaserNode(driver, parameters.frame_id.lstrip("/") or FRAME, middleware)
-        await node.run(lambda: announce(middleware, tell))
+        await LaserNode(driver, parameters.frame_id.lstrip("/") or FRAME, middleware).run(ready)
     return 0

@@ -18,7 +18,6 @@ parameter_services  the parameter services of a node, and the content of `/param
 mismatches          finds endpoints of other nodes that cannot talk to ours
 network             the choice of a backend
 types               messages of one distribution: empty ones to fill, and their serialized form
-cdr                 messages as bytes
 distros             the distributions of ROS 2, as far as they differ on the wire
 names               names in ROS 2: namespaces, private names, and names that come from the network
 state               the state of a robot from a few of its topics, for those who only look

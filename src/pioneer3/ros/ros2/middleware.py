@@ -1,16 +1,15 @@
 """The middleware of ROS 2 over any backend: names, types, quality of service, time and logs."""
 
 import logging
-import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from operator import attrgetter
 from typing import Any, Final
 
-from pioneer3.ros.messages.update import NANO, nanoseconds
+from pioneer3.ros.node.clock import RosClock
 from pioneer3.ros.node.driving_parameters import DrivingParameters
-from pioneer3.ros.node.middleware import QUEUE, Lose, Receive, Sender, Unsubscribe
+from pioneer3.ros.node.middleware import QUEUE, Lose, Receive, Unsubscribe
 from pioneer3.ros.node.parameters import NodeParameters
 from pioneer3.ros.ros2.arguments import RosArguments
 from pioneer3.ros.ros2.backend import (
@@ -59,22 +58,6 @@ class SerializedPublisher:
             content, message = message, self._types.make(self._type)
             message.data = content
         self._writer.write(self._types.encode(message))
-
-
-class RosClock:
-    """The time in stamps: that of the system, or of `/clock` where a simulator publishes it."""
-
-    def __init__(self) -> None:
-        self._simulated: int | None = None
-        self.simulates = False
-
-    def now(self) -> int:
-        """Return the time [ns]; 0 before the first message on `/clock`."""
-        return (self._simulated or 0) if self.simulates else time.time_ns()
-
-    def take(self, message: Any, _: Sender) -> None:
-        """Take a message of `/clock`."""
-        self._simulated = nanoseconds(message.clock)
 
 
 class Ros2Topics:
@@ -233,15 +216,11 @@ class Ros2Middleware(Ros2Topics):
 
     def stamp(self, age: float) -> Any:
         """Return the ROS time of the moment `age` seconds ago."""
-        moment = max(0, self.clock.now() - round(age * NANO))
-        stamp = self._types.make("builtin_interfaces/Time")
-        stamp.sec, stamp.nanosec = divmod(moment, NANO)
-        return stamp
+        return self.clock.stamp(age, self._types.make)
 
     def age(self, stamp: Any) -> float | None:
         """Return the time since a stamp [s]; `None` for a stamp of 0."""
-        moment = nanoseconds(stamp)
-        return (self.clock.now() - moment) / NANO if moment else None
+        return self.clock.age(stamp)
 
     def use_sim_time(self) -> None:
         """Take the time of `/clock` from now on."""
@@ -252,17 +231,10 @@ class Ros2Middleware(Ros2Topics):
     def serve(self, name: str, type_name: str, handle: Callable[[Any], Any]) -> None:
         """Offer a service; fields of the response are copied from the object that it returns."""
         type_ = self._types.service_type(type_name)
-        fields = [field for field, _ in self._types.fields[type_.response.name][1]]
 
         def respond(cdr: bytes) -> bytes:
             result = handle(self._types.decode(cdr, type_.request.name))
-            if getattr(result, "__msgtype__", "") == type_.response.name:
-                return self._types.encode(result)
-            response = self._types.make(type_.response.name)
-            for field in fields:
-                if hasattr(result, field):
-                    setattr(response, field, getattr(result, field))
-            return self._types.encode(response)
+            return self._types.encode(self._types.filled(type_.response.name, result))
 
         full = resolved(name, self._node, self._arguments.rules, Resource.SERVICE)
         self._open.append(self._backend.serve(checked_topic(full), type_, respond))

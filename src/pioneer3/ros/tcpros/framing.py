@@ -1,4 +1,4 @@
-"""Frames and headers of TCPROS, the protocol of topics and services (http://wiki.ros.org/ROS/TCPROS).
+"""FrameReader and headers of TCPROS, the protocol of topics and services (http://wiki.ros.org/ROS/TCPROS).
 
 Everything is in frames: a length in 4 bytes, little-endian, and as many bytes. The first frame of
 each side is a header, whose fields `name=value` are frames, too.
@@ -54,7 +54,7 @@ def parse_header(data: bytes) -> dict[str, str]:
     return fields
 
 
-class Frames:
+class FrameReader:
     """Takes frames from bytes as they come."""
 
     def __init__(self) -> None:
@@ -63,6 +63,8 @@ class Frames:
     def of(self, data: bytes) -> list[bytes]:
         """Return the contents of the frames that are whole now; ValueError for one too long."""
         rest = self._rest
+        if not rest and data[: LENGTH.size] == LENGTH.pack(max(0, len(data) - LENGTH.size)):
+            return [data[LENGTH.size :]]  # as nearly always
         rest += data
         found, at = [], 0
         while at + LENGTH.size <= len(rest):
@@ -108,7 +110,7 @@ async def read_header(reader: asyncio.StreamReader) -> dict[str, str]:
         return parse_header(await read_frame(reader, LONGEST_HEADER))
 
 
-def prepare(writer: asyncio.StreamWriter) -> None:
+def prepare(writer: asyncio.StreamWriter | asyncio.BaseTransport) -> None:
     """Have a connection send at once, and notice when the other side is gone."""
     if (connection := writer.get_extra_info("socket")) is not None:
         tune(connection, KEEPALIVE)

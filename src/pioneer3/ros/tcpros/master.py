@@ -2,10 +2,10 @@
 
 import asyncio
 import logging
-from collections.abc import Callable, Mapping
+from collections.abc import Awaitable, Callable, Mapping
 from functools import partial
 from socket import SOCK_STREAM, getaddrinfo
-from typing import Any, Final
+from typing import Any, Final, TypeVar
 from urllib.parse import urlsplit
 from xml.parsers.expat import ExpatError
 from xmlrpc.client import Error as XmlRpcError
@@ -33,20 +33,28 @@ MALFORMED: Final = (
     *(asyncio.LimitOverrunError, XmlRpcError, ExpatError),
 )
 """Raised for what is no message of XML-RPC."""
+T = TypeVar("T")
 log = logging.getLogger(__name__)
 
 Connection = tuple[asyncio.StreamReader, asyncio.StreamWriter]
 
 
 async def connect(host: str | None, port: int | None) -> Connection:
-    """Open a connection; a name is looked up in a thread of its own, as that may hang."""
+    """Open a connection as :func:`connect_by` does."""
+    return await connect_by(asyncio.open_connection, host, port)
+
+
+async def connect_by(
+    opening: Callable[[Any, Any], Awaitable[T]], host: str | None, port: int | None
+) -> T:
+    """Open a connection by a function; a name is looked up in a thread: that may hang."""
     found = [host]
     if host and not is_address(host):
         rows = await in_own_thread(partial(getaddrinfo, host, port, type=SOCK_STREAM))
         found = [str(row[4][0]) for row in rows]
     for number, address in enumerate(found, start=1):
         try:
-            return await asyncio.open_connection(address, port)
+            return await opening(address, port)
         except OSError:
             if number == len(found):
                 raise
@@ -78,25 +86,16 @@ class Api:
     async def _post(self, content: bytes) -> bytes:
         """Return the content of the response to a request."""
         address = urlsplit(self.uri)
-        reader, writer = await connect(address.hostname, address.port or PORT)
+        host, port = address.hostname or "", address.port or PORT
+        head = f"POST /RPC2 HTTP/1.1\r\nHost: {bracketed(host)}:{port}\r\nConnection: close\r\n"
+        reader, writer = await connect(host, port)
         try:
-            where = f"{bracketed(address.hostname or '')}:{address.port or PORT}"
-            head = f"POST /RPC2 HTTP/1.1\r\nHost: {where}\r\nConnection: close\r\n"
             writer.write(_with_length(f"{head}Content-Type: text/xml\r\n", content))
             status, fields = await _read_head(reader)
-            if status.split()[1:2] != ["200"]:
-                raise OddAnswerError(f"{self.uri} says {status.strip()}")
-            length = fields.get(LENGTH)
-            if length is not None and int(length) > LONGEST_ANSWER:
-                raise OddAnswerError("its answer is too long")
-            if length is not None:
-                return await reader.readexactly(int(length))
-            data = bytearray()
-            while part := await reader.read(1 << 16):
-                data += part
-                if len(data) > LONGEST_ANSWER:
-                    raise OddAnswerError("its answer has no end")
-            return bytes(data)
+            length = int(fields.get(LENGTH, LONGEST_ANSWER + 1))
+            if status.split()[1:2] != ["200"] or length > LONGEST_ANSWER:
+                raise OddAnswerError(f"{self.uri} says {status}, in {length} bytes")
+            return await reader.readexactly(length)
         finally:
             writer.close()
 

@@ -17,13 +17,13 @@ from pioneer3.ros.tcpros.publisher import QUEUE, TopicPublisher
 from pioneer3.ros.tcpros.services import Handle, ServiceError, ServiceServer, call
 from pioneer3.ros.tcpros.subscriber import Left, Received, TopicSubscription
 from pioneer3.ros.tcpros.types import Definition
-from pioneer3.tasks import cancelled, running
+from pioneer3.tasks import cancelled, hand_over, running
 
-LOOK: Final = 2.0
+LOOK: Final = 3.0
 """Pause between two looks at the master [s]; each costs it, and the node, a millisecond."""
 GRAPH_LOOK: Final = 1.0
-"""The same where the graph is kept [s]."""
-SURVEY_EVERY: Final = 5
+"""Pause where the graph is kept [s]."""
+SURVEY_EVERY: Final = 3
 """Looks between two at our parameters."""
 SERVED: Final = 3.0
 """A service that does not respond within this time [s] hangs."""
@@ -36,12 +36,12 @@ ENDING: Final = 2.0
 
 
 class Ros1Node:
-    """A node; use :func:`ros1_node`.
+    """A node; use :func:`ros1_node`. Others subscribe and call in the loop, you in any thread.
 
     Its topics and services are at a port, and its publishers' headers have `extra` fields; `tell`
     is given a sentence when the master goes, and when it is back; then `on_registered` is awaited.
-    `ended` is set when somebody shuts the node down. With `graph` its `state` is that of the
-    master, `None` while that is away. `master` is called for all else.
+    `ended` is set, and `on_shutdown` called, when somebody shuts the node down. With `graph` its
+    `state` is that of the master, `None` while that is away. `master` is called for all else.
     """
 
     def __init__(
@@ -58,8 +58,10 @@ class Ros1Node:
         self.state: SystemState | None = None
         self.master = Api(at.master, name)
         self.on_registered: Callable[[], Awaitable[object]] | None = None
+        self.on_shutdown: list[Callable[[], None]] = []
         self._at, self._port, self._tell, self._extra = at, port, tell, extra
         self._keeps_graph = graph
+        self._loop = asyncio.get_running_loop()
         self._located: WeakValueDictionary[str, asyncio.Lock] = WeakValueDictionary()
         self._liveness = Liveness(self.is_alive)
         self._publishers: dict[str, TopicPublisher] = {}
@@ -82,8 +84,9 @@ class Ros1Node:
         Of `queue` messages that wait for a subscriber the newest stay.
         """
         if name not in self._publishers:
-            made = TopicPublisher(name, type_, latched=latched, queue=queue, extra=self._extra)
-            self._publishers[name] = made
+            self._publishers[name] = TopicPublisher(
+                name, type_, latched=latched, queue=queue, extra=self._extra, loop=self._loop
+            )
             self._change()
         return self._publishers[name]
 
@@ -114,20 +117,15 @@ class Ros1Node:
         self._change()
         return subscription
 
-    async def unsubscribe(self, subscription: TopicSubscription) -> None:
+    def unsubscribe(self, subscription: TopicSubscription) -> None:
         """Receive messages of a subscription no more."""
-        name = subscription.name
-        several = self._subscriptions.get(name, [])
-        if subscription not in several:
-            return
-        several.remove(subscription)
-        await subscription.close()
-        if not several:
-            self._subscriptions.pop(name, None)
-            if ("subscriber", name) in self._registered:
-                self._registered.discard(("subscriber", name))
-                with suppress(*LOST, MasterRefusalError):
-                    await self.master.call("unregisterSubscriber", name, self._api.uri)
+        several = self._subscriptions.get(subscription.name, [])
+        if subscription in several:
+            several.remove(subscription)
+            subscription.close()
+            if not several:
+                del self._subscriptions[subscription.name]
+                self._change()
 
     def serve(self, name: str, type_: Definition, handle: Handle) -> None:
         """Offer a service."""
@@ -208,7 +206,7 @@ class Ros1Node:
         await self._liveness.close()
         for several in list(self._subscriptions.values()):
             for subscription in several:
-                await subscription.close()
+                subscription.close()
         with suppress(TimeoutError, *LOST, MasterRefusalError):
             async with asyncio.timeout(ENDING):
                 if not self._away:
@@ -236,9 +234,9 @@ class Ros1Node:
             writer.close()
 
     def _change(self) -> None:
-        """Have the master told of something new."""
-        self._news.set()
+        """Have the master told of something new, in any thread."""
         self._settled.clear()
+        hand_over(self._loop, self._news.set)
 
     async def _look(self) -> bool:
         """See to it that the master knows all of us; keep the graph; return whether it is there."""
@@ -303,6 +301,10 @@ class Ros1Node:
                 there = await self.master.call("registerSubscriber", name, type_name, uri)
                 self._registered.add(("subscriber", name))
                 self._update(name, there, at_start=True)
+        for kind, name in list(self._registered):
+            if kind == "subscriber" and name not in self._subscriptions:
+                self._registered.discard((kind, name))
+                await self.master.call("unregisterSubscriber", name, uri)
 
     async def _unregister(self) -> None:
         uri = self._api.uri
@@ -334,10 +336,10 @@ class Ros1Node:
             "getPid": lambda caller: os.getpid(),
             "getMasterUri": lambda caller: self._at.master,
             "getPublications": lambda caller: [
-                [name, each.type.name] for name, each in self._publishers.items()
+                [name, each.type.name] for name, each in list(self._publishers.items())
             ],
             "getSubscriptions": lambda caller: [
-                [name, several[0].type.name] for name, several in self._subscriptions.items()
+                [name, several[0].type.name] for name, several in list(self._subscriptions.items())
             ],
             "getBusInfo": lambda caller: self._connections(),
             "getBusStats": lambda caller: [[], [], []],
@@ -346,9 +348,9 @@ class Ros1Node:
 
     def _connections(self) -> list[list[object]]:
         """Return number, other end, direction, transport, topic, whether connected, and words."""
-        rows = [("o", topic.name, node) for topic in self._publishers.values() for node in topic]
-        several = (each for of in self._subscriptions.values() for each in of)
-        rows += [("i", topic.name, uri) for topic in several for uri in topic.publishers]
+        topics, several = list(self._publishers.values()), list(self._subscriptions.values())
+        rows = [("o", topic.name, node) for topic in topics for node in topic]
+        rows += [("i", each.name, uri) for of in several for each in of for uri in each.publishers]
         return [
             [number, end, way, "TCPROS", topic, True, f"TCPROS connection of {self._port}"]
             for number, (way, topic, end) in enumerate(rows, start=1)
@@ -367,6 +369,8 @@ class Ros1Node:
 
     def _shut_down(self, caller: str, reason: str = "") -> int:
         self.ended.set()
+        for told in self.on_shutdown:
+            told()
         return 0
 
 

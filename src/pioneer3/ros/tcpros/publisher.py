@@ -6,8 +6,9 @@ from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from typing import Final
 
-from pioneer3.ros.tcpros.framing import framed, header_frame
+from pioneer3.ros.tcpros.framing import LENGTH, framed, header_frame
 from pioneer3.ros.tcpros.types import Definition
+from pioneer3.tasks import hand_over
 
 QUEUE: Final = 10
 """Messages that wait for a slow subscriber; the newest stay."""
@@ -31,11 +32,14 @@ class TopicPublisher:
         type_: Definition,
         *,
         latched: bool,
-        queue: int = QUEUE,
+        queue: int,
         extra: Mapping[str, str],
+        loop: asyncio.AbstractEventLoop,
     ) -> None:
         self.name, self.type, self.latched = name, type_, latched
         self._queue, self._extra = queue, extra
+        self._loop = loop
+        self._number = 0
         self._last: bytes | None = None
         self._outlets: set[_Outlet] = set()
 
@@ -49,7 +53,13 @@ class TopicPublisher:
         return iter([outlet.node for outlet in self._outlets])
 
     def write(self, data: bytes) -> None:
-        """Send a serialized message."""
+        """Send a serialized message, whose header gets a number; in any thread."""
+        if not is_in_loop():
+            hand_over(self._loop, self.write, data)
+            return
+        if self.type.is_stamped:
+            self._number = (self._number + 1) % (1 << 32)
+            data = LENGTH.pack(self._number) + data[LENGTH.size :]
         frame = framed(data)
         if self.latched:
             self._last = frame
@@ -95,28 +105,38 @@ class TopicPublisher:
             self._outlets.discard(outlet)
 
 
+def is_in_loop() -> bool:
+    """Return whether this thread runs an event loop."""
+    try:
+        asyncio.get_running_loop()
+    except RuntimeError:
+        return False
+    return True
+
+
 class _Outlet:
     """The connection to a subscriber: what the system does not take at once waits here."""
 
     def __init__(self, writer: asyncio.StreamWriter, node: str, queue: int) -> None:
         self.node = node
-        self._writer = writer
+        self._writer, self._transport = writer, writer.transport
         self._waiting: deque[bytes] = deque(maxlen=queue)
-        self._blocked = asyncio.Event()
+        self._is_blocked, self._blocked = False, asyncio.Event()
         writer.transport.set_write_buffer_limits(high=0)  # so that `drain` waits for all
 
     @property
     def is_empty(self) -> bool:
         """Whether nothing waits."""
-        return not self._waiting and not self._writer.transport.get_write_buffer_size()
+        return not self._waiting and not self._transport.get_write_buffer_size()
 
     def send(self, frame: bytes) -> None:
         """Send a frame as soon as possible."""
-        if self._blocked.is_set():
+        if self._is_blocked:
             self._waiting.append(frame)
-        elif not self._writer.is_closing():
-            self._writer.write(frame)
-            if self._writer.transport.get_write_buffer_size():
+        elif not self._transport.is_closing():
+            self._transport.write(frame)
+            if self._transport.get_write_buffer_size():
+                self._is_blocked = True
                 self._blocked.set()
 
     async def run(self) -> None:
@@ -128,3 +148,4 @@ class _Outlet:
                 self._writer.write(self._waiting.popleft())
                 await self._writer.drain()
             self._blocked.clear()
+            self._is_blocked = False

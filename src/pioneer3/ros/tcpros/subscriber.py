@@ -2,22 +2,21 @@
 
 import asyncio
 import logging
+from asyncio import FIRST_COMPLETED
 from collections.abc import Awaitable, Callable, Iterable
 from dataclasses import dataclass
+from functools import partial
 from socket import gaierror
 from typing import Final
 
-from pioneer3.ros.tcpros.framing import Frames, header_frame, prepare, read_header
-from pioneer3.ros.tcpros.master import connect
+from pioneer3.ros.tcpros.framing import PATIENCE, FrameReader, header_frame, parse_header, prepare
+from pioneer3.ros.tcpros.master import connect_by
 from pioneer3.ros.tcpros.publisher import ANY
 from pioneer3.ros.tcpros.types import Definition
-from pioneer3.tasks import cancelled
 
 FIRST_PAUSE: Final = 0.2
 LONGEST_PAUSE: Final = 5.0
 """Between two attempts to connect to a publisher [s]."""
-CHUNK: Final = 1 << 16
-"""Most that is read at once [bytes]."""
 log = logging.getLogger(__name__)
 
 
@@ -99,9 +98,11 @@ class TopicSubscription:
         """The addresses of the nodes that are connected."""
         return self._connected.keys()
 
-    async def close(self) -> None:
+    def close(self) -> None:
         """Receive no more."""
-        await cancelled(self._following.values())
+        self._wanted.clear()
+        for task in self._following.values():
+            task.cancel()
 
     async def _follow(self, uri: str, *, was_there: bool) -> None:
         """Receive from a publisher; connect again whenever the connection ends."""
@@ -128,10 +129,11 @@ class TopicSubscription:
     async def _receive(self, uri: str, *, was_there: bool) -> None:
         """Receive from a publisher until the connection ends."""
         host, port = await self._locate(uri, self.name)
-        reader, writer = await connect(host, port)
-        connection = None
+        incoming = _Incoming(partial(self._begin, uri, was_there=was_there))
+        opening = partial(asyncio.get_running_loop().create_connection, lambda: incoming)
+        transport, _ = await connect_by(opening, host, port)
         try:
-            prepare(writer)
+            prepare(transport)
             fields = {
                 "callerid": self._caller,
                 "md5sum": self.type.md5sum,
@@ -140,32 +142,32 @@ class TopicSubscription:
                 "topic": self.name,
                 "type": self.type.name,
             }
-            writer.write(header_frame(fields))
-            header = await read_header(reader)
-            if not self._fits(header, uri):
-                return
-            latched = header.get("latching") == "1"
-            connection = PublisherConnection(
-                header.get("callerid", ""),
-                BRIDGE_FIELD in header,
-                latched,
-                was_there and latched,
-                uri,
-            )
-            self._connected[uri] = connection
-            old, frames = connection.maybe_old, Frames()
-            while data := await reader.read(CHUNK):
-                several = frames.of(data)
-                for message in several if self._queue is None else several[-self._queue :]:
-                    self._received(message, connection, old)
-                    old = False
-        except EOFError:
-            return
+            transport.write(header_frame(fields))
+            async with asyncio.timeout(PATIENCE):
+                await asyncio.wait({incoming.begun, incoming.ended}, return_when=FIRST_COMPLETED)
+            await incoming.ended
         finally:
-            writer.close()
-            if connection is not None:
-                self._connected.pop(uri, None)
+            transport.close()
+            if (connection := self._connected.pop(uri, None)) is not None:
                 self._left(connection)
+
+    def _begin(self, uri: str, data: bytes, *, was_there: bool) -> Callable[[list[bytes]], None]:
+        """Return the function that takes messages of a publisher; ValueError for another type."""
+        header = parse_header(data)
+        if not self._fits(header, uri):
+            raise ValueError(f"{uri} does not publish {self.type.name}")
+        latched = header.get("latching") == "1"
+        node, old = header.get("callerid", ""), was_there and latched
+        connection = PublisherConnection(node, BRIDGE_FIELD in header, latched, old, uri)
+        self._connected[uri] = connection
+
+        def take(several: list[bytes]) -> None:
+            nonlocal old
+            for message in several if self._queue is None else several[-self._queue :]:
+                self._received(message, connection, old)
+                old = False
+
+        return take
 
     def _fits(self, header: dict[str, str], uri: str) -> bool:
         """Return whether a publisher has our type; tell once if not."""
@@ -183,3 +185,33 @@ class TopicSubscription:
         if uri not in self._told:
             self._told.add(uri)
             self._tell(sentence)
+
+
+class _Incoming(asyncio.Protocol):
+    """The connection to a publisher, whose messages need no task; `begin` is given its header."""
+
+    def __init__(self, begin: Callable[[bytes], Callable[[list[bytes]], None]]) -> None:
+        loop = asyncio.get_running_loop()
+        self.begun: asyncio.Future[None] = loop.create_future()
+        self.ended: asyncio.Future[None] = loop.create_future()
+        self._begin, self._frames = begin, FrameReader()
+        self._take: Callable[[list[bytes]], None] | None = None
+
+    def data_received(self, data: bytes) -> None:
+        """Take bytes; what is wrong with them ends the connection."""
+        if self.ended.done():
+            return
+        try:
+            several = self._frames.of(data)
+            if self._take is None and several:
+                self._take = self._begin(several.pop(0))
+                self.begun.set_result(None)
+            if self._take is not None and several:
+                self._take(several)
+        except Exception as error:  # told by who waits for the end
+            self.ended.set_exception(error)
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """Tell of the end."""
+        if not self.ended.done():
+            self.ended.set_result(None)

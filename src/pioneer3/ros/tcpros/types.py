@@ -52,11 +52,13 @@ class Definition:
     """The definition of a type such as `nav_msgs/Odometry`, as connections state it.
 
     Two nodes must have the same checksum of it without comments; the text is with the types in it.
+    A stamped type begins with a header, which begins with a number.
     """
 
     name: str
     md5sum: str
     text: str = ""
+    is_stamped: bool = False
 
 
 class Ros1Types(MessageStore):
@@ -85,7 +87,9 @@ class Ros1Types(MessageStore):
         if full not in self._store.fielddefs:
             raise ConfigError(f"no definition of ROS 1's message type {name} is here")
         text, md5sum = self._store.generate_msgdef(full, ros_version=1)
-        return Definition(full.replace("/msg/", "/"), md5sum, text)
+        first = self.fields[full][1][:1]
+        is_stamped = any(what == "std_msgs/msg/Header" for _, (_, what) in first)
+        return Definition(full.replace("/msg/", "/"), md5sum, text, is_stamped)
 
     def service_definition(self, name: str) -> Definition:
         """Return the definition of a service of :data:`SERVICES`; its text is stated nowhere."""

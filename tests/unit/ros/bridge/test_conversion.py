@@ -97,14 +97,6 @@ def test_frames_of_ros1_lose_their_slash_and_their_prefix() -> None:
     assert (back.header.frame_id, back.child_frame_id) == ("robot1/odom", "")
 
 
-def test_headers_in_ros1_are_numbered_for_each_topic() -> None:
-    converter = CONVERTERS["jazzy"]
-    first, second = (converter.to_ros1("nav_msgs/Odometry", "nav_msgs/Odometry") for _ in "ab")
-    message = converter.ros2.make("nav_msgs/Odometry")
-    assert [first(message).header.seq, first(message).header.seq] == [0, 1]
-    assert second(message).header.seq == 0
-
-
 def test_a_stamped_command_is_a_twist_in_ros1() -> None:
     converter = CONVERTERS["kilted"]
     message = converter.ros2.make("geometry_msgs/TwistStamped")
