@@ -50,6 +50,8 @@ class Mover:
         walks: Whether it has come some way since.
         stands: Since when it does [s]; `None` while it walks.
         heading: Direction in which it walked last, as a vector of length 1.
+        reach: Distance of its farthest echo from its middle in the last scan that saw all of it, or
+            in one since [m].
         past: Places where it was [m].
         legs: In how many scans it looked like legs, less those in which it did not.
         believed: Until when it is a person, whatever it looks like [s].
@@ -68,6 +70,7 @@ class Mover:
     walks: bool = False
     stands: float | None = None
     heading: tuple[float, float] = (0.0, 0.0)
+    reach: float = 0.0
     past: list[tuple[float, float]] = field(default_factory=list)
     legs: int = 0
     believed: float = -inf

@@ -65,6 +65,8 @@ class Movers:
                 whole = is_whole(points[part], origin, limit, (x, y))
                 fits = bool((np.hypot(*(points[part] - (x, y)).T) < STANCE).all())
                 thing.correct(*middle_of(points[part], origin), now, whole=whole, fits=fits)
+                reach = float(np.hypot(*(points[part] - (thing.x, thing.y)).T).max())
+                thing.reach = reach if whole else max(thing.reach, reach)
                 if whole and away[part].min() < NEAR_RANGE:  # a strip of a wall is as narrow
                     seen = 1 if looks_like_legs(points[part]) else -1
                     thing.legs = min(max(thing.legs + seen, -OFTEN), 2 * OFTEN)
@@ -155,6 +157,10 @@ class Movers:
             moves = thing.stands is None and now - thing.seen < COASTING_TIME
             two = thing.holds_two(now) or thing.legs <= -OFTEN  # together they look like no legs
             radius = PERSON_RADIUS + UNSEEN_MARGIN * ((now - thing.seen > COASTING_TIME) + two)
+            if (
+                thing.stands is not None
+            ):  # side by side two look like legs, farther apart than one's
+                radius = max(radius, PERSON_RADIUS - STANCE + thing.reach)
             rows.append((x, y, thing.vx * moves, thing.vy * moves, radius))
         return np.array(rows).reshape(-1, 5)
 

@@ -1,6 +1,6 @@
 """People in scans: where they are, and how fast they walk."""
 
-from math import inf, pi
+from math import hypot, inf, pi
 
 import numpy as np
 import pytest
@@ -281,6 +281,21 @@ def test_who_looks_like_no_legs_may_be_two() -> None:
         movers.take(box(2.25, 0.0), LASER, AHEAD, now)
         now += DT
     assert movers.discs(now)[0, 4] > PERSON_RADIUS
+
+
+@pytest.mark.parametrize("apart", [0.3, 0.4])
+def test_two_who_stand_side_by_side_are_as_wide_as_two(apart: float) -> None:
+    movers = Movers()
+    walk(movers, (2.0, 0.0), (0.0, 0.0), 20)
+    assert movers.discs(1.9)[0, 4] == PERSON_RADIUS
+    movers.forget()
+    for step in range(20):
+        both = np.concatenate([legs(2.0, -apart / 2), legs(2.0, apart / 2)])
+        movers.take(both[both[:, 1].argsort()], LASER, AHEAD, DT * step)
+    [(x, y, *_, radius)] = movers.discs(1.9)
+    body = 0.25
+    assert hypot(x - 2.0, abs(y) + apart / 2) + body < radius + 0.05
+    assert radius < PERSON_RADIUS + apart
 
 
 def test_who_is_not_where_the_laser_looks_has_gone_whatever_sonars_hear_there() -> None:
