@@ -114,9 +114,10 @@ def test_a_robot_that_cannot_go_aside_does_not_behave_as_if_it_had(
     recovery: Recovery, to_go: CostToGo
 ) -> None:
     meet(recovery, 5.8, 0.0)
-    found = reasons(recovery, to_go, 0.0, ASIDE + 2 * HELD_UP_TIME, obstacles=FENCE)
+    found = reasons(recovery, to_go, 0.0, STAYING_TIME, obstacles=FENCE)
     begins = found.index("goes aside for somebody")
-    assert "waits for somebody" in found[begins:]
+    ends = found.index("waits for somebody", begins)
+    assert "goes aside for somebody" not in found[ends : ends + round(STANDING_TIME / DT)]
     assert "lets somebody pass" not in found
 
 
