@@ -41,7 +41,7 @@ class Recovery:
     _for_people: bool = field(default=False, init=False)
     _shut: bool = field(default=False, init=False)
     _met: float = field(default=-inf, init=False)
-    _gave_way: float = field(default=-inf, init=False)
+    _kept_from_it: float = field(default=-inf, init=False)
     _searched: float = field(default=-inf, init=False)
     _anchor: Pose2 = field(default=Pose2(inf), init=False)
     _anchored: float = field(default=-inf, init=False)
@@ -79,14 +79,14 @@ class Recovery:
             command = self._manoeuvre.step(here)
             if command and not (self._for_people and passed) and still < HELD_UP_TIME:
                 why = "goes round somebody" if waiting else "lines up with a narrow place"
-                if self._aside:
-                    why, self._gave_way = "goes aside for somebody", now
+                why = "goes aside for somebody" if self._aside else why
                 return Desire(v=command[0], w=command[1], reason=why)
+            if command and self._aside and not passed:
+                self._kept_from_it = now
             self._aside &= command is None
             self._manoeuvre, self._anchored, still = None, now, 0.0
         self._aside &= now - self._met < BLOCKED_TIME and still < HELD_UP_TIME
         if self._aside:
-            self._gave_way = now
             return Desire(v=0.0, w=0.0, reason="lets somebody pass")
         arrives = to_go.at(here.x, here.y) <= PROGRESS
         meets = bool(waiting) or (arrives and self.sightings.movers.are_about(now))
@@ -97,7 +97,7 @@ class Recovery:
             self._search = None
         if self._search is None and may_search and now - self._searched > HELD_UP_TIME / 2:
             # who steps up to a robot that moves waits anew before they turn back
-            patient = min(held_up, now - self._gave_way) > STANDING_TIME
+            patient = min(held_up, now - self._kept_from_it) > STANDING_TIME
             aside = waits and still > HELD_UP_TIME and patient
             if aside and (arrives or self._shut):
                 ways = self._ways(waiting, here, situation.model)
