@@ -157,9 +157,7 @@ class Movers:
             moves = thing.stands is None and now - thing.seen < COASTING_TIME
             two = thing.holds_two(now) or thing.legs <= -OFTEN  # together they look like no legs
             radius = PERSON_RADIUS + UNSEEN_MARGIN * ((now - thing.seen > COASTING_TIME) + two)
-            if (
-                thing.stands is not None
-            ):  # side by side two look like legs, farther apart than one's
+            if thing.stands is not None:  # it may be two, side by side
                 radius = max(radius, PERSON_RADIUS - STANCE + thing.reach)
             rows.append((x, y, thing.vx * moves, thing.vy * moves, radius))
         return np.array(rows).reshape(-1, 5)

@@ -32,11 +32,9 @@ ALIVE: Final = 0.5
 """A node that takes no connection within this time [s] has gone."""
 SWITCHED: Final = 2.0
 """Longest wait for a request that is under way when the program leaves the robot [s]."""
-log = logging.getLogger("rosout")
-
-
 CALLER: Final = "/pioneer3"
 """Name of programs that only ask."""
+log = logging.getLogger("rosout")
 
 
 async def find_robots(arguments: Sequence[str] = ()) -> list[RobotTopics]:

@@ -328,7 +328,7 @@ class Ros1Node:
         return found[1], found[2]
 
     def _answers(self) -> Mapping[str, Callable[..., object]]:
-        """Return what others may ask of a node (http://wiki.ros.org/ROS/Slave_API)."""
+        """Return the answers of a node by method (http://wiki.ros.org/ROS/Slave_API)."""
         return {
             "publisherUpdate": self._publisher_update,
             "requestTopic": self._request_topic,
