@@ -8,13 +8,13 @@ from typing import Self
 import numpy as np
 
 from pioneer3.arrays import Bool, Float, Float32
-from pioneer3.geometry import Pose2
 from pioneer3.jit import fast
 from pioneer3.maps import Extent, LineMap
 from pioneer3.maps.line_map import FREE, UNKNOWN, MapObject
 from pioneer3.models import RobotModel
 from pioneer3.nav.kernels import CACHE
 from pioneer3.nav.kernels.fields import nearest_wall
+from pioneer3.nav.particles import points_by
 from pioneer3.nav.raster import Raster
 from pioneer3.nav.settings import AS_SHIPPED, PlannerSettings
 
@@ -80,8 +80,7 @@ class CostMap:
         A robot is as wide as it is: it turns towards its way before a narrow place.
         """
         raster = Raster.around(_extent(line_map), cell, 2 * cell, FINE_COSTS)
-        needed = min(model.width / 2, model.length_front, model.length_rear)
-        needed += settings.margin
+        needed = settings.margin + min(model.width / 2, model.length_front, model.length_rear)
         reach = max(needed, model.corner) + settings.comfort
         clearance = np.full(raster.shape, reach, dtype=np.float32)
         lines = [side for item in line_map.objects if item.forbidden for side in item.sides]
@@ -111,8 +110,7 @@ class CostMap:
 
     def with_barrier(self, area: MapObject, *, at_entry: bool) -> Self:
         """Return the costs with a one-way sector that nobody enters, or leaves, the wrong way."""
-        within = inside(area, self.raster)
-        rows, columns = np.nonzero(within)
+        rows, columns = np.nonzero(inside(area, self.raster))
         if not len(rows):
             return self
         ahead = columns * cos(area.pose.theta) + rows * sin(area.pose.theta)
@@ -186,8 +184,7 @@ def inside(item: MapObject, raster: Raster) -> Bool:
     corners = np.array(item.outline)
     middle_x, middle_y = corners.mean(axis=0).tolist()
     rows, columns = raster.window(middle_x, middle_y, np.ptp(corners, axis=0).max() / 2)
-    x, y = raster.middles(rows, columns)
-    out[rows, columns] = item.covers(x, y)
+    out[rows, columns] = item.covers(*raster.middles(rows, columns))
     return out
 
 
@@ -198,9 +195,8 @@ def _extent(line_map: LineMap) -> Extent:
         rows, columns = np.nonzero(grid.states == FREE)
         if len(rows):
             sides = (columns.min(), columns.max() + 1), (rows.min(), rows.max() + 1)
-            for x, y in product(*sides):
-                corner = grid.origin @ Pose2(float(x) * grid.resolution, float(y) * grid.resolution)
-                parts.append(np.array([[corner.x, corner.y]]))
+            corners = grid.resolution * np.array(list(product(*sides)))
+            parts.append(points_by(grid.origin, corners))
     corners = np.concatenate(parts)
     if not len(corners):
         return line_map.bounds

@@ -14,6 +14,7 @@ from pioneer3.nav.costs import COST_CELL, PASSING_DISTANCE
 from pioneer3.nav.kernels import CACHE
 from pioneer3.nav.kernels.arcs import ROUNDING
 from pioneer3.nav.kernels.manoeuvres import manoeuvre
+from pioneer3.nav.particles import points_by
 from pioneer3.nav.planner import CostToGo
 
 
@@ -25,9 +26,7 @@ def gaps_at(at: Pose2, model: RobotModel, obstacles: Float) -> Float:
         model: Its outline.
         obstacles: x, y [m], velocity [m/s] and radius [m] in the same frame, shape (N, 5).
     """
-    c, s = cos(at.theta), sin(at.theta)
-    dx, dy = obstacles[:, 0] - at.x, obstacles[:, 1] - at.y
-    x, y = c * dx + s * dy, c * dy - s * dx
+    x, y = points_by(at.inverse(), obstacles[:, :2]).T
     off_x = np.maximum(np.maximum(x - model.length_front, -model.length_rear - x), 0.0)
     off_y = np.maximum(np.abs(y) - model.width / 2, 0.0)
     gaps: Float = np.hypot(off_x, off_y) - obstacles[:, 4]

@@ -84,11 +84,6 @@ class Mover:
         return self.walks or self.legs >= OFTEN or self.believed > self.seen
 
     @property
-    def speed(self) -> float:
-        """[m/s]."""
-        return hypot(self.vx, self.vy)
-
-    @property
     def still_since(self) -> float:
         """Since when it stands [s]; if it left the view while it walked, since then."""
         return self.seen if self.stands is None else self.stands
@@ -138,11 +133,12 @@ class Mover:
             self.vx, self.vy = (1 - SPEED_SHARE) * self.vx, (1 - SPEED_SHARE) * self.vy
         self.seen, self.times, self.missed = now, self.times + 1, 0
         came = hypot(self.x - self.begin[0], self.y - self.begin[1])
-        self.walks |= came > STEP_LENGTH and self.times > OFTEN and self.speed > WALKING_SPEED
-        if self.speed > STANDING_SPEED:
+        speed = hypot(self.vx, self.vy)
+        self.walks |= came > STEP_LENGTH and self.times > OFTEN and speed > WALKING_SPEED
+        if speed > STANDING_SPEED:
             self.stands = None
-            if self.speed > WALKING_SPEED:
-                self.heading = self.vx / self.speed, self.vy / self.speed
+            if speed > WALKING_SPEED:
+                self.heading = self.vx / speed, self.vy / speed
         elif self.stands is None:
             self.stands = now
         self.past = [*self.past[-PLACES:], (x, y)]

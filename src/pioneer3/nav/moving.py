@@ -128,9 +128,8 @@ class Movers:
         """Let the older one of two things that are too near to each other take in the other."""
         kept: list[Mover] = []
         for thing in sorted(self.things, key=lambda each: -each.times):
-            same = next(
-                (k for k in kept if hypot(thing.x - k.x, thing.y - k.y) <= STEP_LENGTH), None
-            )
+            near = (k for k in kept if hypot(thing.x - k.x, thing.y - k.y) <= STEP_LENGTH)
+            same = next(near, None)
             if same is None:
                 kept.append(thing)
             else:

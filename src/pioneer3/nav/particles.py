@@ -60,10 +60,14 @@ def moved(poses: Float, motion: Pose2) -> Float:
 
 def moved_by(frame: Pose2, poses: Float) -> Float:
     """Return `poses` (N, 3) that are given in `frame` in the frame around that."""
+    return np.column_stack([points_by(frame, poses[:, :2]), poses[:, 2] + frame.theta])
+
+
+def points_by(frame: Pose2, points: Float) -> Float:
+    """Return `points` (N, 2) that are given in `frame` in the frame around that [m]."""
     c, s = np.cos(frame.theta), np.sin(frame.theta)
-    x = frame.x + c * poses[:, 0] - s * poses[:, 1]
-    y = frame.y + s * poses[:, 0] + c * poses[:, 1]
-    return np.stack([x, y, poses[:, 2] + frame.theta], axis=1)
+    points_there: Float = points @ np.array([[c, s], [-s, c]]) + (frame.x, frame.y)
+    return points_there
 
 
 def wrapped(angles: Float) -> Float:

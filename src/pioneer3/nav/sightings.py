@@ -16,7 +16,7 @@ from pioneer3.nav.kernels import CACHE
 from pioneer3.nav.kernels.rays import clear_beams, thin_points
 from pioneer3.nav.mover import COASTING_TIME, OFTEN
 from pioneer3.nav.moving import BESIDE, PEOPLE_TIME, PERSON_RADIUS, Movers
-from pioneer3.nav.particles import moved_by
+from pioneer3.nav.particles import moved_by, points_by
 
 LOOK = 2.0
 """Distance within which things steer a robot [m]."""
@@ -50,8 +50,8 @@ class Sightings:
         self._raster, self._clearance = costs.raster, costs.clearance
         self._seen: Float = np.zeros(costs.raster.shape)
         self._counts = np.zeros(costs.raster.shape, dtype=np.uint8)
-        narrow = costs.needed - costs.settings.margin
-        self._under = narrow * sqrt(0.5)  # half of a square within the robot
+        # half of a square within the robot
+        self._under = sqrt(0.5) * (costs.needed - costs.settings.margin)
         self._echoed: Float = np.empty((0, 2))
         self._latest = -inf, self._echoed
 
@@ -65,14 +65,14 @@ class Sightings:
         rays = np.concatenate([beams.points, beams.free, beams.origin[None]]) - beams.origin
         lengths = np.maximum(np.hypot(*rays.T), 1e-9)
         from_laser = lengths[: len(beams.points)]
-        echoes = in_map(robot_in_map, beams.points)
+        echoes = points_by(robot_in_map, beams.points)
         self._latest = beams.stamp, echoes
         rows, columns, inside = raster.cells_of(echoes)
         by_map = self._clearance[rows, columns] <= WALL_ECHO + WALL_DOUBT * from_laser
         unknown = np.flatnonzero(inside & ~by_map & (from_laser < SEEN_RANGE))
         things = unknown[has_company(echoes[unknown])]
         rays *= np.minimum(1.0, SEEN_RANGE / lengths)[:, None]
-        ends = in_map(robot_in_map, beams.origin + rays)
+        ends = points_by(robot_in_map, beams.origin + rays)
         limit = np.array([robot_in_map.theta, pi / 2])
         walking = things[self.movers.take(echoes[things], ends[-1], limit, beams.stamp)]
         for thing in self.movers.walking():
@@ -99,7 +99,7 @@ class Sightings:
 
         Lasers see edges, dust and the sun as points that are not there.
         """
-        before, self._echoed = self._echoed, in_map(robot_in_map, beams.points)
+        before, self._echoed = self._echoed, points_by(robot_in_map, beams.points)
         alone = np.flatnonzero(~has_company(beams.points))
         if not len(alone):
             return beams
@@ -152,9 +152,8 @@ class Sightings:
     def _seen_in(self, part: tuple[slice, slice], now: float) -> Float:
         """Return the middles of the cells of a part with things that were seen, (N, 2) [m]."""
         seen = self._seen[part]
-        if self.movers.are_about(now):
-            passing = (self._counts[part] < OFTEN) & (seen < now - PASSING_TIME)
-            seen = np.where(passing, 0.0, seen)
+        passing = (self._counts[part] < OFTEN) & (seen < now - PASSING_TIME)
+        seen = np.where(passing & self.movers.are_about(now), 0.0, seen)
         return self._middles(seen, part, now - PEOPLE_TIME)
 
     def seen_at(self, x: float, y: float, within: float) -> float | None:
@@ -211,8 +210,7 @@ class Sightings:
         side = 2 * round(LOOK / COST_CELL) + 3
         taken, out, count = np.zeros((side, side), np.uint8), np.empty((side * side, 2)), 0
         place = np.array([x, y, COST_CELL])
-        near = self.near(x, y, LOOK, now)
-        for points, within in ((walls, LOOK), (near, inf), (seen, LOOK)):
+        for points, within in ((walls, LOOK), (self.near(x, y, LOOK, now), inf), (seen, LOOK)):
             there = np.ascontiguousarray(points), place, within, np.ascontiguousarray(discs)
             count = fast(thin_points, CACHE)(*there, taken, out, count)
         return np.concatenate([standing(out[:count], 0.0), self.bodies(x, y, LOOK, now)])
@@ -267,11 +265,3 @@ def standing(points: Float, radius: float) -> Float:
     things = np.zeros((len(points), 5))
     things[:, :2], things[:, 4] = points, radius
     return things
-
-
-def in_map(robot_in_map: Pose2, points: Float) -> Float:
-    """Return points of the robot's frame (N, 2) in the map's [m]."""
-    c, s = np.cos(robot_in_map.theta), np.sin(robot_in_map.theta)
-    turned: Float = points @ np.array([[c, s], [-s, c]])
-    turned += robot_in_map.x, robot_in_map.y
-    return turned

@@ -14,8 +14,9 @@ from pioneer3.geometry import Pose2
 from pioneer3.nav.beams import beams_of
 from pioneer3.nav.follower import Follower
 from pioneer3.nav.moving import BESIDE
+from pioneer3.nav.particles import points_by
 from pioneer3.nav.planner import CostToGo
-from pioneer3.nav.sightings import Sightings, in_map
+from pioneer3.nav.sightings import Sightings
 from pioneer3.navigation.recovery import Recovery
 
 PATIENCE = 40.0
@@ -193,10 +194,10 @@ class FollowWay(Action):
             seen = latest
         elif situation.scan is not None:
             beams = beams_of(situation.scan)
-            seen = in_map(self.odom_in_map() @ beams.robot_in_odom, beams.points)
+            seen = points_by(self.odom_in_map() @ beams.robot_in_odom, beams.points)
         else:
             echoes = [(point.x, point.y) for point in situation.around.points()]
-            seen = in_map(robot_in_map, np.array(echoes).reshape(-1, 2))
+            seen = points_by(robot_in_map, np.array(echoes).reshape(-1, 2))
         return self.sightings.obstacles(robot_in_map.x, robot_in_map.y, self.walls, seen, now)
 
 

@@ -11,7 +11,8 @@ from pioneer3.behaviors.engine import decided
 from pioneer3.geometry import Pose2
 from pioneer3.nav.beams import LatestBeams
 from pioneer3.nav.clearance import Clearance, Walls
-from pioneer3.nav.sightings import Sightings, in_map
+from pioneer3.nav.particles import points_by
+from pioneer3.nav.sightings import Sightings
 
 
 @dataclass(slots=True, kw_only=True)
@@ -67,14 +68,14 @@ class LimiterOutline(Action):
         here, now = self.odom_in_map() @ situation.pose, situation.now
         to_robot, parts = here.inverse(), [self._echoes(situation)]
         if self.unsure() is None:
-            walls = in_map(to_robot, self.walls.near(here.x, here.y, reach).reshape(-1, 2))
+            walls = points_by(to_robot, self.walls.near(here.x, here.y, reach).reshape(-1, 2))
             parts.append(np.pad(walls.reshape(-1, 4), ((0, 0), (0, 1))))
             if self.sightings is not None:
                 things = self.sightings.near(here.x, here.y, reach, now)
-                parts.append(_points(in_map(to_robot, things)))
+                parts.append(_points(points_by(to_robot, things)))
                 bodies = self.sightings.bodies(here.x, here.y, reach, now)
                 ahead = bodies[:, :2] + until * bodies[:, 2:4]
-                ends = in_map(to_robot, bodies[:, :2]), in_map(to_robot, ahead)
+                ends = points_by(to_robot, bodies[:, :2]), points_by(to_robot, ahead)
                 parts.append(np.column_stack([*ends, bodies[:, 4]]))
         around = np.concatenate(parts)
         x, y, reaches = around[:, :4:2], around[:, 1:4:2], reach + around[:, 4]
@@ -89,7 +90,7 @@ class LimiterOutline(Action):
             return _points(np.array(heard).reshape(-1, 2))
         beams = self.beams.of(situation.scan)
         to_robot = situation.pose.inverse() @ beams.robot_in_odom
-        return _points(in_map(to_robot, beams.points))
+        return _points(points_by(to_robot, beams.points))
 
 
 def _points(points: Float) -> Float:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from pioneer3.geometry import STILL, Pose2, Twist2, arc
 from pioneer3.limits import Limits
 from pioneer3.nav.clearance import Clearance, Walls
-from pioneer3.nav.sightings import in_map
+from pioneer3.nav.particles import points_by
 from tests.unit.nav.offices import AT
 
 Float = NDArray[np.float64]
@@ -46,7 +46,7 @@ def test_a_robot_that_is_driven_at_a_wall_stands_before_it(speed: float) -> None
     wall, check = np.array([[1.5, -9.0, 1.5, 9.0], [-1.5, -9.0, -1.5, 9.0]]), clearance()
     at, v = Pose2(), 0.0
     for tick in range(150):
-        ends = in_map(at.inverse(), wall.reshape(-1, 2)).reshape(-1, 4)
+        ends = points_by(at.inverse(), wall.reshape(-1, 2)).reshape(-1, 4)
         ends = np.pad(ends, ((0, 0), (0, 1)))
         asked = check.limit(Twist2(speed, 0.0), Twist2(v, 0.0), ends, tick * DT).v
         step = (LIMITS.acceleration if abs(asked) > abs(v) else LIMITS.deceleration) * DT
@@ -64,7 +64,7 @@ def test_beside_a_wall_within_the_margin_it_drives_along_and_turns_neither_way()
 def test_a_turn_that_gets_a_corner_away_from_a_wall_passes() -> None:
     at = Pose2(0.0, 0.0, 0.3)
     corner = at @ Pose2(FRONT, SIDE)
-    wall = in_map(at.inverse(), np.array([[-3.0, corner.y + 0.005], [3.0, corner.y + 0.005]]))
+    wall = points_by(at.inverse(), np.array([[-3.0, corner.y + 0.005], [3.0, corner.y + 0.005]]))
     line = wall.reshape(-1).tolist()
     assert passed(RIGHT, line) == RIGHT
     assert passed(BACK, line) == BACK
