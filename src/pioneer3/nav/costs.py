@@ -24,9 +24,9 @@ FINE_COSTS = 4_000_000
 """Cells above which they are made twice as large: 100 by 100 m; each plan works on them."""
 SQUEEZE_COST = 60.0
 """Cost of a metre where the robot does not fit [m in the open]: it may get out of there."""
-PEOPLE_COST = 4.0
-"""Cost of a metre on the lines on which people come, besides that of the open [m in the open]: more
-than that of a place along a wall, as in a corridor that is left to them."""
+PEOPLE_COST = 3.0
+"""Cost of a metre on the lines on which people come, besides that of the open [m in the open]: as
+much as that of a place along a wall, as in a corridor that is left to them."""
 PEOPLE_FADE = 0.1
 """Distance over which this cost falls to nothing where they pass beside the robot [m]."""
 PASSING_DISTANCE = 0.25 + 0.15

@@ -228,14 +228,14 @@ class Sightings:
         return legs
 
     def lines(self, now: float) -> Float:
-        """Return the lines on which people come, or would if they were let [m], shape (L, 4)."""
+        """Return the lines on which people come, or turn back if they are not let [m], (L, 4)."""
         rows = [
-            (x, y, x + COMING_WAY * thing.heading[0], y + COMING_WAY * thing.heading[1])
+            (*thing.at(now), *thing.heading)
             for thing in self.movers.walking()
             if now - thing.seen < COMING_TIME and any(thing.heading)
-            for x, y in [thing.at(now)]
         ]
-        return np.array(rows).reshape(-1, 4)
+        places, headings = np.hsplit(np.array(rows).reshape(-1, 4), 2)
+        return np.hstack([places - COMING_WAY * headings, places + COMING_WAY * headings])
 
     def way_of(self, place: tuple[float, float], heading: tuple[float, float]) -> Float:
         """Return where somebody goes on from a place [m], shape (K, 2): straight, along walls."""

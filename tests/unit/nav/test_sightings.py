@@ -224,11 +224,11 @@ def come_and_stand(sightings: Sightings, seconds: float) -> None:
         sightings.take(beams(5.0 + 0.1 * step, *legs), HERE)
 
 
-def test_the_line_on_which_somebody_comes_is_told(sightings: Sightings) -> None:
+def test_the_line_on_which_somebody_comes_or_turns_back_is_told(sightings: Sightings) -> None:
     come_and_stand(sightings, 1.5)
     [(x, y, to_x, to_y)] = sightings.lines(6.5).tolist()
-    assert (x, y) == pytest.approx((4.5, 3.1), abs=0.2)
-    assert (to_x - x, to_y - y) == pytest.approx((0.0, COMING_WAY), abs=1.5)
+    assert ((x + to_x) / 2, (y + to_y) / 2) == pytest.approx((4.5, 3.1), abs=0.2)
+    assert (to_x - x, to_y - y) == pytest.approx((0.0, 2 * COMING_WAY), abs=3.0)
     assert not len(sightings.lines(6.5 + PASSING_TIME))
 
 
