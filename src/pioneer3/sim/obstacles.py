@@ -95,8 +95,9 @@ class Obstacle:
         theta = ahead.theta if self._onward > 0 else wrap(ahead.theta + pi)
         pose = Pose2(ahead.x + self._shift[0], ahead.y + self._shift[1], theta)
         if bodies.shape[1]:
-            before, after = _gaps(self.pose, bodies), _gaps(pose, bodies)
-            if ((after < person.radius + POLITE) & (after < before)).any():
+            after = _gaps(pose, bodies)
+            near = after < person.radius + POLITE
+            if near.any() and (near & (after < _gaps(self.pose, bodies))).any():
                 self._wait(dt, person.patience)
                 return False
         self._clock, self._waited = clock, 0.0
