@@ -11,6 +11,7 @@ import numpy as np
 from pioneer3.arrays import Float
 from pioneer3.nav.costs import CostMap
 from pioneer3.nav.mover import MEMORY_TIME
+from pioneer3.nav.raster import cells_where
 
 WALL_ECHO = 0.12
 """Distance to a wall of the map within which an echo is of that wall [m]."""
@@ -126,12 +127,14 @@ class Echoes:
         ]
 
     def often(self, now: float, *, people: bool) -> Float:
-        """Return the times at which cells were heard lately, so often that plans care.
+        """Return the middles of cells that were heard lately, so often that plans care, (N, 2) [m].
 
-        If they may be of `people`, who go on, those are recent ones. Times are 0 for none, (H, W).
+        If they may be of `people`, who go on, those are recent ones.
         """
-        since = now - (ECHO_AGE if people else MEMORY_TIME)
-        return np.where((self._counts >= HEARD_TIMES) & (self._times >= since), self._times, 0.0)
+        rows, columns = cells_where(self._counts >= HEARD_TIMES)
+        times = self._times[rows, columns]
+        lately = (times > 0.0) & (times >= now - (ECHO_AGE if people else MEMORY_TIME))
+        return self._raster.middles_of(rows[lately], columns[lately])
 
     def near(self, x: float, y: float, within: float, now: float) -> Float:
         """Return points of the echoes of the last moments around a place, (N, 2) [m]."""

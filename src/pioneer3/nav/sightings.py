@@ -17,6 +17,7 @@ from pioneer3.nav.kernels.rays import clear_beams, thin_points
 from pioneer3.nav.mover import COASTING_TIME, OFTEN
 from pioneer3.nav.moving import BESIDE, PEOPLE_TIME, PERSON_RADIUS, Movers
 from pioneer3.nav.particles import moved_by, points_by
+from pioneer3.nav.raster import cells_where
 
 LOOK = 2.0
 """Distance within which things steer a robot [m]."""
@@ -137,12 +138,12 @@ class Sightings:
 
         Somebody who walks is not among them; with `people`, who has stood for a while is.
         """
-        old = (self._seen > 0.0) & (self._seen < now - PEOPLE_TIME)
-        self._seen[old], self._counts[old] = 0.0, 0  # nor do they close a way
-        whole = slice(0, self._raster.height), slice(0, self._raster.width)
-        seen = self._seen_in(whole, now)
-        people_about = self.movers.are_about(now)
-        heard = self._middles(self.echoes.often(now, people=people_about), whole, 0.0)
+        rows, columns = cells_where(self._counts > 0)
+        old = self._seen[rows, columns] < now - PEOPLE_TIME
+        forgotten = rows[old], columns[old]
+        self._seen[forgotten], self._counts[forgotten] = 0.0, 0  # nor do they close a way
+        seen = self._seen_in((slice(0, self._raster.height), slice(0, self._raster.width)), now)
+        heard = self.echoes.often(now, people=self.movers.are_about(now))
         return np.concatenate([seen, heard, *([self._standing(now)] if people else [])])
 
     def near(self, x: float, y: float, within: float, now: float) -> Float:
@@ -151,10 +152,12 @@ class Sightings:
 
     def _seen_in(self, part: tuple[slice, slice], now: float) -> Float:
         """Return the middles of the cells of a part with things that were seen, (N, 2) [m]."""
-        seen = self._seen[part]
-        passing = (self._counts[part] < OFTEN) & (seen < now - PASSING_TIME)
-        seen = np.where(passing & self.movers.are_about(now), 0.0, seen)
-        return self._middles(seen, part, now - PEOPLE_TIME)
+        rows, columns = cells_where(self._counts[part] > 0)
+        rows, columns = rows + part[0].start, columns + part[1].start
+        seen, counts = self._seen[rows, columns], self._counts[rows, columns]
+        passing = (counts < OFTEN) & (seen < now - PASSING_TIME) & self.movers.are_about(now)
+        there = (seen >= now - PEOPLE_TIME) & ~passing
+        return self._raster.middles_of(rows[there], columns[there])
 
     def seen_at(self, x: float, y: float, within: float) -> float | None:
         """Return when something was last seen within a distance of a place [m], or `None`."""
@@ -169,10 +172,6 @@ class Sightings:
         """Forget what was seen within a distance of a place [m]."""
         part = self._raster.window(x, y, within)
         self._seen[part], self._counts[part] = 0.0, 0
-
-    def _middles(self, times: Float, part: tuple[slice, slice], since: float) -> Float:
-        rows, columns = np.nonzero((times > 0) & (times >= since))
-        return self._raster.middles_of(rows + part[0].start, columns + part[1].start)
 
     def _standing(self, now: float) -> Float:
         """Return points around walkers who have stood for a while [m], shape (N, 2)."""
