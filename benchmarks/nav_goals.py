@@ -309,19 +309,13 @@ async def drive_all(course: Course, tell: Callable[[int, Drive], None]) -> Outco
         navigator._take = partial(stopwatch.take, navigator)  # type: ignore[method-assign]
         with stopwatch.running():
             async with running(navigator.run()):
-                await (navigator.look_around() if course.trial.sonar else until_sure(navigator))
+                if course.trial.sonar or not await navigator.find():
+                    await navigator.look_around()
                 watch.begin()
                 for goal, shortest in course.goals(sim.body):
                     drives.append(await drive(sim, navigator, watch, goal, shortest))
                     tell(len(drives), drives[-1])
     return Outcome(drives, stopwatch.ticks)
-
-
-async def until_sure(navigator: Navigator) -> None:
-    """Wait until the navigator knows where the robot is."""
-    async for state in navigator.state.values():
-        if state.estimate.sure:
-            return
 
 
 async def drive(
