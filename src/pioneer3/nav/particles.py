@@ -65,9 +65,8 @@ def moved_by(frame: Pose2, poses: Float) -> Float:
 
 def points_by(frame: Pose2, points: Float) -> Float:
     """Return `points` (N, 2) that are given in `frame` in the frame around that [m]."""
-    c, s = np.cos(frame.theta), np.sin(frame.theta)
-    points_there: Float = points @ np.array([[c, s], [-s, c]]) + (frame.x, frame.y)
-    return points_there
+    (x, y), c, s = points.T, np.cos(frame.theta), np.sin(frame.theta)
+    return np.stack([frame.x + c * x - s * y, frame.y + s * x + c * y], axis=1)
 
 
 def wrapped(angles: Float) -> Float:

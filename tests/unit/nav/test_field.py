@@ -1,6 +1,7 @@
 """Distances to walls."""
 
 import mmap
+from random import Random
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 
 from pioneer3.maps import Extent
 from pioneer3.maps.line_map import distances
-from pioneer3.nav.raster import DistanceField, sparse
+from pioneer3.nav.raster import DistanceField, cells_where, sparse
 
 coordinate = st.floats(-2.0, 2.0).map(lambda value: round(value, 3))
 Float = NDArray[np.float64]
@@ -35,3 +36,11 @@ def test_memory_is_taken_where_a_system_knows_no_huge_pages(
 ) -> None:
     monkeypatch.setattr(mmap, "MADV_NOHUGEPAGE", 9999)
     assert not sparse((3, 4), np.float32).any()
+
+
+@given(st.integers(0, 6), st.integers(0, 6), st.randoms(use_true_random=False))
+def test_cells_are_found_as_numpy_finds_them(height: int, width: int, random: Random) -> None:
+    cells = [[random.random() < 0.3 for _ in range(width)] for _ in range(height)]
+    marks = np.array(cells, dtype=np.bool_).reshape(height, width)
+    for part in (marks, marks[1:, :2]):
+        assert np.array_equal(cells_where(part), np.nonzero(part))
