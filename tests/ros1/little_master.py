@@ -2,8 +2,10 @@
 
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
+from socket import SHUT_RDWR
+from socketserver import ThreadingMixIn
 from typing import Any
 from xmlrpc.client import ServerProxy
 from xmlrpc.server import SimpleXMLRPCServer
@@ -93,10 +95,40 @@ class LittleMaster:
                 node.publisherUpdate("/master", topic, list(self.publishers[topic].values()))
 
 
+class _Server(ThreadingMixIn, SimpleXMLRPCServer):
+    """Serves each connection in a thread, and ends them all when it ends, as `rosmaster` does."""
+
+    daemon_threads = True
+    block_on_close = False
+
+    def __init__(self, port: int) -> None:
+        self._open: set[Any] = set()
+        self._one_at_a_time = threading.RLock()
+        super().__init__((LOCAL, port), logRequests=False, allow_none=True)
+
+    def process_request(self, request: Any, client_address: Any) -> None:
+        self._open.add(request)
+        super().process_request(request, client_address)
+
+    def shutdown_request(self, request: Any) -> None:
+        self._open.discard(request)
+        super().shutdown_request(request)
+
+    def _dispatch(self, method: str, params: Any) -> Any:
+        with self._one_at_a_time:
+            return super()._dispatch(method, params)
+
+    def server_close(self) -> None:
+        super().server_close()
+        for request in list(self._open):
+            with suppress(OSError):
+                request.shutdown(SHUT_RDWR)
+
+
 @contextmanager
 def little_master(port: int = 0) -> Iterator[LittleMaster]:
     """Run a master while the block lasts."""
-    with SimpleXMLRPCServer((LOCAL, port), logRequests=False, allow_none=True) as server:
+    with _Server(port) as server:
         master = LittleMaster(f"http://{LOCAL}:{server.server_address[1]}")
         server.register_instance(master)
         thread = threading.Thread(target=server.serve_forever, args=(0.02,), daemon=True)

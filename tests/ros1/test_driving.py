@@ -9,7 +9,7 @@ import pytest
 
 from pioneer3.cli.ros1 import ros1 as ros1_command
 from pioneer3.geometry import Twist2
-from pioneer3.ros.tcpros.node import LOOK, SURVEY_EVERY
+from pioneer3.ros.tcpros.node import LOOK
 from tests.e2e.processes import PATIENCE, free_port, running, until
 from tests.ros1.conftest import Lab, laboratory, simulated
 from tests.ros1.master import ended, environment_of, ros, roscore, script
@@ -121,7 +121,7 @@ async def test_a_new_master_is_registered_with(home: Path, monkeypatch: pytest.M
         lab = await stack.enter_async_context(laboratory())
         setting = "{config: {ints: [{name: TicksMM, value: 128}]}}"
         await ros("rosservice", "call", "/RosAria/set_parameters", setting)
-        await asyncio.sleep(LOOK * (SURVEY_EVERY + 0.5))
+        await asyncio.sleep(LOOK + 1)  # so that it knows its parameters
     async with stack:
         await lab.warns("ROS MASTER LOST")
         with roscore(port, home):

@@ -172,11 +172,15 @@ async def test_services_respond_and_failures_say_why(master: LittleMaster) -> No
             await other.call("/nobody", SET_BOOL, b"\x01")
 
 
-async def test_a_new_master_learns_of_all_and_connections_last() -> None:
+@pytest.mark.parametrize("graph", [False, True])
+async def test_a_new_master_learns_of_all_and_connections_last(
+    monkeypatch: pytest.MonkeyPatch, *, graph: bool
+) -> None:
+    monkeypatch.setattr("pioneer3.ros.tcpros.node.LOOK", 3600.0)
     port, told = free_port(), list[str]()
     async with AsyncExitStack() as stack:
         with little_master(port) as first:
-            one = await stack.enter_async_context(ros1_node("/one", first.at, told.append))
+            one = await stack.enter_async_context(ros1_node("/one", first.at, told.append, graph=graph))
             other = await node(stack, first, "/other")
             listener = Listener(other, "/chatter")
             publisher = one.advertise("/chatter", STRING)

@@ -83,10 +83,19 @@ class Api:
             raise OddAnswerError(f"{self.uri} is no node of ROS: {error}") from error
         return value_of(method, answer)
 
+    async def connect(self) -> Connection:
+        """Open a connection; OSError where nobody is there."""
+        async with asyncio.timeout(PATIENCE):
+            return await connect(*self._address)
+
+    @property
+    def _address(self) -> tuple[str, int]:
+        address = urlsplit(self.uri)
+        return address.hostname or "", address.port or PORT
+
     async def _post(self, content: bytes) -> bytes:
         """Return the content of the response to a request."""
-        address = urlsplit(self.uri)
-        host, port = address.hostname or "", address.port or PORT
+        host, port = self._address
         head = f"POST /RPC2 HTTP/1.1\r\nHost: {bracketed(host)}:{port}\r\nConnection: close\r\n"
         reader, writer = await connect(host, port)
         try:

@@ -2,8 +2,10 @@
 
 import asyncio
 import os
+import threading
 from collections.abc import AsyncIterator, Awaitable, Callable, Iterable, Mapping
 from contextlib import asynccontextmanager, suppress
+from math import inf
 from typing import Any, Final
 from weakref import WeakValueDictionary
 
@@ -19,12 +21,15 @@ from pioneer3.ros.tcpros.subscriber import Left, Received, TopicSubscription
 from pioneer3.ros.tcpros.types import Definition
 from pioneer3.tasks import cancelled, hand_over, running
 
-LOOK: Final = 3.0
-"""Pause between two looks at the master [s]; each costs it, and the node, a millisecond."""
+LOOK: Final = 10.0
+"""Pause between two looks at the master [s]; each costs it, and the node, a millisecond. That it
+has ended, or is back, a connection to it tells at once."""
 GRAPH_LOOK: Final = 1.0
 """Pause where the graph is kept [s]."""
-SURVEY_EVERY: Final = 3
-"""Looks between two at our parameters."""
+SURVEY: Final = 9.0
+"""Pause between two looks at our parameters [s]."""
+AGAIN: Final = 3.0
+"""Pause between two attempts to be connected to the master [s]."""
 SERVED: Final = 3.0
 """A service that does not respond within this time [s] hangs."""
 CONNECTIONS: Final = 512
@@ -61,7 +66,7 @@ class Ros1Node:
         self.on_shutdown: list[Callable[[], None]] = []
         self._at, self._port, self._tell, self._extra = at, port, tell, extra
         self._keeps_graph = graph
-        self._loop = asyncio.get_running_loop()
+        self._loop, self._thread = asyncio.get_running_loop(), threading.get_ident()
         self._located: WeakValueDictionary[str, asyncio.Lock] = WeakValueDictionary()
         self._liveness = Liveness(self.is_alive)
         self._publishers: dict[str, TopicPublisher] = {}
@@ -69,7 +74,7 @@ class Ros1Node:
         self._services: dict[str, ServiceServer] = {}
         self._registered: set[tuple[str, str]] = set()
         self._parameters: object = None
-        self._looks = 0
+        self._surveyed_at = -inf
         self._is_new = False
         self._news = asyncio.Event()
         self._settled = asyncio.Event()
@@ -85,7 +90,13 @@ class Ros1Node:
         """
         if name not in self._publishers:
             self._publishers[name] = TopicPublisher(
-                name, type_, latched=latched, queue=queue, extra=self._extra, loop=self._loop
+                name,
+                type_,
+                latched=latched,
+                queue=queue,
+                extra=self._extra,
+                loop=self._loop,
+                thread=self._thread,
             )
             self._change()
         return self._publishers[name]
@@ -188,13 +199,14 @@ class Ros1Node:
 
     async def run(self) -> None:
         """Register with the master, and again with the one that follows it, for ever."""
-        while True:
-            self._news.clear()
-            if await self._look() and not self._news.is_set():
-                self._settled.set()
-            with suppress(TimeoutError):
-                async with asyncio.timeout(GRAPH_LOOK if self._keeps_graph else LOOK):
-                    await self._news.wait()
+        async with running(self._watch()):
+            while True:
+                self._news.clear()
+                if await self._look() and not self._news.is_set():
+                    self._settled.set()
+                with suppress(TimeoutError):
+                    async with asyncio.timeout(GRAPH_LOOK if self._keeps_graph else LOOK):
+                        await self._news.wait()
 
     async def open(self) -> None:
         """Let others call this node; OSError where it cannot listen."""
@@ -238,6 +250,19 @@ class Ros1Node:
         self._settled.clear()
         hand_over(self._loop, self._news.set)
 
+    async def _watch(self) -> None:
+        """Have the master looked at when a connection to it begins, and when it ends."""
+        while True:
+            with suppress(*LOST):
+                reader, writer = await self.master.connect()
+                self._news.set()
+                try:
+                    await _until_closed(reader)
+                finally:
+                    writer.close()
+                    self._news.set()
+            await asyncio.sleep(AGAIN)
+
     async def _look(self) -> bool:
         """See to it that the master knows all of us; keep the graph; return whether it is there."""
         try:
@@ -270,9 +295,9 @@ class Ros1Node:
         if self._is_new and self.on_registered is not None:
             await self.on_registered()
         self._is_new = False
-        if self._looks % SURVEY_EVERY == 0:
-            self._parameters = await self.get(self.name)
-        self._looks += 1
+        now = self._loop.time()
+        if now >= self._surveyed_at + SURVEY:
+            self._parameters, self._surveyed_at = await self.get(self.name), now
 
     async def _is_known(self) -> bool:
         """Return whether the master knows us; another node of our name ends us."""

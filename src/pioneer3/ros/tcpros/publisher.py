@@ -1,6 +1,7 @@
 """A publisher on a topic of ROS 1."""
 
 import asyncio
+import threading
 from collections import deque
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
@@ -23,7 +24,7 @@ class TopicPublisher:
     """Sends messages to all who subscribe; a slow one holds up nobody.
 
     If `latched`, new subscribers get the last message; `extra` are further fields of the header. Of
-    `queue` messages that wait for a subscriber the newest stay.
+    `queue` messages that wait for a subscriber the newest stay. The `loop` runs in a `thread`.
     """
 
     def __init__(
@@ -35,10 +36,11 @@ class TopicPublisher:
         queue: int,
         extra: Mapping[str, str],
         loop: asyncio.AbstractEventLoop,
+        thread: int,
     ) -> None:
         self.name, self.type, self.latched = name, type_, latched
         self._queue, self._extra = queue, extra
-        self._loop = loop
+        self._loop, self._thread = loop, thread
         self._number = 0
         self._last: bytes | None = None
         self._outlets: set[_Outlet] = set()
@@ -54,7 +56,7 @@ class TopicPublisher:
 
     def write(self, data: bytes) -> None:
         """Send a serialized message, whose header gets a number; in any thread."""
-        if not is_in_loop():
+        if threading.get_ident() != self._thread:
             hand_over(self._loop, self.write, data)
             return
         if self.type.is_stamped:
@@ -103,15 +105,6 @@ class TopicPublisher:
             await outlet.run()
         finally:
             self._outlets.discard(outlet)
-
-
-def is_in_loop() -> bool:
-    """Return whether this thread runs an event loop."""
-    try:
-        asyncio.get_running_loop()
-    except RuntimeError:
-        return False
-    return True
 
 
 class _Outlet:
