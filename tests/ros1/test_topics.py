@@ -72,8 +72,8 @@ async def test_the_tools_list_the_topics_and_their_types(shared_lab: Lab) -> Non
     listed = set((await ros("rostopic", "list")).split())
     expected = {*TOPICS, *SILENT, f"{NODE}/cmd_vel", "/rosout"}
     assert expected <= listed
-    assert {name for name in listed if name.startswith(NODE)} == {
-        name for name in expected if name.startswith(NODE)
+    assert {name for name in listed if name.startswith(f"{NODE}/")} == {
+        name for name in expected if name.startswith(f"{NODE}/")
     }
     assert (await ros("rostopic", "type", f"{NODE}/cmd_vel")).strip() == "geometry_msgs/Twist"
     ((silent, kind),) = SILENT.items()
