@@ -180,7 +180,8 @@ async def test_a_new_master_learns_of_all_and_connections_last(
     port, told = free_port(), list[str]()
     async with AsyncExitStack() as stack:
         with little_master(port) as first:
-            one = await stack.enter_async_context(ros1_node("/one", first.at, told.append, graph=graph))
+            joined = ros1_node("/one", first.at, told.append, graph=graph)
+            one = await stack.enter_async_context(joined)
             other = await node(stack, first, "/other")
             listener = Listener(other, "/chatter")
             publisher = one.advertise("/chatter", STRING)

@@ -95,10 +95,14 @@ class _Source:
     def end_run(self) -> None:
         """Pack the numbers and texts that were added one after the other."""
         if self._letters:
-            pack_run = self._know(_packs(self._letters, self._encoding))
-            start = "len(out) & 7" if self._encoding.is_cdr else "0"
-            lengths, values = ", ".join([start, *self._lengths]), ", ".join(self._values)
-            self._write(f"out += {pack_run}({lengths})({values})")
+            values = ", ".join(self._values)
+            if self._encoding.is_cdr or self._lengths:
+                pack_run = self._know(_packs(self._letters, self._encoding))
+                start = "len(out) & 7" if self._encoding.is_cdr else "0"
+                lengths = ", ".join([start, *self._lengths])
+                self._write(f"out += {pack_run}({lengths})({values})")
+            else:
+                self._write(f"out += {self._know(Struct(f'<{self._letters}').pack)}({values})")
             self._letters = ""
             self._values.clear()
             self._lengths.clear()

@@ -1,6 +1,7 @@
 """Messages of a type system of rosbags, that of ROS 1 or one of ROS 2: empty ones to fill."""
 
 from collections.abc import Callable, Mapping
+from functools import lru_cache, partial
 from keyword import iskeyword
 from typing import Any, Final
 
@@ -50,8 +51,10 @@ class MessageStore:
         return message
 
     def _maker(self, name: str) -> Callable[[], Any]:
-        kind = self._store.types[name]
-        fields = [self._empty(desc) for field, desc in self._store.fielddefs[name][1]]
+        kind, descs = self._store.types[name], [each for _, each in self._store.fielddefs[name][1]]
+        fields = [self._empty(desc) for desc in descs]
+        if all(inner == BASE for inner, _ in descs):
+            return partial(kind, *[make() for make in fields])
         return lambda: kind(*[make() for make in fields])
 
     def _empty(self, desc: Any) -> Callable[[], Any]:
@@ -72,6 +75,7 @@ class MessageStore:
         return list
 
 
+@lru_cache
 def full_name(name: str, kind: str = "msg") -> str:
     """Return `nav_msgs/msg/Odometry` for `nav_msgs/Odometry`."""
     package, *between, last = name.split("/")

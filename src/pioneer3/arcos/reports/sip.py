@@ -7,7 +7,7 @@ per second.
 
 import struct
 from enum import IntFlag
-from functools import partial
+from functools import lru_cache, partial
 from itertools import chain
 from operator import attrgetter
 from struct import calcsize, error, iter_unpack, pack
@@ -217,8 +217,17 @@ _TAILS: Final = {count: _struct(TAIL[:count]) for count in (0, *range(5, len(TAI
 _reading: Final = partial(tuple.__new__, SonarReading)
 """Makes a reading of its two values, without a check of their number."""
 
-_LONGEST_FIRST: Final = tuple(reversed(_TAILS.values()))
-_FLAG_TYPES: Final = {"flags": SipFlag, "faults": Fault, "flags3": SipFlag3}
+_FLAGS: Final = {
+    name: lru_cache(kind)
+    for name, kind in (("flags", SipFlag), ("faults", Fault), ("flags3", SipFlag3))
+}
+"""How flags are made, which takes as long as the rest of a report."""
+
+
+@lru_cache
+def _tail_within(size: int) -> struct.Struct:
+    """Return the longest tail that fits into a number of bytes."""
+    return max((tail for tail in _TAILS.values() if tail.size <= size), key=attrgetter("size"))
 
 
 def read_sip(payload: bytes) -> Sip:
@@ -230,10 +239,10 @@ def read_sip(payload: bytes) -> Sip:
     if end > len(payload):
         raise EOFError
     sonar = tuple(map(_reading, iter_unpack("<BH", payload[start:end])))
-    tail = next(tail for tail in _LONGEST_FIRST if tail.size <= len(payload) - end)
+    tail = _tail_within(len(payload) - end)
     values = dict(zip(_HEAD_NAMES, _HEAD.unpack_from(payload), strict=True))
     values |= zip(_TAIL_NAMES, tail.unpack_from(payload, end), strict=False)
-    for name, flags in _FLAG_TYPES.items():
+    for name, flags in _FLAGS.items():
         if name in values:
             values[name] = flags(values[name])
     return Sip(**values, sonar=sonar, extra=payload[end + tail.size :])

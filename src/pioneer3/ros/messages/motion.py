@@ -1,6 +1,7 @@
 """Odometry, wheels and transforms to ROS messages, and a `Twist` to ours."""
 
 from collections.abc import Iterator, Sequence
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 from pioneer3.geometry import Pose2, Twist2, arc_to
@@ -31,9 +32,14 @@ def odometry(message: Any, update: StateUpdate) -> None:
     twist.covariance = covariance(state, update.options.twist_variances)
 
 
-def covariance(state: Odometry, driving: Sequence[float] = DRIVING) -> list[float]:
+def covariance(state: Odometry, driving: tuple[float, ...] = DRIVING) -> list[float]:
     """Return the 36 numbers, row by row: x, y, z, roll, pitch, yaw on the diagonal."""
     still = state.left_speed == 0 and state.right_speed == 0
+    return _matrix(driving, still).copy()
+
+
+@lru_cache
+def _matrix(driving: tuple[float, ...], still: bool) -> list[float]:
     matrix = [0.0] * 36
     matrix[::7] = map(min, STANDING, driving) if still else driving
     return matrix

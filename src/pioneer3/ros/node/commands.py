@@ -67,6 +67,7 @@ class Commands:
         self._loop_thread = threading.get_ident()
         self._timer: asyncio.TimerHandle | None = None
         self._expiry: asyncio.TimerHandle | None = None
+        self._expected: tuple[float, str] | None = None  # the end of the last command, and its node
         self._expired_of: deque[str] = deque(maxlen=REMEMBERED)
         self._resumed_of: deque[str] = deque(maxlen=REMEMBERED)
 
@@ -209,15 +210,25 @@ class Commands:
 
     def _expect_more(self, sender: str, twist: Twist2) -> None:
         """Look whether `sender` has fallen silent when its command expires."""
-        if self._expiry is not None:
-            self._expiry.cancel()
-            self._expiry = None
+        self._expected = None
         if isfinite(self._timeout) and not twist.is_zero:
-            self._expiry = self._loop.call_later(self._timeout, self._expired, sender)
+            self._expected = self._loop.time() + self._timeout, sender
+            if self._expiry is None:
+                self._look_for_more()
+
+    def _look_for_more(self) -> None:
+        """Wait for the end of the last command, however many come until then."""
+        self._expiry = None
+        if self._expected is not None:
+            end, sender = self._expected
+            if self._loop.time() < end:
+                self._expiry = self._loop.call_at(end, self._look_for_more)
+            else:
+                self._expired(sender)
 
     def _expired(self, sender: str) -> None:
         """Log the reason of a stop, once for each sender; another stop has its own reason."""
-        self._source = None
+        self._source = self._expected = None
         stopped = self._hold.ignored(self._last_stop) is not None
         if stopped or self._robot.snapshot is None or sender in self._expired_of:
             return
