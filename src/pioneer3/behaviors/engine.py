@@ -184,7 +184,10 @@ class Decision:
         return next((part.reason for part in lacks), None)
 
     def _first(self, *channels: str) -> str | None:
-        return next((part.action for part in self.contributions if part.channel in channels), None)
+        for part in self.contributions:  # called too often for a generator
+            if part.channel in channels:
+                return part.action
+        return None
 
 
 def resolve(stacks: Iterable[Stack], situation: Situation) -> Decision:

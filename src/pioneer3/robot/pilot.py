@@ -125,7 +125,8 @@ class Pilot:
         self.sent: Twist2 | None = None
         self._request = NOTHING_DUE
         self._snapshot: Snapshot | None = None
-        self._command = VelocityCommand(STILL, -inf, after=0)
+        self._command = VelocityCommand(STILL, after=0)
+        self._until = -inf
         self._checked_at = -inf
         self._sent_at = self._stopped_at = self._interval_until = -inf
         self._recovering_from: Stop | None = None
@@ -168,6 +169,9 @@ class Pilot:
             return self.last_stop.told if self.blocked else NO_ROBOT
         if self.last_stop.outdates(command.after):
             return self.last_stop.told
+        if command is self._command and now < self._until and not self.enable_failed:
+            self._until = min(now + self.limits.expiry, command.until)  # it only goes on
+            return None
         twist, stalled = command.twist, self.last_stop.stalled
         self.blocked, self._left_to_raw_commands = None, False
         if (
@@ -178,13 +182,7 @@ class Pilot:
             self._recovering_from, self._recovery_until = self.last_stop, now + STALL_RECOVERY
         if self.enable_failed and self.asked(now).is_zero:
             self._motors_wanted = None  # a fresh command tries the motors again
-        self._command = VelocityCommand(
-            twist,
-            min(now + self.limits.expiry, command.until),
-            after=command.after,
-            answers_stall=command.answers_stall,
-            accelerations=command.accelerations,
-        )
+        self._command, self._until = command, min(now + self.limits.expiry, command.until)
         if not twist.is_zero and self.auto_enable and not self._motors_wanted:
             self._want_motors(on=True, now=now)
         self._update_velocity(now)
@@ -285,7 +283,7 @@ class Pilot:
 
     def asked(self, now: float) -> Twist2:
         """Return the twist of the velocity command at `now` [s], before limits."""
-        return self._command.twist if now < self._command.until else STILL
+        return self._command.twist if now < self._until else STILL
 
     @property
     def stands(self) -> bool:
@@ -325,7 +323,8 @@ class Pilot:
         self._forget_command()
 
     def _forget_command(self) -> None:
-        self._command = VelocityCommand(STILL, -inf, after=self.last_stop.number)
+        self._command = VelocityCommand(STILL, after=self.last_stop.number)
+        self._until = -inf
 
     def _count_stop(self, why: str, stalled: Twist2 | None = None) -> None:
         self.last_stop = Stop(self.last_stop.number + 1, why, stalled)
@@ -386,7 +385,7 @@ class Pilot:
         again = self._sent_at + REPEAT + SHARED if twist == self.sent else change_at
         power_at = inf if self._motors_wanted else self._motors_wanted_at + BRAKING
         rests = now + (REPORT_TIMEOUT if twist.is_zero and self._at_rest else REPEAT + SHARED)
-        due_at = (again, self._command.until, power_at, rests)
+        due_at = (again, self._until, power_at, rests)
         self.deadline = min([due for due in due_at if due > now])
 
     def _check_bumpers(self, twist: Twist2, now: float) -> None:

@@ -154,6 +154,7 @@ class Arbiter:
         self._apart: Stack | None = None
         self._last_checks: list[Stack] = []
         self._alone: tuple[object, Decision] = None, self.decision
+        self._commanded = self.decision, self.last_stop, VelocityCommand(STILL, after=0)
         self._loop = asyncio.get_running_loop()
         self._clock = self._loop.time
         supervisor.snapshot_taken = self._take
@@ -167,10 +168,12 @@ class Arbiter:
 
     def situation(self) -> Situation | None:
         """Return the situation that actions decide in, or `None` without a robot."""
+        return self._situation(self._clock())
+
+    def _situation(self, now: float) -> Situation | None:
         snapshot, info = self._supervisor.snapshot, self._supervisor.info
         if snapshot is None or info is None or self._memory is None:
             return None
-        now = self._clock()
         return Situation(
             now=now,
             snapshot=snapshot,
@@ -209,10 +212,8 @@ class Arbiter:
             why = self._supervisor.why_not_moving()
             return why and Refusal(why.text)
         self._end_motions()
-        stacks = self._stacks(now)
-        situation = self.situation() if stacks else None
         try:
-            self.decision = decision = self._resolved(stacks, situation)
+            self.decision = decision = self._resolved(self._stacks(now), now)
         except ActionError as error:
             return self._fail(error)
         mode = self.mode.name if self.mode else ""
@@ -232,6 +233,17 @@ class Arbiter:
         """Drive by a decision made after the stop `last`; stand if it lets go of one that drove."""
         if decision.wanted:
             self._stop_before_decision = last
+            return self._supervisor.drive(self._command(decision, limits, last))
+        stopped = last != self._stop_before_decision
+        self._stop_before_decision = last
+        if drove and not stopped:
+            return self._stand()  # somebody let go; the pilot itself ends what expires
+        return None
+
+    def _command(self, decision: Decision, limits: Limits, last: Stop) -> VelocityCommand:
+        """Return the command of a decision, the same one for the same decision."""
+        decided, after, command = self._commanded
+        if decided is not decision or after is not last:
             command = VelocityCommand(
                 decision.twist,
                 decision.until,
@@ -239,34 +251,34 @@ class Arbiter:
                 answers_stall=decision.answers_stall,
                 accelerations=_accelerations(decision, limits),
             )
-            return self._supervisor.drive(command)
-        stopped = last != self._stop_before_decision
-        self._stop_before_decision = last
-        if drove and not stopped:
-            return self._stand()  # somebody let go; the pilot itself ends what expires
-        return None
+            self._commanded = decision, last, command
+        return command
 
-    def _resolved(self, stacks: list[Stack], situation: Situation | None) -> Decision:
+    def _resolved(self, stacks: list[Stack], now: float) -> Decision:
         """Return the decision; that of a hold alone is the last one while it wants the same."""
-        if situation is None:
+        if not stacks:
             return Decision()
         alone = stacks[0].actions[0].action if len(stacks) == len(stacks[0].actions) == 1 else None
-        desire = alone.decide(situation) if isinstance(alone, Hold) else None
-        if alone is None or desire is None:
-            return resolve(stacks, situation)
-        (wanted, decision), wants = self._alone, (alone.name, desire.v, desire.w)
+        if not (isinstance(alone, Hold) and alone.holds(now, self.last_stop)):
+            return self._resolved_anew(stacks, now)
+        (wanted, decision), wants = self._alone, (alone.name, alone.twist)
         if wants != wanted:
-            decision = resolve(stacks, situation)
-        elif desire.until != decision.until:
+            decision = self._resolved_anew(stacks, now)
+        elif alone.until != decision.until:
             decision = Decision(  # `replace` takes longer than the rest of this
                 decision.twist,
-                desire.until,
+                alone.until,
                 decision.contributions,
                 decision.limits,
                 decision.answers_stall,
             )
         self._alone = wants, decision
         return decision
+
+    def _resolved_anew(self, stacks: list[Stack], now: float) -> Decision:
+        situation = self._situation(now)
+        assert situation is not None
+        return resolve(stacks, situation)
 
     def _stacks(self, now: float) -> list[Stack]:
         """Return all stacks that decide; modes see no better than the sensors that work."""
@@ -491,11 +503,14 @@ def _has(stack: Stack, action: Action) -> bool:
     return any(ranked.action is action for ranked in stack.actions)
 
 
-def _accelerations(decision: Decision, limits: Limits) -> Accelerations:
-    """Return the accelerations to drive with: never faster up, never softer down than wanted."""
+def _accelerations(decision: Decision, limits: Limits) -> Accelerations | None:
+    """Return the accelerations to drive with: never faster up, never softer down than wanted.
+
+    `None` are those of the robot.
+    """
     wanted = decision.limits
     if not wanted:
-        return limits.accelerations
+        return None
     return Accelerations(
         min(wanted.get("acceleration", limits.acceleration), limits.acceleration),
         max(wanted.get("deceleration", 0.0), limits.deceleration),

@@ -1,7 +1,9 @@
 """Which motion is due, and when: velocity commands, snapshots and the time in, commands out."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from math import inf
+from random import Random
 
 import pytest
 
@@ -650,3 +652,66 @@ def test_the_pilot_wants_to_be_asked_again_in_time() -> None:
     assert pilot.deadline == 10.5 + REPORT_TIMEOUT  # it stands, and is to stand
     ask(pilot, AHEAD, 10.6, until=10.7)
     assert pilot.deadline == 10.7
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_a_command_that_is_given_again_after_each_report_is_obeyed_like_a_fresh_one(
+    seed: int,
+) -> None:
+    random, now = Random(seed), 0.0
+    several = flying(), flying()
+    command = VelocityCommand(STILL, after=several[0].last_stop.number)
+    for number in range(400):
+        pause = random.choice((0.0, 0.02, 0.1, 0.1, 0.1, 0.3, 0.6))
+        while (due := min(pilot.deadline for pilot in several)) <= now + pause:
+            now, pause = due, now + pause - due
+            for pilot in several:
+                pilot.tick(now)
+            same(several, now)
+        now += pause
+        what = random.random()
+        if what < 0.2:
+            twist = random.choice((AHEAD, STILL, Twist2(0.0, 1.0), Twist2(-0.3, 0.2)))
+            after = several[0].last_stop.number
+            command = VelocityCommand(twist, now + random.choice((0.05, 0.6, inf)), after=after)
+        elif what < 0.3:
+            trouble = random.choice(TROUBLE)
+            for pilot in several:
+                trouble(pilot, now)
+        usual = STANDING if number // 50 % 2 else READY  # motors that do not come on at times
+        snapshot = random.choice((*[usual] * 20, seen(v=0.3, enabled=True), *SEEN_ONCE))
+        for pilot, given in zip(several, (command, replace(command)), strict=True):
+            pilot.observe(snapshot, now)
+            pilot.drive(given, now)
+        same(several, now)
+
+
+def begin_again(pilot: Pilot, now: float) -> None:
+    pilot.session_lost("a cable", now)
+    pilot.session_opened(LIMITS, now)
+
+
+SEEN_ONCE = (
+    seen(enabled=True, stalled=True),
+    seen(enabled=True, stop_button=True),
+    seen(enabled=True, bumpers=Bumpers(front=(True,))),
+)
+TROUBLE: tuple[Callable[[Pilot, float], object], ...] = (
+    lambda pilot, now: pilot.stop(now),
+    lambda pilot, now: pilot.emergency_stop(now),
+    lambda pilot, now: pilot.reset_emergency_stop(),
+    lambda pilot, now: pilot.set_motors(on=False, now=now),
+    lambda pilot, now: pilot.set_motors(on=True, now=now),
+    lambda pilot, now: pilot.leave_to_raw_commands(now),
+    begin_again,
+)
+
+
+def same(several: tuple[Pilot, Pilot], now: float) -> None:
+    """Check that two pilots have the same to send, and obey the same."""
+    one, other = several
+    assert frames(one) == frames(other)
+    assert (one.asked(now), one.blocked, one.last_stop) == (
+        *(other.asked(now), other.blocked, other.last_stop),
+    )
+    assert (one.sent, one.stands, one.switches_on) == (other.sent, other.stands, other.switches_on)

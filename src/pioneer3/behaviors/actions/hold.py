@@ -26,7 +26,7 @@ class Hold(Action):
 
     name: str
     streams: bool = False
-    _twist: Twist2 = field(default=STILL, init=False)
+    twist: Twist2 = field(default=STILL, init=False)
     until: float = field(default=NEVER, init=False)
     _set_at: float = field(default=NEVER, init=False)
     _renewed: bool = field(default=False, init=False)
@@ -41,28 +41,28 @@ class Hold(Action):
             self._renewed = True
             if now >= self.until:
                 self.freshness.silent = f"{self.name} fell silent while it drove"
-            if leads_away(twist, self._twist):
+            if leads_away(twist, self.twist):
                 self.freshness.answer(last)
-        self._twist, self._set_at, self.until = twist, now, now + seconds
+        self.twist, self._set_at, self.until = twist, now, now + seconds
         self._desire = None
 
     def release(self) -> None:
         """Want nothing."""
-        self._twist, self.until = STILL, NEVER
+        self.twist, self.until = STILL, NEVER
 
     def overrule(self, why: str, now: float) -> None:
         """Want nothing until what is held at `now`, if anything, has been let go of."""
-        if now < self.until and not self._twist.is_zero:
+        if now < self.until and not self.twist.is_zero:
             self.freshness.overruled = why
 
     def ignored(self, last: Stop) -> Refusal | None:
         """Return the refusal of this after the stop `last`, or `None`."""
-        return None if self._twist.is_zero else self.freshness.ignored(last)
+        return None if self.twist.is_zero else self.freshness.ignored(last)
 
     def fell_silent(self, now: float) -> bool:
         """Return whether this is a stream that has just stopped coming without letting go."""
         is_late = now >= self.until and not self.freshness.silent
-        return self.streams and self._renewed and is_late and not self._twist.is_zero
+        return self.streams and self._renewed and is_late and not self.twist.is_zero
 
     def holds(self, now: float, last: Stop) -> bool:
         """Return whether this wants something at `now`."""
@@ -73,12 +73,12 @@ class Hold(Action):
         if not self.holds(situation.now, situation.last_stop):
             return None
         if self._desire is None:
-            self._desire = Desire(v=self._twist.v, w=self._twist.w, until=self.until, reason="held")
+            self._desire = Desire(v=self.twist.v, w=self.twist.w, until=self.until, reason="held")
         return self._desire
 
     def _begins(self, twist: Twist2, now: float) -> bool:
         """Return whether the command before was let go of."""
-        if twist.is_zero or self._twist.is_zero:
+        if twist.is_zero or self.twist.is_zero:
             return True
         if self.streams and self._renewed:
             return False
