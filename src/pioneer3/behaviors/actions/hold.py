@@ -15,7 +15,7 @@ LETTING_GO: Final = 0.6
 
 @dataclass(slots=True)
 class Hold(Action):
-    """Wants the last twist set, for as long as that lasts.
+    """Wants the last `twist` set, for as long as that lasts.
 
     A command begins when the one before was let go of: released, set to zero, or not renewed in
     time. A stream says when it lets go; one that falls silent instead has failed.
