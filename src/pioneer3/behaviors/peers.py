@@ -2,9 +2,9 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from math import cos, hypot, sin
+from math import hypot
 
-from pioneer3.geometry import STILL, Pose2, Twist2
+from pioneer3.geometry import STILL, Pose2, Twist2, arc
 
 LOST = 1.0
 """Where a robot is that has said nothing for so long is not known any more [s]."""
@@ -34,14 +34,7 @@ class Peer:
     def at(self, now: float) -> Pose2:
         """Return where it is expected at `now`, if it goes on as it did; for `LOST` at most."""
         passed = min(max(now - self.stamp, 0.0), LOST)
-        turned = self.twist.w * passed
-        middle = self.pose.theta + turned / 2
-        way = self.twist.v * passed
-        return Pose2(
-            self.pose.x + way * cos(middle),
-            self.pose.y + way * sin(middle),
-            self.pose.theta + turned,
-        )
+        return self.pose @ arc(self.twist.v, self.twist.w, passed)
 
     def is_lost(self, now: float) -> bool:
         """Return whether it has been silent for too long."""

@@ -2,9 +2,8 @@
 
 from bisect import bisect_right
 from collections import deque
-from math import cos, sin
 
-from pioneer3.geometry import ORIGIN, Pose2, Twist2, wrap
+from pioneer3.geometry import ORIGIN, STILL, Pose2, arc, wrap
 from pioneer3.state import Snapshot
 
 KEPT = 5.0
@@ -19,7 +18,7 @@ class Poses:
     def __init__(self) -> None:
         self._stamps: deque[float] = deque()
         self._poses: deque[Pose2] = deque()
-        self._twist = Twist2()
+        self._twist = STILL
 
     def add(self, snapshot: Snapshot) -> None:
         """Take the pose of the newest snapshot."""
@@ -43,7 +42,8 @@ class Poses:
             return ORIGIN
         after = bisect_right(self._stamps, time)
         if after == len(self._stamps):
-            return _moved(self._poses[-1], self._twist, min(time - self._stamps[-1], AHEAD))
+            seconds = min(time - self._stamps[-1], AHEAD)
+            return self._poses[-1] @ arc(self._twist.v, self._twist.w, seconds)
         if after == 0:
             return self._poses[0]
         begin, end = self._poses[after - 1], self._poses[after]
@@ -54,12 +54,3 @@ class Poses:
             begin.y + share * (end.y - begin.y),
             wrap(begin.theta + share * wrap(end.theta - begin.theta)),
         )
-
-
-def _moved(pose: Pose2, twist: Twist2, seconds: float) -> Pose2:
-    """Return `pose` after `seconds` at `twist`, along the chord of the arc."""
-    if twist.is_zero:
-        return pose
-    way, turn = twist.v * seconds, twist.w * seconds
-    along = pose.theta + turn / 2
-    return Pose2(pose.x + way * cos(along), pose.y + way * sin(along), wrap(pose.theta + turn))

@@ -1,7 +1,7 @@
 """Robots in a group."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import astuple, dataclass, field
 from itertools import combinations, pairwise
 from math import cos, hypot, pi, sin
 
@@ -253,6 +253,14 @@ def test_a_robot_that_is_silent_may_be_nearer_than_it_was() -> None:
     assert silent is not None
     assert silent.v_max == 0.0
     assert silent.back_max == LIMITS.max_speed
+
+
+def test_a_robot_that_turns_is_expected_on_its_circle_and_no_longer_than_it_is_known() -> None:
+    peer = Peer(name="bob", pose=Pose2(0.0, 0.0, pi / 2), twist=Twist2(0.5, 1.0), stamp=0.0)
+    for now in (0.3, 1.0, 5.0):
+        turned = min(now, LOST)
+        there = Pose2(0.5 * cos(turned) - 0.5, 0.5 * sin(turned), pi / 2 + turned)
+        assert astuple(peer.at(now)) == pytest.approx(astuple(there))
 
 
 def test_robots_in_a_row_drive_straight_on_side_by_side_and_turn_slowly() -> None:

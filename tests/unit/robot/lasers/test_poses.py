@@ -57,9 +57,10 @@ def test_headings_take_the_short_way_over_the_half_turn() -> None:
 def test_reports_of_a_robot_on_an_arc_give_that_arc() -> None:
     reports = [snapshot(n / 10, arc(0.4, 1.0, n / 10), Twist2(0.4, 1.0)) for n in range(11)]
     poses = seen(*reports)
-    for time in (0.05, 0.333, 0.97, 1.0, 1.1, 1.25):
+    for time in (0.05, 0.333, 0.97, 1.0):
         assert near(poses.at(time), arc(0.4, 1.0, time), within=2e-3)
-    assert poses.at(1.25).theta == pytest.approx(1.25)
+    for time in (1.1, 1.25):
+        assert near(poses.at(time), arc(0.4, 1.0, time))
 
 
 def test_after_the_last_report_it_goes_on_only_for_a_while() -> None:
