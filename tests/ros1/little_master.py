@@ -26,6 +26,7 @@ class LittleMaster:
         services: Addresses by name.
         nodes: Addresses by name.
         parameters: Values by full name, without folders.
+        turn: Held by who is answered; a test that holds it has the master hang.
     """
 
     uri: str
@@ -34,6 +35,7 @@ class LittleMaster:
     services: dict[str, str] = field(default_factory=dict)
     nodes: dict[str, str] = field(default_factory=dict)
     parameters: dict[str, Any] = field(default_factory=dict)
+    turn: threading.RLock = field(default_factory=threading.RLock)
 
     @property
     def at(self) -> Addresses:
@@ -103,7 +105,6 @@ class _Server(ThreadingMixIn, SimpleXMLRPCServer):
 
     def __init__(self, port: int) -> None:
         self._open: set[Any] = set()
-        self._one_at_a_time = threading.RLock()
         super().__init__((LOCAL, port), logRequests=False, allow_none=True)
 
     def process_request(self, request: Any, client_address: Any) -> None:
@@ -115,7 +116,8 @@ class _Server(ThreadingMixIn, SimpleXMLRPCServer):
         super().shutdown_request(request)
 
     def _dispatch(self, method: str, params: Any) -> Any:
-        with self._one_at_a_time:
+        assert isinstance(self.instance, LittleMaster)
+        with self.instance.turn:
             return super()._dispatch(method, params)
 
     def server_close(self) -> None:

@@ -192,11 +192,28 @@ async def test_a_new_master_learns_of_all_and_connections_last(
         with little_master(port) as second:
             await until(lambda: "/one" in second.publishers.get("/chatter", {}))
             await until(lambda: "/other" in second.subscribers.get("/chatter", {}))
-            await until(lambda: any("is back" in each for each in told))
+            await until(lambda: any("master is back" in each for each in told))
             publisher.write(text("with another"))
             await until(lambda: len(listener.heard) == 2)
             assert listener.left == []
             await stack.aclose()
+
+
+async def test_a_master_that_hangs_is_away_until_it_answers(
+    monkeypatch: pytest.MonkeyPatch, master: LittleMaster
+) -> None:
+    monkeypatch.setattr("pioneer3.ros.tcpros.node.LOOK", 0.1)
+    monkeypatch.setattr("pioneer3.ros.tcpros.node.AGAIN", 0.1)
+    monkeypatch.setattr("pioneer3.ros.tcpros.master.PATIENCE", 0.3)
+    told = list[str]()
+    async with ros1_node("/one", master.at, told.append, graph=False) as one:
+        one.advertise("/chatter", STRING)
+        await until(lambda: "/chatter" in master.publishers)
+        with master.turn:
+            await until(lambda: any("no answer within 0.3 s" in each for each in told))
+            monkeypatch.setattr("pioneer3.ros.tcpros.node.LOOK", 3600.0)
+            await asyncio.sleep(1.0)  # for a look that finds it hanging still
+        await until(lambda: any("master is back" in each for each in told))
 
 
 async def test_the_end_of_a_node_leaves_nothing_with_the_master(master: LittleMaster) -> None:

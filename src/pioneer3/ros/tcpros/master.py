@@ -79,6 +79,8 @@ class Api:
             async with asyncio.timeout(PATIENCE):
                 content = await self._post(request)
             (answer,), _ = loads(content)
+        except TimeoutError:
+            raise TimeoutError(f"no answer within {PATIENCE:g} s") from None
         except MALFORMED as error:
             raise OddAnswerError(f"{self.uri} is no node of ROS: {error}") from error
         return value_of(method, answer)

@@ -29,7 +29,7 @@ GRAPH_LOOK: Final = 1.0
 SURVEY: Final = 9.0
 """Pause between two looks at our parameters [s]."""
 AGAIN: Final = 3.0
-"""Pause between two attempts to be connected to the master [s]."""
+"""Pause between two attempts to be connected to the master, and two looks while it is away [s]."""
 SERVED: Final = 3.0
 """A service that does not respond within this time [s] hangs."""
 CONNECTIONS: Final = 512
@@ -204,8 +204,9 @@ class Ros1Node:
                 self._news.clear()
                 if await self._look() and not self._news.is_set():
                     self._settled.set()
+                pause = AGAIN if self._away else LOOK
                 with suppress(TimeoutError):
-                    async with asyncio.timeout(GRAPH_LOOK if self._keeps_graph else LOOK):
+                    async with asyncio.timeout(GRAPH_LOOK if self._keeps_graph else pause):
                         await self._news.wait()
 
     async def open(self) -> None:
