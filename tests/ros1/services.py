@@ -1,4 +1,4 @@
-"""Prints the type of every service of a node on the master as JSON, in one go.
+"""Prints the type of every service on the master, but for loggers, as JSON, in one go.
 
 Usage: /usr/bin/python3 services.py
 """
@@ -10,6 +10,7 @@ import sys
 
 import rosservice
 
-# those of a tool that has just ended do not answer
-names = [name for name in rosservice.get_service_list() if not name.startswith("/ros")]
+# all nodes have these, and those of a program that has been killed do not answer
+LOGGERS = ("/get_loggers", "/set_logger_level")
+names = [name for name in rosservice.get_service_list() if not name.endswith(LOGGERS)]
 sys.stdout.write(json.dumps({name: rosservice.get_service_type(name) for name in names}))
