@@ -30,7 +30,6 @@ class Hold(Action):
     until: float = field(default=NEVER, init=False)
     _set_at: float = field(default=NEVER, init=False)
     _renewed: bool = field(default=False, init=False)
-    _desire: Desire | None = field(default=None, init=False)
     freshness: Freshness = field(default_factory=Freshness, init=False)
 
     def set(self, twist: Twist2, now: float, seconds: float, last: Stop) -> None:
@@ -44,7 +43,6 @@ class Hold(Action):
             if leads_away(twist, self.twist):
                 self.freshness.answer(last)
         self.twist, self._set_at, self.until = twist, now, now + seconds
-        self._desire = None
 
     def release(self) -> None:
         """Want nothing."""
@@ -72,9 +70,7 @@ class Hold(Action):
         """Return the twist while it lasts."""
         if not self.holds(situation.now, situation.last_stop):
             return None
-        if self._desire is None:
-            self._desire = Desire(v=self.twist.v, w=self.twist.w, until=self.until, reason="held")
-        return self._desire
+        return Desire(v=self.twist.v, w=self.twist.w, until=self.until, reason="held")
 
     def _begins(self, twist: Twist2, now: float) -> bool:
         """Return whether the command before was let go of."""
