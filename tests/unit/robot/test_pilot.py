@@ -711,7 +711,6 @@ def same(several: tuple[Pilot, Pilot], now: float) -> None:
     """Check that two pilots have the same to send, and obey the same."""
     one, other = several
     assert frames(one) == frames(other)
-    assert (one.asked(now), one.blocked, one.last_stop) == (
-        *(other.asked(now), other.blocked, other.last_stop),
-    )
+    assert one.asked(now) == other.asked(now)
+    assert (one.blocked, one.last_stop) == (other.blocked, other.last_stop)
     assert (one.sent, one.stands, one.switches_on) == (other.sent, other.stands, other.switches_on)

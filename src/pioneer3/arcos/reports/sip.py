@@ -221,7 +221,7 @@ _FLAGS: Final = {
     name: lru_cache(kind)
     for name, kind in (("flags", SipFlag), ("faults", Fault), ("flags3", SipFlag3))
 }
-"""Makes flags, those of each value once: that takes a tenth of a report."""
+"""Makers of the flags in a field. Each value is made once: that takes a tenth of a report."""
 
 
 @lru_cache
